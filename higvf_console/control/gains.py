@@ -1,0 +1,105 @@
+"""Every tunable of the controller, grouped by the part that uses it: unit, range, symbol, sentence, default.
+
+One definition serves the kernels (which take these NamedTuples as they are), the YAML checks, the sliders and the
+documentation; see `quantity`.
+"""
+
+from typing import Annotated as A
+from typing import NamedTuple
+
+from higvf_console.quantity import Quantity as Q
+
+INFINITE = float("inf")
+
+
+class PathGains(NamedTuple):
+    """Guiding vector field of the desired path, [2]."""
+
+    capture_distance: A[float, Q("m", 1.0, 500.0, "1/k", "Distance at which the field turns 45 degrees to the path.")] = 40.0
+    end_radius: A[float, Q("m", 1.0, 500.0, "", "An open path is finished this close to its end.")] = 40.0
+    patience: A[float, Q("s", 0.1, 60.0, "", "No progress for this long ends the human intention.")] = 2.0
+    stroke_smoothing: A[float, Q("m", 0.0, 100.0, "", "Standard deviation by which a path may leave its stroke.")] = 4.0
+
+
+class RingGains(NamedTuple):
+    """Reactive and repulsive boundaries and bump functions, [3]-[6], [29]-[31]."""
+
+    reactive_margin: A[float, Q("m", 1.0, 500.0, "R", "Surface to reactive boundary: robots react inside.")] = 25.0
+    repulsive_margin: A[float, Q("m", 0.0, 499.0, "Q", "Surface to repulsive boundary: only circulation inside.")] = 14.0
+    bump_in: A[float, Q("", 0.001, 10.0, "l_1", "Rate of the bump near the repulsive boundary.")] = 0.1
+    bump_out: A[float, Q("", 0.001, 10.0, "l_2", "Rate of the bump near the reactive boundary.")] = 0.1
+
+
+class PerceptionGains(NamedTuple):
+    """Observed fire value and target choice, [10]-[13]."""
+
+    perception_range: A[float, Q("m", 0.0, INFINITE, "", "Fires farther away are not seen.")] = INFINITE
+    target_band: A[float, Q("m", 0.1, 500.0, "", "Distance from the hold ring over which robot intention fades.")] = 50.0
+    target_margin: A[float, Q("", 1.0, 10.0, "", "Factor by which another fire must look larger to win.")] = 1.05
+
+
+class FormationGains(NamedTuple):
+    """Formation control, [12], [14]."""
+
+    communication_range: A[float, Q("m", 0.0, INFINITE, "R_c", "Robots this close exchange intentions.")] = INFINITE
+    formation_rate: A[float, Q("1/s", 0.0, 50.0, "k_form", "Stiffness of the formation.")] = 0.5
+    formation_speed: A[float, Q("m/s", 0.0, 1000.0, "", "Largest formation velocity.")] = 30.0
+
+
+class IntentionGains(NamedTuple):
+    """Shared intention, [15], [16]."""
+
+    decay: A[float, Q("1/s", 0.0, 1000.0, "omega_0", "Weight of forgetting.")] = 2.5
+    robot_weight: A[float, Q("1/s", 0.0, 1000.0, "omega_1", "Weight of the robot's own intention.")] = 5.0
+    neighbour_weight: A[float, Q("1/s", 0.0, 1000.0, "omega_2", "Weight of each neighbour's intention.")] = 5.0
+    human_weight: A[float, Q("1/s", 0.0, 1000.0, "omega_3", "Weight of the human intention.")] = 40.0
+    dead_zone: A[float, Q("", 0.0, 10.0, "epsilon", "Neighbours that differ less have no influence.")] = 0.0
+
+
+class BlendingGains(NamedTuple):
+    """Speed and policy blending, [17]-[19]."""
+
+    cruise_speed: A[float, Q("m/s", 0.1, 400.0, "C", "Desired speed of the team.")] = 60.0
+    intention_gain: A[float, Q("", 0.001, 1000.0, "k_s", "Weight of the shared intention in the blend.")] = 1.0
+    formation_gain: A[float, Q("s/m", 0.0, 1000.0, "k_f", "Weight of the formation in the blend.")] = 0.02
+    intention_floor: A[float, Q("", 0.0001, 1.0, "delta", "Below this shared intention the robot slows down.")] = 0.05
+
+
+class SafetyGains(NamedTuple):
+    """Safety barrier certificates, [20]-[28]."""
+
+    robot_clearance: A[float, Q("m", 0.1, 1000.0, "R_r", "Least distance between robot centres.")] = 25.0
+    obstacle_clearance: A[float, Q("m", 0.1, 1000.0, "R_o", "Least distance from robot centre to a surface.")] = 12.0
+    pair_rate: A[float, Q("1/s", 0.01, 1000.0, "alpha", "Rate at which robots may close in on each other.")] = 20.0
+    obstacle_rate: A[float, Q("1/s", 0.01, 1000.0, "beta", "Rate at which a robot may close in on an obstacle.")] = 20.0
+    speed_limit: A[float, Q("m/s", 0.1, 600.0, "v_max", "No robot is ever faster.")] = 90.0
+    control_period: A[float, Q("s", 0.001, 0.1, "dt", "Time between two control steps.")] = 0.02
+
+
+class FireGains(NamedTuple):
+    """The firefighting world of Table I."""
+
+    stand_off: A[float, Q("m", 0.1, 500.0, "", "A robot extinguishes a fire this close to its edge.")] = 25.0
+    extinguish_time: A[float, Q("s/m", 0.0, 10.0, "kappa", "Seconds of work per metre of fire radius.")] = 0.05
+    start_delay: A[float, Q("s", 0.0, 600.0, "", "Robots set out this long after the fires start.")] = 0.0
+
+
+class StallGains(NamedTuple):
+    """The deadlock detector."""
+
+    stall_fraction: A[float, Q("", 0.001, 0.5, "", "Slower than this share of the cruise speed is a stall.")] = 0.05
+    stall_time: A[float, Q("s", 0.1, 60.0, "", "A stall this long is a deadlock.")] = 1.0
+
+
+class Gains(NamedTuple):
+    """All tunables."""
+
+    path: PathGains = PathGains()
+    rings: RingGains = RingGains()
+    perception: PerceptionGains = PerceptionGains()
+    formation: FormationGains = FormationGains()
+    intention: IntentionGains = IntentionGains()
+    blending: BlendingGains = BlendingGains()
+    safety: SafetyGains = SafetyGains()
+    fires: FireGains = FireGains()
+    stall: StallGains = StallGains()

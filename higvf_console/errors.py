@@ -1,0 +1,29 @@
+"""One family of errors: each names the value, the place and the choices."""
+
+
+class HigvfError(Exception):
+    """Base of every error that the console raises on purpose."""
+
+
+class ScenarioError(HigvfError):
+    """A scenario file, or a value in it, cannot be used."""
+
+
+class ScriptError(HigvfError):
+    """A script of operator actions cannot be used."""
+
+
+class InputError(HigvfError):
+    """A recording or a device cannot be used as operator input."""
+
+
+class PathError(HigvfError):
+    """A stroke does not make a path."""
+
+
+class FilterError(HigvfError):
+    """A safety filter was set up with a problem that it cannot represent."""
+
+
+class ConsoleError(HigvfError):
+    """The console cannot be served: busy port, unassignable address, wrong viser."""

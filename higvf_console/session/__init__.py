@@ -1,0 +1,1 @@
+"""A run: scenario, clock, inputs, recording."""

@@ -1,0 +1,1 @@
+"""The world that the controller acts in: operator commands, fires, dynamics, metrics."""

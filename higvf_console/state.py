@@ -1,0 +1,205 @@
+"""Everything that changes in a run, and the world that does not: NamedTuples of arrays, one row a robot.
+
+    SimState = motion   what physics advances each tick (the kernel reads and returns it)
+             + intent   what the operator asks of the team (the kernel reads it, commands write it)
+             + drawing  the cursor and the growing stroke (seen on screen, never felt by a robot)
+
+Positions are in the world frame, x right, y up, in metres; times in seconds; angles in radians. Indices count from 0,
+the numbers that people see from 1. Arrays are never written in place: a step returns new ones, so that any thread may
+keep a state for as long as it likes.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.arrays import Bools, Floats, Ints
+
+NOBODY = -1  # no robot, no fire
+
+
+class PathKind(IntEnum):
+    """Which implicit function describes the desired path."""
+
+    NONE = 0
+    LINE = 1
+    CIRCLE = 2
+    ELLIPSE = 3
+    SKETCH = 4
+
+
+class PathStatus(IntEnum):
+    """How far the influenced robot has come along the desired path."""
+
+    NONE = 0
+    FOLLOWING = 1
+    FINISHED = 2
+    BLOCKED = 3  # no progress for a while: flagged, then released
+
+
+class Path(NamedTuple):
+    """A desired path, ready for the kernel; made by `control.paths`.
+
+    Attributes:
+        kind: a `PathKind`.
+        shape: (6,) LINE x, y, cos, sin; CIRCLE x, y, R; ELLIPSE x, y, a, b, cos, sin; else zeros.
+        spline: (S, 8) SKETCH: cubic coefficients in arc length, x0..x3 then y0..y3, of equal segments; else (0, 8).
+        spacing: length of one segment [m].
+        length: arc length of the path [m]; inf for a line.
+        closed: whether the path returns to its start.
+        direction: gamma, +1 along increasing arc length, -1 against it.
+    """
+
+    kind: int
+    shape: Floats
+    spline: Floats
+    spacing: float
+    length: float
+    closed: bool
+    direction: float
+
+
+NO_PATH = Path(int(PathKind.NONE), np.zeros(6), np.zeros((0, 8)), 1.0, 0.0, False, 1.0)
+
+
+class Motion(NamedTuple):
+    """What physics advances: N robots, M fires, K = circles + bars + fires rings.
+
+    Attributes:
+        tick: control periods since the start.
+        position: (N, 2) [m].
+        velocity: (N, 2) velocity commanded by the safety filter in the last tick [m/s].
+        intention: (N, 2) shared intention v_s, [15].
+        target: (N,) fire index that the robot wants, or NOBODY.
+        target_value: (N,) largest observed fire value of the target since it was chosen [rad].
+        side: (N, K) circulation side round each ring as this robot's component agreed: 0 open, +-1 set by any robot,
+            +-2 set by the influenced robot.
+        stalled: (N,) how long the robot has been stalled against active rows [s].
+        fire_radius: (M,) [m]; an extinguished fire keeps its last radius.
+        fire_progress: (M,) time that enough robots have spent extinguishing it [s].
+        fire_burning: (M,).
+        path_parameter: arc length w of the influenced robot on the desired path [m].
+        path_status: a `PathStatus`.
+        path_idle: how long w has not advanced [s].
+    """
+
+    tick: int
+    position: Floats
+    velocity: Floats
+    intention: Floats
+    target: Ints
+    target_value: Floats
+    side: Ints
+    stalled: Floats
+    fire_radius: Floats
+    fire_progress: Floats
+    fire_burning: Bools
+    path_parameter: float
+    path_status: int
+    path_idle: float
+
+
+class Intent(NamedTuple):
+    """What the operator asks of the team.
+
+    Attributes:
+        path: the desired path; NO_PATH when there is none.
+        influenced: index of the robot that feels it.
+        paused: nominal velocities are zero, the filter still yields.
+        stopped: all velocities are zero, latched.
+    """
+
+    path: Path
+    influenced: int
+    paused: bool
+    stopped: bool
+
+
+class Drawing(NamedTuple):
+    """The operator's hand, seen on screen.
+
+    Attributes:
+        cursor: (2,) where gaze or pointer is [m]; NaN when unseen.
+        stroke: (n, 2) points of the growing stroke [m].
+        stroke_source: interface that draws it; empty when nobody does.
+        clutch: whether the operator holds the clutch that lets gaze draw.
+        ask_reset: whether a latched STOP has been asked to reset and waits for the second step.
+    """
+
+    cursor: Floats
+    stroke: Floats
+    stroke_source: str
+    clutch: bool
+    ask_reset: bool
+
+
+class SimState(NamedTuple):
+    """The whole state of a run."""
+
+    motion: Motion
+    intent: Intent
+    drawing: Drawing
+
+
+class World(NamedTuple):
+    """What does not change in a run: N robots, M fires, P circles, Q bars, W walls.
+
+    Attributes:
+        circles: (P, 3) x, y, radius [m].
+        bars: (Q, 5) ax, ay, bx, by, half width [m]; a bar is a capsule round its spine a-b.
+        walls: (W, 3) unit inward normal nx, ny and offset w [m]: inside means n.p >= w.
+        fire_position: (M, 2) [m].
+        fire_growth: (M,) [m/s].
+        fire_needs: (M,) robots that it takes to extinguish it.
+        formation: (N, 2) shape whose pairwise distances the team keeps [m].
+        link_start: (N + 1,) row i's links are link_to[link_start[i]:link_start[i + 1]]; (0,) when the communication
+            range decides.
+        link_to: (E,) neighbour index, each link twice.
+    """
+
+    circles: Floats
+    bars: Floats
+    walls: Floats
+    fire_position: Floats
+    fire_growth: Floats
+    fire_needs: Ints
+    formation: Floats
+    link_start: Ints
+    link_to: Ints
+
+
+class Trace(NamedTuple):
+    """Why the team moved as it did in one tick: every term, for the inspector and the metrics.
+
+    Attributes:
+        fire_value: (N, M) observed fire values theta [rad], [10].
+        robot_intention: (N, 2) v_t, [13].
+        human_intention: (N, 2) v_h, zero but for the influenced robot, [9].
+        formation: (N, 2) v_f [m/s], [14].
+        blending: (N,) lambda, [19].
+        blended: (N, 2) lambda v_s + (1 - lambda) v_f [m/s], [18].
+        nominal: (N, 2) after the composite step and the speed clip; what the filter was given [m/s].
+        active_rows: (N,) barrier rows that shaped the robot's velocity.
+        infeasible: (N,) no velocity met all rows: the least violation was taken.
+        deadlocked: (N,) the detector of stalls holds.
+        clearance: (N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k [m]; negative = violation.
+        links: (E, 2) communication links i < j.
+        component: (N,) connected component, named by its smallest robot index.
+        crew: (M,) robots that count towards extinguishing each fire.
+    """
+
+    fire_value: Floats
+    robot_intention: Floats
+    human_intention: Floats
+    formation: Floats
+    blending: Floats
+    blended: Floats
+    nominal: Floats
+    active_rows: Ints
+    infeasible: Bools
+    deadlocked: Bools
+    clearance: Floats
+    links: Ints
+    component: Ints
+    crew: Ints

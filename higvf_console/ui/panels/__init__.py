@@ -1,0 +1,1 @@
+"""One panel, one file, three verbs: build, update, clean up."""

@@ -1,0 +1,1 @@
+"""Adapters from devices and recordings to operator commands."""
