@@ -25,8 +25,7 @@ class PathKind(IntEnum):
     NONE = 0
     LINE = 1
     CIRCLE = 2
-    ELLIPSE = 3
-    SKETCH = 4
+    SPLINE = 3  # ellipses and sketches
 
 
 class PathStatus(IntEnum):
@@ -43,8 +42,8 @@ class Path(NamedTuple):
 
     Attributes:
         kind: a `PathKind`.
-        shape: (6,) LINE x, y, cos, sin; CIRCLE x, y, R; ELLIPSE x, y, a, b, cos, sin; else zeros.
-        spline: (S, 8) SKETCH: cubic coefficients in arc length, x0..x3 then y0..y3, of equal segments; else (0, 8).
+        shape: (4,) LINE x, y, cos, sin; CIRCLE x, y, R, 0; else zeros.
+        spline: (S, 8) SPLINE: cubic coefficients in arc length, x0..x3 then y0..y3, of equal segments; else (0, 8).
         spacing: length of one segment [m].
         length: arc length of the path [m]; inf for a line.
         closed: whether the path returns to its start.
@@ -60,7 +59,7 @@ class Path(NamedTuple):
     direction: float
 
 
-NO_PATH = Path(int(PathKind.NONE), np.zeros(6), np.zeros((0, 8)), 1.0, 0.0, False, 1.0)
+NO_PATH = Path(int(PathKind.NONE), np.zeros(4), np.zeros((0, 8)), 1.0, 0.0, False, 1.0)
 
 
 class Motion(NamedTuple):
@@ -81,7 +80,8 @@ class Motion(NamedTuple):
         fire_burning: (M,).
         path_parameter: arc length w of the influenced robot on the desired path [m].
         path_status: a `PathStatus`.
-        path_idle: how long w has not advanced [s].
+        path_idle: how long the influenced robot has made no progress along it [s].
+        path_gap: least travel that was ever left to the path's end [m].
     """
 
     tick: int
@@ -98,6 +98,7 @@ class Motion(NamedTuple):
     path_parameter: float
     path_status: int
     path_idle: float
+    path_gap: float
 
 
 class Intent(NamedTuple):

@@ -1,11 +1,15 @@
 """Every tunable of the controller, grouped by the part that uses it: unit, range, symbol, sentence, default.
 
-One definition serves the kernels (which take these NamedTuples as they are), the YAML checks, the sliders and the
-documentation; see `quantity`.
+One definition serves the kernels, the YAML checks, the sliders and the documentation; see `quantity`. A compiled step takes
+all of them as one record (`packed`): passing 45 numbers one by one would cost more than the step.
 """
 
+from functools import lru_cache
 from typing import Annotated as A
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from higvf_console.quantity import Quantity as Q
 
@@ -103,3 +107,13 @@ class Gains(NamedTuple):
     safety: SafetyGains = SafetyGains()
     fires: FireGains = FireGains()
     stall: StallGains = StallGains()
+
+
+PackedGains: TypeAlias = NDArray[Any]  # (1,) of one record; kernels read `packed[0].path.capture_distance`
+
+
+@lru_cache(maxsize=64)
+def packed(gains: Gains) -> PackedGains:
+    """All tunables as an array (1,) of one record with the same names; the same array for equal gains."""
+    fields = [(name, [(key, np.float64) for key in part._fields]) for name, part in gains._asdict().items()]
+    return np.array([tuple(tuple(part) for part in gains)], dtype=np.dtype(fields))

@@ -1,0 +1,25 @@
+"""Speed [17] and policy blending [18], [19]: the shared intention against the formation."""
+
+import math
+
+from higvf_console.control.gains import BlendingGains
+from higvf_console.control.kernel import kernel
+
+
+@kernel
+def blending_weight(a: float, b: float, gains: BlendingGains) -> float:
+    """Lambda, [19] made continuous at (0, 0): k_s a / (k_s a + k_f b + delta), a = |v_s|, b = |v_f|."""
+    pull = gains.intention_gain * a
+    return pull / (pull + gains.formation_gain * b + gains.intention_floor)
+
+
+@kernel
+def blended_velocity(sx: float, sy: float, fx: float, fy: float, gains: BlendingGains) -> tuple[float, float, float]:
+    """Velocity [18] and its lambda, of the shared intention (sx, sy) and the formation velocity (fx, fy) [m/s].
+
+    The shared intention's direction is driven at cruise speed, slower below the floor: C v / max(|v|, delta), [17].
+    """
+    a, b = math.hypot(sx, sy), math.hypot(fx, fy)
+    weight = blending_weight(a, b, gains)
+    drive = weight * gains.cruise_speed / max(a, gains.intention_floor)
+    return drive * sx + (1.0 - weight) * fx, drive * sy + (1.0 - weight) * fy, weight

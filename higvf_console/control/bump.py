@@ -1,0 +1,25 @@
+"""Smooth zero-in bump function S between the repulsive and the reactive boundary, [5], [6], [29]-[31]; Z = 1 - S."""
+
+import math
+
+from higvf_console.control.gains import RingGains
+from higvf_console.control.kernel import kernel
+
+
+@kernel
+def zero_in(distance: float, radius: float, rings: RingGains) -> float:
+    """S at `distance` [m] from the centre of an obstacle of `radius` [m]: 0 inside Q, 1 outside R, C-infinity between.
+
+    With varphi = distance^2 / rho_R^2 - 1 and c = rho_Q^2 / rho_R^2 - 1 both dimensionless, S falls over the whole
+    ring; in squared pixels, as printed, it jumps within 0.01 px.
+    """
+    reactive = radius + rings.reactive_margin
+    repulsive = radius + rings.repulsive_margin
+    varphi = (distance / reactive) ** 2 - 1.0
+    c = (repulsive / reactive) ** 2 - 1.0
+    if varphi >= 0.0:
+        return 1.0
+    if varphi <= c:
+        return 0.0
+    exponent = rings.bump_out / varphi - rings.bump_in / (c - varphi)
+    return 0.0 if exponent > 700.0 else 1.0 / (1.0 + math.exp(exponent))

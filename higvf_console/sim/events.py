@@ -1,0 +1,58 @@
+"""What happened between two states, in words: fires out, targets changed, paths finished, robots in trouble."""
+
+import numpy as np
+
+from higvf_console.control.gains import Gains
+from higvf_console.sim.setup import Event, Severity
+from higvf_console.state import NOBODY, PathStatus, SimState, Trace
+
+
+def events_between(
+    before: SimState, after: SimState, trace_before: Trace | None, trace: Trace, gains: Gains
+) -> tuple[Event, ...]:
+    """The events of one tick; empty, and found in a few comparisons, when nothing happened."""
+    was, now = before.motion, after.motion
+    time = now.tick * gains.safety.control_period
+    events: list[Event] = []
+    if was.fire_burning.sum() != now.fire_burning.sum():
+        for fire in np.flatnonzero(was.fire_burning & ~now.fire_burning):
+            area = np.pi * now.fire_radius[fire] ** 2
+            text = f"Fire {fire + 1} is out; it burnt {area:,.0f} m²."
+            events.append(Event(time, Severity.GOOD, "extinguished", text))
+    if was.path_status != now.path_status:
+        events.extend(_path_event(now.path_status, after.intent.influenced, time))
+    target = _common_target(now.target)
+    if target not in (NOBODY, _common_target(was.target)):
+        events.append(Event(time, Severity.INFO, "target", f"The team's target is fire {target + 1}."))
+    if trace.infeasible.any():
+        events.extend(_robots(trace.infeasible, trace_before.infeasible if trace_before else None, time, "infeasible"))
+    if trace.deadlocked.any():
+        events.extend(_robots(trace.deadlocked, trace_before.deadlocked if trace_before else None, time, "deadlock"))
+    return tuple(events)
+
+
+_TROUBLE = {
+    "infeasible": (Severity.ALARM, "has no safe velocity: it takes the least violation"),
+    "deadlock": (Severity.WARNING, "is held by its barriers: a new stroke can free it"),
+}
+
+
+def _robots(now: np.ndarray, was: np.ndarray | None, time: float, kind: str) -> list[Event]:
+    fresh = np.flatnonzero(now if was is None else now & ~was)
+    severity, sentence = _TROUBLE[kind]
+    return [Event(time, severity, kind, f"Robot {i + 1} {sentence}.") for i in fresh]
+
+
+def _path_event(status: int, influenced: int, time: float) -> list[Event]:
+    if status == PathStatus.FINISHED:
+        return [Event(time, Severity.GOOD, "path", f"Robot {influenced + 1} has finished its path.")]
+    if status == PathStatus.BLOCKED:
+        text = f"Robot {influenced + 1} made no progress on its path; the human intention is released."
+        return [Event(time, Severity.WARNING, "path", text)]
+    return []
+
+
+def _common_target(target: np.ndarray) -> int:
+    """The fire that the whole team wants, or NOBODY."""
+    first = int(target[0]) if len(target) else NOBODY
+    return first if (target == first).all() else NOBODY

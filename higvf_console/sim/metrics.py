@@ -1,0 +1,50 @@
+"""What a run is judged by: loss area, clearance, stalls."""
+
+import math
+
+import numpy as np
+
+from higvf_console.arrays import Floats, Ints
+from higvf_console.control.gains import Gains
+from higvf_console.control.kernel import kernel
+from higvf_console.control.neighbours import within
+from higvf_console.control.obstacles import NO_RING, ring_at, ring_table
+from higvf_console.state import Motion, World
+
+
+def loss_area(motion: Motion) -> Floats:
+    """(M,) area that each fire has burnt [m^2]: pi times its largest radius squared."""
+    return math.pi * motion.fire_radius**2
+
+
+@kernel
+def clearances(motion: Motion, world: World, gains: Gains) -> Floats:
+    """(N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k [m]; exact below R_r, inf when nothing is that near."""
+    safety = gains.safety
+    nearest = np.full(motion.position.shape[0], math.inf)
+    table = ring_table(motion, world)
+    start, to = within(motion.position, 2.0 * safety.robot_clearance)
+    for i in range(nearest.shape[0]):
+        x, y = motion.position[i, 0], motion.position[i, 1]
+        for entry in range(start[i], start[i + 1]):
+            dx, dy = motion.position[to[entry], 0] - x, motion.position[to[entry], 1] - y
+            nearest[i] = min(nearest[i], math.sqrt(dx * dx + dy * dy) - safety.robot_clearance)
+        for k in range(table.shape[0]):
+            distance, _, _, radius = ring_at(table, k, x, y)
+            gap = distance - radius - safety.obstacle_clearance
+            if radius > NO_RING and gap < safety.robot_clearance:
+                nearest[i] = min(nearest[i], gap)
+    return nearest
+
+
+@kernel
+def stalls(motion: Motion, velocity: Floats, nominal: Floats, active_rows: Ints, gains: Gains) -> Floats:
+    """(N,) how long each robot has stood still against active barrier rows although it wants to move [s]."""
+    slow = gains.stall.stall_fraction * gains.blending.cruise_speed
+    stalled = np.zeros(motion.stalled.shape[0])
+    for i in range(stalled.shape[0]):
+        wants = math.hypot(nominal[i, 0], nominal[i, 1]) > slow
+        stands = math.hypot(velocity[i, 0], velocity[i, 1]) < slow
+        if wants and stands and active_rows[i] > 0:
+            stalled[i] = motion.stalled[i] + gains.safety.control_period
+    return stalled

@@ -1,0 +1,163 @@
+"""What each operator command means: pure, from state to state, with the events that a person should read.
+
+A command that cannot be carried out changes nothing and says why. The clock commands (Freeze, Step, SetSpeed) belong
+to the session and pass through.
+"""
+
+import math
+from typing import assert_never
+
+import numpy as np
+
+from higvf_console.arrays import Floats, floats
+from higvf_console.commands import (
+    AskReset, ClearPath, Clutch, Cursor, Freeze, NextTask, OperatorCommand, Pause, Pick, ResetRun, ResetStop, Resume,
+    ReversePath, SetSpeed, Step, Stop, StrokeBegin, StrokeCancel, StrokeEnd, StrokePoints,
+)  # fmt: skip
+from higvf_console.control.paths import sketch_path, start_parameter
+from higvf_console.errors import PathError
+from higvf_console.sim.setup import Event, Setup, Severity
+from higvf_console.state import NO_PATH, Drawing, Path, PathKind, PathStatus, SimState
+from higvf_console.viewport import Arena
+
+Outcome = tuple[SimState, tuple[Event, ...]]
+_NO_STROKE = np.zeros((0, 2))
+
+
+def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Outcome:  # noqa: PLR0911, PLR0912
+    """The state after one operator command, and what there is to say about it."""
+    time = state.motion.tick * setup.gains.safety.control_period
+    match command:
+        case StrokeBegin():
+            return _drawing(state, stroke=_NO_STROKE, stroke_source=command.source), ()
+        case StrokePoints(points=points):
+            return _grow(state, command.source, points), ()
+        case StrokeCancel():
+            return _drawing(state, stroke=_NO_STROKE, stroke_source=""), ()
+        case StrokeEnd():
+            return _commit(state, command, setup, time)
+        case Cursor(point=point):
+            return _drawing(state, cursor=floats(point, 2)), ()
+        case Clutch(closed=closed):
+            return _drawing(state, clutch=bool(closed)), ()
+        case Pick(robot=robot):
+            return _pick(state, robot, time)
+        case Pause():
+            return _pause(state, True), _say(time, "paused", "Paused: the team holds and still yields.")
+        case Resume() if state.intent.stopped:
+            return state, _refuse(time, "The team is stopped: reset the STOP first.")
+        case Resume():
+            return _pause(state, False), _say(time, "resumed", "The team goes on.")
+        case Stop():
+            return _stop(state, True), (Event(time, Severity.ALARM, "stop", "STOP: all robots stand still."),)
+        case AskReset():
+            return _drawing(state, ask_reset=state.intent.stopped), ()
+        case ResetStop() if not state.drawing.ask_reset:
+            return state, _refuse(time, "A STOP is reset in two steps: ask for the reset first.")
+        case ResetStop():
+            return _stop(state, False), _say(time, "stop", "STOP is reset; the team stays paused until you resume.")
+        case ClearPath():
+            return follow(state, NO_PATH), _say(time, "path", "The path is cleared.")
+        case ReversePath():
+            return _reverse(state, time)
+        case NextTask():
+            return _finish(state, time)
+        case ResetRun():
+            return setup.start, _say(0.0, "reset", "The run starts again.")
+        case Freeze() | Step() | SetSpeed():
+            return state, ()
+        case _:
+            assert_never(command)
+
+
+def follow(state: SimState, path: Path) -> SimState:
+    """The same state with `path` as the human intention, joined from where the influenced robot is."""
+    intent, motion = state.intent, state.motion
+    if path.kind == PathKind.NONE:
+        status, w = PathStatus.NONE, 0.0
+    else:
+        x, y = motion.position[intent.influenced]
+        status, w = PathStatus.FOLLOWING, start_parameter(path, float(x), float(y))
+    motion = motion._replace(path_parameter=w, path_status=int(status), path_idle=0.0, path_gap=math.inf)
+    return state._replace(motion=motion, intent=intent._replace(path=path))
+
+
+def clipped(points: Floats, arena: Arena) -> tuple[Floats, bool]:
+    """Stroke points (n, 2) kept within the arena, and whether any had left it."""
+    inside = np.clip(points, [arena.x_min, arena.y_min], [arena.x_max, arena.y_max])
+    return inside, bool((inside != points).any())
+
+
+def _commit(state: SimState, command: StrokeEnd, setup: Setup, time: float) -> Outcome:
+    points, left = clipped(state.drawing.stroke, setup.arena)
+    smoothing = setup.gains.path.stroke_smoothing if command.smoothing is None else command.smoothing
+    state = _drawing(state, stroke=_NO_STROKE, stroke_source="")
+    try:
+        path = sketch_path(points, smoothing)
+    except PathError as error:
+        return state, _refuse(time, f"No path: {error}.")
+    events: tuple[Event, ...] = ()
+    if command.robot is not None:
+        state, events = _pick(state, command.robot, time)
+    kind = "closed" if path.closed else "open"
+    robot = state.intent.influenced + 1
+    events += _say(time, "path", f"Robot {robot} follows a new {kind} path of {path.length:.0f} m.")
+    if left:
+        events += (Event(time, Severity.WARNING, "clipped", "The stroke left the arena and was clipped to it."),)
+    return follow(state, path), events
+
+
+def _pick(state: SimState, robot: int, time: float) -> Outcome:
+    robots = len(state.motion.position)
+    if not 0 <= robot < robots:
+        return state, _refuse(time, f"There is no robot {robot + 1}: the team has robots 1 to {robots}.")
+    if robot == state.intent.influenced:
+        return state, ()
+    motion = state.motion._replace(path_idle=0.0, path_gap=math.inf)
+    picked = state._replace(motion=motion, intent=state.intent._replace(influenced=robot))
+    return picked, _say(time, "picked", f"Robot {robot + 1} feels the human intention.")
+
+
+def _reverse(state: SimState, time: float) -> Outcome:
+    path = state.intent.path
+    if path.kind == PathKind.NONE:
+        return state, _refuse(time, "There is no path to reverse.")
+    motion = state.motion._replace(path_status=int(PathStatus.FOLLOWING), path_idle=0.0, path_gap=math.inf)
+    reversed_path = state.intent._replace(path=path._replace(direction=-path.direction))
+    return state._replace(motion=motion, intent=reversed_path), _say(time, "path", "The path is followed in reverse.")
+
+
+def _finish(state: SimState, time: float) -> Outcome:
+    if state.motion.path_status != PathStatus.FOLLOWING:
+        return state, ()
+    motion = state.motion._replace(path_status=int(PathStatus.FINISHED))
+    return state._replace(motion=motion), _say(time, "path", "The team goes on with its own task.")
+
+
+def _grow(state: SimState, source: str, points: Floats) -> SimState:
+    """The stroke belongs to the interface that began it; points of any other are not part of it."""
+    if state.drawing.stroke_source != source:
+        return state
+    return _drawing(state, stroke=np.vstack([state.drawing.stroke, floats(points, -1, 2)]))
+
+
+def _drawing(state: SimState, **changes: object) -> SimState:
+    drawing: Drawing = state.drawing._replace(**changes)  # pyright: ignore[reportArgumentType]
+    return state._replace(drawing=drawing)
+
+
+def _pause(state: SimState, paused: bool) -> SimState:
+    return state._replace(intent=state.intent._replace(paused=paused))
+
+
+def _stop(state: SimState, stopped: bool) -> SimState:
+    state = _drawing(state, ask_reset=False)
+    return state._replace(intent=state.intent._replace(stopped=stopped, paused=True))
+
+
+def _say(time: float, kind: str, text: str) -> tuple[Event, ...]:
+    return (Event(time, Severity.INFO, kind, text),)
+
+
+def _refuse(time: float, text: str) -> tuple[Event, ...]:
+    return (Event(time, Severity.WARNING, "refused", text),)

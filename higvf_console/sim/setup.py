@@ -1,0 +1,42 @@
+"""What a run starts from: arena, world, gains and the initial state."""
+
+from enum import StrEnum
+from typing import NamedTuple
+
+from higvf_console.control.gains import Gains
+from higvf_console.state import SimState, World
+from higvf_console.viewport import Arena
+
+
+class Setup(NamedTuple):
+    """A run before its first tick; made from a scenario file by `session.scenario`."""
+
+    arena: Arena
+    world: World
+    gains: Gains
+    start: SimState
+
+
+class Severity(StrEnum):
+    """How much an event wants the operator's attention."""
+
+    INFO = "info"
+    GOOD = "good"
+    WARNING = "warning"
+    ALARM = "alarm"
+
+
+class Event(NamedTuple):
+    """Something that happened and that a person should read.
+
+    Attributes:
+        time: session time [s].
+        severity: how loud.
+        kind: machine-readable word, e.g. "extinguished", "target", "path", "infeasible", "refused".
+        text: one sentence.
+    """
+
+    time: float
+    severity: Severity
+    kind: str
+    text: str

@@ -1,0 +1,178 @@
+"""The pure step: one control period from state to state, and many of them without coming back to Python.
+
+    advance   one tick, with its trace: live and headless runs
+    roll      k ticks in one call: baselines, previews, studies; bit for bit the same states
+
+Both run `tick`, the one fused kernel.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.arrays import Bools, Floats, Ints, bools, floats, ints
+from higvf_console.control.controller import FieldKind, Plan, compute, field_at
+from higvf_console.control.coupled_filter import CoupledFilter
+from higvf_console.control.gains import Gains, PackedGains, SafetyGains, packed
+from higvf_console.control.kernel import closed, kernel
+from higvf_console.control.safety_filter import filter_velocities
+from higvf_console.sim.fires import burn, crews, growth_rates
+from higvf_console.sim.metrics import clearances, stalls
+from higvf_console.state import NO_PATH, NOBODY, Drawing, Intent, Motion, PathStatus, SimState, Trace, World
+
+
+class Rollout(NamedTuple):
+    """The history of a roll of T ticks: N robots, M fires.
+
+    Attributes:
+        position: (T, N, 2) [m].
+        loss_area: (T, M) [m^2].
+        clearance: (T,) smallest of the team [m].
+    """
+
+    position: Floats
+    loss_area: Floats
+    clearance: Floats
+
+
+def initial_state(position: Floats, fire_radius: Floats, world: World) -> SimState:
+    """The state at tick 0: robots at rest at `position` (N, 2) [m], all fires burning at `fire_radius` (M,) [m]."""
+    robots, fires = len(position), len(fire_radius)
+    motion = Motion(
+        tick=0,
+        position=floats(position, -1, 2),
+        velocity=np.zeros((robots, 2)),
+        intention=np.zeros((robots, 2)),
+        target=ints([NOBODY] * robots),
+        target_value=np.zeros(robots),
+        side=np.zeros((robots, len(world.circles) + len(world.bars) + fires), np.int64),
+        stalled=np.zeros(robots),
+        fire_radius=floats(fire_radius, -1),
+        fire_progress=np.zeros(fires),
+        fire_burning=bools([True] * fires),
+        path_parameter=0.0,
+        path_status=int(PathStatus.NONE),
+        path_idle=0.0,
+        path_gap=math.inf,
+    )
+    intent = Intent(NO_PATH, 0, False, False)
+    return SimState(motion, intent, Drawing(np.full(2, np.nan), np.zeros((0, 2)), "", False, False))
+
+
+def advance(state: SimState, world: World, gains: Gains) -> tuple[SimState, Trace]:
+    """The state one control period later, and why."""
+    motion, trace = tick(state.motion, state.intent, world, packed(gains))
+    return SimState(motion, state.intent, state.drawing), trace
+
+
+def advance_coupled(state: SimState, world: World, gains: Gains, safety: CoupledFilter) -> tuple[SimState, Trace]:
+    """As `advance`, with the centralised filter in place of the distributed one; it has no fast `roll`."""
+    plan, crew, rate = decide(state.motion, state.intent, world, packed(gains))
+    filtered = safety.filter_velocities(
+        state.motion.position, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
+        state.motion.fire_radius, rate, state.motion.fire_burning, gains.safety,
+    )  # fmt: skip
+    motion, trace = settle(state.motion, state.intent, plan, crew, rate, *filtered, world, packed(gains))
+    return SimState(motion, state.intent, state.drawing), trace
+
+
+def roll(state: SimState, world: World, gains: Gains, ticks: int) -> tuple[SimState, Rollout]:
+    """The state `ticks` control periods later, nothing commanded on the way, and the history."""
+    motion, position, loss, clearance = _roll(state.motion, state.intent, world, packed(gains), ticks)
+    return SimState(motion, state.intent, state.drawing), Rollout(position, loss, clearance)
+
+
+@kernel
+def tick(motion: Motion, intent: Intent, world: World, gains: PackedGains) -> tuple[Motion, Trace]:
+    """Perceive, compute, filter, move, burn."""
+    plan, crew, rate = decide(motion, intent, world, gains)
+    velocity, active_rows, infeasible = filter_velocities(
+        motion.position, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
+        motion.fire_radius, rate, motion.fire_burning, _safety_gains(gains),
+    )  # fmt: skip
+    return settle(motion, intent, plan, crew, rate, velocity, active_rows, infeasible, world, gains)
+
+
+@kernel
+def decide(motion: Motion, intent: Intent, world: World, gains: PackedGains) -> tuple[Plan, Ints, Floats]:
+    """All before the safety filter: the controller's plan, each fire's crew (M,) and growth (M,) [m/s]."""
+    plan = compute(motion, intent, world, gains[0])
+    crew = crews(motion, plan.steered, world, gains[0])
+    return plan, crew, growth_rates(motion, crew, world)
+
+
+@kernel
+def settle(
+    motion: Motion, intent: Intent, plan: Plan, crew: Ints, rate: Floats, velocity: Floats, active_rows: Ints,
+    infeasible: Bools, world: World, packed_gains: PackedGains,
+) -> tuple[Motion, Trace]:  # fmt: skip
+    """All after the safety filter: single integrators move, fires burn, the judges look."""
+    gains = packed_gains[0]
+    if intent.stopped:
+        velocity = np.zeros(velocity.shape)
+    radius, fire_progress, burning = burn(motion, crew, rate, world, gains)
+    moved = Motion(
+        motion.tick + 1, motion.position + gains.safety.control_period * velocity, velocity, plan.intention,
+        plan.target, plan.target_value, plan.side, stalls(motion, velocity, plan.nominal, active_rows, gains),
+        radius, fire_progress, burning, plan.path_parameter, plan.path_status, plan.path_idle, plan.path_gap,
+    )  # fmt: skip
+    trace = Trace(
+        plan.fire_value, plan.robot_intention, plan.human_intention, plan.formation, plan.blending, plan.blended,
+        plan.nominal, active_rows, infeasible, moved.stalled >= gains.stall.stall_time,
+        clearances(moved, world, gains), _pairs(plan.link_start, plan.link_to), plan.component, crew,
+    )  # fmt: skip
+    return moved, trace
+
+
+@kernel
+def _safety_gains(gains: PackedGains) -> SafetyGains:
+    """The filter's tunables as the tuple that it carries in its own tuples (a record cannot be part of one)."""
+    safety = gains[0].safety
+    return SafetyGains(
+        safety.robot_clearance, safety.obstacle_clearance, safety.pair_rate, safety.obstacle_rate, safety.speed_limit,
+        safety.control_period,
+    )  # fmt: skip
+
+
+@kernel
+def _pairs(start: Ints, to: Ints) -> Ints:
+    """(E, 2) links i < j."""
+    pairs = np.empty((to.shape[0] // 2, 2), np.int64)
+    count = 0
+    for i in range(start.shape[0] - 1):
+        for entry in range(start[i], start[i + 1]):
+            if to[entry] > i:
+                pairs[count, 0], pairs[count, 1] = i, to[entry]
+                count += 1
+    return pairs
+
+
+@kernel
+def _roll(
+    motion: Motion, intent: Intent, world: World, gains: PackedGains, ticks: int
+) -> tuple[Motion, Floats, Floats, Floats]:
+    position = np.empty((ticks, motion.position.shape[0], 2))
+    loss = np.empty((ticks, motion.fire_radius.shape[0]))
+    clearance = np.empty(ticks)
+    for k in range(ticks):
+        motion, trace = tick(motion, intent, world, gains)
+        position[k] = motion.position
+        loss[k] = math.pi * motion.fire_radius**2
+        clearance[k] = trace.clearance.min() if trace.clearance.shape[0] > 0 else math.inf
+    return motion, position, loss, clearance
+
+
+def warm_up(state: SimState, world: World, gains: Gains) -> None:
+    """Compiles everything that a run can call, then forbids compilation: no tick can stall on it."""
+    plan, crew, rate = decide(state.motion, state.intent, world, packed(gains))
+    robots = len(state.motion.position)
+    settle(
+        state.motion, state.intent, plan, crew, rate, plan.nominal, np.zeros(robots, np.int64),
+        np.zeros(robots, np.bool_), world, packed(gains),
+    )  # fmt: skip
+    advance(state, world, gains)
+    roll(state, world, gains, 1)
+    field_at(FieldKind.BLENDED, np.zeros((1, 2)), state, world, gains)
+    for function in (decide, settle, tick, _roll):
+        closed(function)
