@@ -1,1 +1,61 @@
-"""HI-GVF console: one person guides a team of robots from the browser."""
+"""HI-GVF console: one person guides a team of robots from the browser.
+
+Where to start reading:
+
+    state, commands       what changes in a run, and what an operator can ask for
+    control.controller    the paper's method, step by step
+    sim.simulation        one control period, pure: `advance`
+    session.session       the loop between operator and team
+    ui.console            what the browser shows
+
+The public names below are imported when they are first used, so that `import higvf_console` is quick.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from higvf_console.commands import InputSpec, Interface, OperatorCommand, OperatorContext
+    from higvf_console.control.gains import Gains
+    from higvf_console.errors import HigvfError
+    from higvf_console.session.channels import open_interface
+    from higvf_console.session.headless import run_headless
+    from higvf_console.session.recording import Recorder, read_recording, replay
+    from higvf_console.session.scenario import Scenario, load_scenario, scenario_names
+    from higvf_console.session.session import Session, Snapshot
+    from higvf_console.sim.operator import apply_command
+    from higvf_console.sim.setup import Event, Setup
+    from higvf_console.sim.simulation import advance, roll
+    from higvf_console.state import SimState, Trace, World
+
+_HOMES = {
+    "commands": ("InputSpec", "Interface", "OperatorCommand", "OperatorContext"),
+    "control.gains": ("Gains",),
+    "errors": ("HigvfError",),
+    "session.channels": ("open_interface",),
+    "session.headless": ("run_headless",),
+    "session.recording": ("Recorder", "read_recording", "replay"),
+    "session.scenario": ("Scenario", "load_scenario", "scenario_names"),
+    "session.session": ("Session", "Snapshot"),
+    "sim.operator": ("apply_command",),
+    "sim.setup": ("Event", "Setup"),
+    "sim.simulation": ("advance", "roll"),
+    "state": ("SimState", "Trace", "World"),
+}
+
+__all__ = [
+    "Event", "Gains", "HigvfError", "InputSpec", "Interface", "OperatorCommand", "OperatorContext", "Recorder",
+    "Scenario", "Session", "Setup", "SimState", "Snapshot", "Trace", "World", "advance", "apply_command",
+    "load_scenario", "open_interface", "read_recording", "replay", "roll", "run_headless", "scenario_names",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"{__name__}.{module}"), name)
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

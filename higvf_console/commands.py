@@ -210,7 +210,7 @@ class InputSpec:
     source: str = ""
     options: Mapping[str, str] = field(default_factory=lambda: {})
     settings: Mapping[str, object] = field(default_factory=lambda: {})
-    arena: Arena = Arena(0.0, 0.0, 1200.0, 700.0)
+    arena: Arena = field(default_factory=lambda: Arena(0.0, 0.0, 1200.0, 700.0))
 
 
 class Interface(Protocol):

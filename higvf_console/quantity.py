@@ -28,8 +28,9 @@ def quantities(parameters: type[Any]) -> dict[str, Quantity]:
     """The `Quantity` of every annotated field of a parameter NamedTuple, by field name."""
     found: dict[str, Quantity] = {}
     for name, hint in get_type_hints(parameters, include_extras=True).items():
-        if get_origin(hint) is Annotated:
-            found.update({name: extra for extra in get_args(hint)[1:] if isinstance(extra, Quantity)})
+        for extra in get_args(hint)[1:] if get_origin(hint) is Annotated else ():
+            if isinstance(extra, Quantity):
+                found[name] = extra
     return found
 
 
@@ -59,4 +60,6 @@ def with_values(parameters: Any, values: Mapping[str, object], place: str) -> An
     for name in values:
         if name not in known:
             raise ScenarioError(f"{place}.{name}: unknown key; known keys: {', '.join(known)}")
-    return parameters._replace(**{name: checked(f"{place}.{name}", value, known[name]) for name, value in values.items()})
+    return parameters._replace(
+        **{name: checked(f"{place}.{name}", value, known[name]) for name, value in values.items()}
+    )

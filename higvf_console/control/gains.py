@@ -1,17 +1,17 @@
 """Every tunable of the controller, grouped by the part that uses it: unit, range, symbol, sentence, default.
 
-One definition serves the kernels, the YAML checks, the sliders and the documentation; see `quantity`. A compiled step takes
-all of them as one record (`packed`): passing 45 numbers one by one would cost more than the step.
+One definition serves the kernels, the YAML checks, the sliders and the documentation; see `quantity`. A compiled step
+takes all of them as one record (`packed`): passing 45 numbers one by one would cost more than the step.
 """
 
 from functools import lru_cache
-from typing import Annotated as A
+from typing import Annotated as A  # noqa: N817 (a table needs narrow columns)
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from higvf_console.quantity import Quantity as Q
+from higvf_console.quantity import Quantity as Q  # noqa: N817
 
 INFINITE = float("inf")
 
@@ -19,7 +19,9 @@ INFINITE = float("inf")
 class PathGains(NamedTuple):
     """Guiding vector field of the desired path, [2]."""
 
-    capture_distance: A[float, Q("m", 1.0, 500.0, "1/k", "Distance at which the field turns 45 degrees to the path.")] = 40.0
+    capture_distance: A[
+        float, Q("m", 1.0, 500.0, "1/k", "Distance at which the field turns 45 degrees to the path.")
+    ] = 40.0
     end_radius: A[float, Q("m", 1.0, 500.0, "", "An open path is finished this close to its end.")] = 40.0
     patience: A[float, Q("s", 0.1, 60.0, "", "No progress for this long ends the human intention.")] = 2.0
     stroke_smoothing: A[float, Q("m", 0.0, 100.0, "", "Standard deviation by which a path may leave its stroke.")] = 4.0
@@ -29,7 +31,9 @@ class RingGains(NamedTuple):
     """Reactive and repulsive boundaries and bump functions, [3]-[6], [29]-[31]."""
 
     reactive_margin: A[float, Q("m", 1.0, 500.0, "R", "Surface to reactive boundary: robots react inside.")] = 25.0
-    repulsive_margin: A[float, Q("m", 0.0, 499.0, "Q", "Surface to repulsive boundary: only circulation inside.")] = 14.0
+    repulsive_margin: A[float, Q("m", 0.0, 499.0, "Q", "Surface to repulsive boundary: only circulation inside.")] = (
+        14.0
+    )
     bump_in: A[float, Q("", 0.001, 10.0, "l_1", "Rate of the bump near the repulsive boundary.")] = 0.1
     bump_out: A[float, Q("", 0.001, 10.0, "l_2", "Rate of the bump near the reactive boundary.")] = 0.1
 
@@ -38,7 +42,9 @@ class PerceptionGains(NamedTuple):
     """Observed fire value and target choice, [10]-[13]."""
 
     perception_range: A[float, Q("m", 0.0, INFINITE, "", "Fires farther away are not seen.")] = INFINITE
-    target_band: A[float, Q("m", 0.1, 500.0, "", "Distance from the hold ring over which robot intention fades.")] = 50.0
+    target_band: A[float, Q("m", 0.1, 500.0, "", "Distance from the hold ring over which robot intention fades.")] = (
+        50.0
+    )
     target_margin: A[float, Q("", 1.0, 10.0, "", "Factor by which another fire must look larger to win.")] = 1.05
 
 

@@ -27,7 +27,9 @@ def guiding_vector(path: Path, w: float, window: float, x: float, y: float, gain
     """
     w, fx, fy, tx, ty = nearest(path, w, window, x, y)
     gamma = path.direction
-    if not path.closed and ((gamma > 0.0 and w >= path.length) or (gamma < 0.0 and w <= 0.0 and path.length < math.inf)):
+    if not path.closed and (
+        (gamma > 0.0 and w >= path.length) or (gamma < 0.0 and w <= 0.0 and path.length < math.inf)
+    ):
         gamma = 0.0
     vx = gamma * tx - (x - fx) / gains.capture_distance
     vy = gamma * ty - (y - fy) / gains.capture_distance

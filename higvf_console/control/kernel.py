@@ -10,7 +10,7 @@ import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _KEPT_CACHES = 8  # older builds' caches are removed
@@ -40,7 +40,7 @@ reload_config()
 
 def kernel(function: _Function) -> _Function:
     """Compiles `function` on its first call, releases the GIL inside it, and keeps the machine code on disk."""
-    return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    return cast(_Function, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
 
 
 def closed(function: Callable[..., Any]) -> None:

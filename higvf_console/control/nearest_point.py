@@ -137,9 +137,7 @@ def optimality_error(nominal: Floats, rows: Rows, solution: Solution, speed_limi
 
 
 @kernel
-def _most_broken(
-    velocity: Floats, rows: Rows, count: int, is_active: Bools, speed_limit: float
-) -> tuple[int, int]:
+def _most_broken(velocity: Floats, rows: Rows, count: int, is_active: Bools, speed_limit: float) -> tuple[int, int]:
     """The row that is broken most, -1 if none is; a broken speed limit adds its tangent. And the number of rows."""
     worst, p, fast = _TOLERANCE * speed_limit, -1, -1
     for r in range(count):
@@ -199,7 +197,7 @@ def _enter(
             is_active[p] = True
             return used + 1, False
         is_active[active.row[drop]] = False
-        used = _remove(drop, rows, active, used)
+        used = _remove(drop, active, used)
 
 
 @kernel
@@ -213,7 +211,9 @@ def _split(p: int, rows: Rows, active: _Active, used: int, step: Floats, column:
         step[2 * i + axis] = rows.row[p, axis]
         if j >= 0:
             step[2 * j + axis] = -rows.row[p, axis]
-    for _ in range(2):  # the second pass removes the rounding of the first
+    square, before = _square(step), np.inf
+    while square < 0.5 * before and square > 0.0:  # a second pass removes the rounding of the first
+        before = square
         for k in range(used):
             part = 0.0
             for m in range(step.shape[0]):
@@ -221,10 +221,18 @@ def _split(p: int, rows: Rows, active: _Active, used: int, step: Floats, column:
             column[k] += part
             for m in range(step.shape[0]):
                 step[m] -= part * active.basis[k, m]
-    square = 0.0
-    for m in range(step.shape[0]):
-        square += step[m] * step[m]
+        square = _square(step)
+        if square < _DEPENDENT * _DEPENDENT:
+            break
     return square
+
+
+@kernel
+def _square(step: Floats) -> float:
+    total = 0.0
+    for m in range(step.shape[0]):
+        total += step[m] * step[m]
+    return total
 
 
 @kernel
@@ -247,13 +255,19 @@ def _append(p: int, active: _Active, used: int, step: Floats, column: Floats, le
 
 
 @kernel
-def _remove(drop: int, rows: Rows, active: _Active, used: int) -> int:
-    """Takes one active row out and builds the basis anew from there; the number of active rows left."""
-    step = np.empty(active.basis.shape[1])
-    column = np.empty(active.basis.shape[1])
+def _remove(drop: int, active: _Active, used: int) -> int:
+    """Takes one active row out; plane rotations make the rest of N = Q R triangular again. The number of rows left."""
+    upper, basis = active.upper, active.basis
     for k in range(drop, used - 1):
-        p = active.row[k + 1]
+        active.row[k] = active.row[k + 1]
         active.multiplier[k] = active.multiplier[k + 1]
-        square = _split(p, rows, active, k, step, column)
-        _append(p, active, k, step, column, math.sqrt(square))
+        for m in range(k + 2):
+            upper[m, k] = upper[m, k + 1]
+        length = math.sqrt(upper[k, k] ** 2 + upper[k + 1, k] ** 2)
+        c, s = upper[k, k] / length, upper[k + 1, k] / length
+        upper[k, k] = length
+        for m in range(k + 2, used):
+            upper[k, m], upper[k + 1, m] = c * upper[k, m] + s * upper[k + 1, m], c * upper[k + 1, m] - s * upper[k, m]
+        for m in range(basis.shape[1]):
+            basis[k, m], basis[k + 1, m] = c * basis[k, m] + s * basis[k + 1, m], c * basis[k + 1, m] - s * basis[k, m]
     return used - 1

@@ -5,7 +5,7 @@ themselves: the nearest point is sought only in a window around the last w, so t
 """
 
 import math
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from scipy.interpolate import CubicSpline, make_splprep
@@ -84,12 +84,18 @@ def sketch_path(points: Floats, smoothing: float, closed: bool | None = None, di
     arc = np.linspace(0.0, 1.0, len(even))
     if closed:
         even[-1] = even[0]
+    exact = smoothing == 0.0  # the fit then takes no weights
     weight = np.ones(len(even))
     weight[[0, -1]] = 1.0 if closed else _ENDS_PINNED
     spline, _ = make_splprep(
-        even.T, u=arc, w=weight, k=3, s=len(even) * smoothing**2, bc_type="periodic" if closed else None
+        even.T,
+        u=arc,
+        w=None if exact else weight,
+        k=3,
+        s=len(even) * smoothing**2,  # pyright: ignore[reportArgumentType] (scipy infers int from the default)
+        bc_type="periodic" if closed else None,
     )
-    return _by_arc_length(lambda u: spline(u).T, 1.0, closed, direction)
+    return _by_arc_length(lambda u: floats(spline(u).T), 1.0, closed, direction)
 
 
 def distinct(points: Floats) -> Floats:
@@ -125,7 +131,7 @@ def path_points(path: Path, arc: Floats) -> Floats:
     return floats([point_at(path, w)[:2] for w in arc], -1, 2)
 
 
-def _by_arc_length(curve: Any, end: float, closed: bool, direction: float) -> Path:
+def _by_arc_length(curve: Callable[[Floats], Floats], end: float, closed: bool, direction: float) -> Path:
     """The C2 spline, of equal arc-length segments, through a curve (m,) -> (m, 2) over [0, end]."""
     fine = np.linspace(0.0, end, 10 * SEGMENTS + 1)
     dense = np.asarray(curve(fine))
@@ -185,8 +191,8 @@ def nearest(path: Path, w: float, window: float, x: float, y: float) -> tuple[fl
 def _nearest_on_spline(path: Path, w: float, window: float, x: float, y: float) -> float:
     """Best knot in the window, then Newton steps on the squared distance, kept within one segment of that knot."""
     knots = path.spline.shape[0]
-    reach = int(math.ceil(min(window, path.length) / path.spacing))
-    centre = int(round(w / path.spacing))
+    reach = math.ceil(min(window, path.length) / path.spacing)
+    centre = round(w / path.spacing)
     best, least = w, math.inf
     for knot in range(centre - reach, centre + reach + 1):
         if not path.closed and (knot < 0 or knot > knots):

@@ -63,7 +63,9 @@ def fire_value(
         ax, ay, bx, by, r = bars[k, 0], bars[k, 1], bars[k, 2], bars[k, 3], bars[k, 4]
         px, py = spine_point(ax, ay, bx, by, fx, fy)
         to_fire = math.sqrt((fx - px) ** 2 + (fy - py) ** 2)
-        depth = (px - x) * ux + (py - y) * uy + (r * ((fx - px) * ux + (fy - py) * uy) / to_fire if to_fire > 0.0 else 0.0)
+        depth = (
+            (px - x) * ux + (py - y) * uy + (r * ((fx - px) * ux + (fy - py) * uy) / to_fire if to_fire > 0.0 else 0.0)
+        )
         if depth >= distance:
             continue
         a_along, a_across = (ax - x) * ux + (ay - y) * uy, (ay - y) * ux - (ax - x) * uy
@@ -132,7 +134,7 @@ def choose_target(value: Floats, target: int, memory: float, margin: float) -> t
             best, most = j, value[j]
     if target == NOBODY:
         return best, most
-    if best == NOBODY or best == target or (value[target] > 0.0 and most <= margin * value[target]):
+    if best in (NOBODY, target) or (value[target] > 0.0 and most <= margin * value[target]):
         return target, max(memory, value[target])
     return best, most
 

@@ -83,9 +83,7 @@ def cull(vx: float, vy: float, rows: Floats, count: int, speed_limit: float, kep
 
 
 @kernel
-def _seidel(
-    vx: float, vy: float, rows: Floats, kept: Ints, used: int, speed_limit: float
-) -> tuple[float, float, bool]:
+def _seidel(vx: float, vy: float, rows: Floats, kept: Ints, used: int, speed_limit: float) -> tuple[float, float, bool]:
     """The projection of a velocity within the speed limit on the `used` rows listed in `kept`."""
     ux, uy = vx, vy
     for k in range(used):

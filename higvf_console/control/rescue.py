@@ -139,9 +139,7 @@ def _cluster_rows(members: Ints, around: Surroundings) -> tuple[Rows, Ints]:
 
 
 @kernel
-def _absorbed(
-    name: int, cluster: Ints, size: int, usable: Bools, count: int, outsider: Ints, weight: Floats
-) -> bool:
+def _absorbed(name: int, cluster: Ints, size: int, usable: Bools, count: int, outsider: Ints, weight: Floats) -> bool:
     """Takes the robots whose halves are in conflict, with their clusters, into this one; whether there were any."""
     grown = False
     for r in range(count):

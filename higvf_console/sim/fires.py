@@ -10,7 +10,7 @@ from higvf_console.state import Motion, World
 
 @kernel
 def crews(motion: Motion, steered: Bools, world: World, gains: Gains) -> Ints:
-    """(M,) robots that count towards extinguishing each fire: within the stand-off of its edge, not led by the human."""
+    """(M,) robots that count towards extinguishing each fire: within its stand-off, not led by the human."""
     crew = np.zeros(world.fire_position.shape[0], np.int64)
     if motion.tick * gains.safety.control_period < gains.fires.start_delay:
         return crew

@@ -5,11 +5,12 @@ import math
 import numpy as np
 
 from higvf_console.arrays import Floats, Ints
+from higvf_console.control.controller import Plan
 from higvf_console.control.gains import Gains
 from higvf_console.control.kernel import kernel
 from higvf_console.control.neighbours import within
 from higvf_console.control.obstacles import NO_RING, ring_at, ring_table
-from higvf_console.state import Motion, World
+from higvf_console.state import NOBODY, Motion, World
 
 
 def loss_area(motion: Motion) -> Floats:
@@ -38,12 +39,24 @@ def clearances(motion: Motion, world: World, gains: Gains) -> Floats:
 
 
 @kernel
-def stalls(motion: Motion, velocity: Floats, nominal: Floats, active_rows: Ints, gains: Gains) -> Floats:
-    """(N,) how long each robot has stood still against active barrier rows although it wants to move [s]."""
+def stalls(
+    motion: Motion, plan: Plan, velocity: Floats, active_rows: Ints, crew: Ints, world: World, gains: Gains
+) -> Floats:
+    """(N,) how long each robot has stood still against active barrier rows although it wants to move [s].
+
+    A robot that is in reach of its fire, or whose fire is being extinguished, is at work, not stalled.
+    """
     slow = gains.stall.stall_fraction * gains.blending.cruise_speed
     stalled = np.zeros(motion.stalled.shape[0])
     for i in range(stalled.shape[0]):
-        wants = math.hypot(nominal[i, 0], nominal[i, 1]) > slow
+        at_work = False
+        fire = plan.target[i]
+        if fire != NOBODY and not plan.steered[i]:
+            dx = motion.position[i, 0] - world.fire_position[fire, 0]
+            dy = motion.position[i, 1] - world.fire_position[fire, 1]
+            reach = motion.fire_radius[fire] + gains.fires.stand_off
+            at_work = crew[fire] >= world.fire_needs[fire] or dx * dx + dy * dy <= reach * reach
+        wants = not at_work and math.hypot(plan.nominal[i, 0], plan.nominal[i, 1]) > slow
         stands = math.hypot(velocity[i, 0], velocity[i, 1]) < slow
         if wants and stands and active_rows[i] > 0:
             stalled[i] = motion.stalled[i] + gains.safety.control_period

@@ -11,9 +11,27 @@ import numpy as np
 
 from higvf_console.arrays import Floats, floats
 from higvf_console.commands import (
-    AskReset, ClearPath, Clutch, Cursor, Freeze, NextTask, OperatorCommand, Pause, Pick, ResetRun, ResetStop, Resume,
-    ReversePath, SetSpeed, Step, Stop, StrokeBegin, StrokeCancel, StrokeEnd, StrokePoints,
-)  # fmt: skip
+    AskReset,
+    ClearPath,
+    Clutch,
+    Cursor,
+    Freeze,
+    NextTask,
+    OperatorCommand,
+    Pause,
+    Pick,
+    ResetRun,
+    ResetStop,
+    Resume,
+    ReversePath,
+    SetSpeed,
+    Step,
+    Stop,
+    StrokeBegin,
+    StrokeCancel,
+    StrokeEnd,
+    StrokePoints,
+)
 from higvf_console.control.paths import sketch_path, start_parameter
 from higvf_console.errors import PathError
 from higvf_console.sim.setup import Event, Setup, Severity

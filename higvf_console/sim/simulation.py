@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Bools, Floats, Ints, bools, floats, ints
-from higvf_console.control.controller import FieldKind, Plan, compute, field_at
+from higvf_console.control.controller import Plan, compute
 from higvf_console.control.coupled_filter import CoupledFilter
+from higvf_console.control.field import FieldKind, field_at
 from higvf_console.control.gains import Gains, PackedGains, SafetyGains, packed
 from higvf_console.control.kernel import closed, kernel
 from higvf_console.control.safety_filter import filter_velocities
@@ -114,7 +115,7 @@ def settle(
     radius, fire_progress, burning = burn(motion, crew, rate, world, gains)
     moved = Motion(
         motion.tick + 1, motion.position + gains.safety.control_period * velocity, velocity, plan.intention,
-        plan.target, plan.target_value, plan.side, stalls(motion, velocity, plan.nominal, active_rows, gains),
+        plan.target, plan.target_value, plan.side, stalls(motion, plan, velocity, active_rows, crew, world, gains),
         radius, fire_progress, burning, plan.path_parameter, plan.path_status, plan.path_idle, plan.path_gap,
     )  # fmt: skip
     trace = Trace(

@@ -140,9 +140,7 @@ def _obstacle_rows(x: float, y: float, around: Surroundings, rows: Floats, count
             )
             count += 1
     for k in range(walls.shape[0]):
-        rows[count, 0], rows[count, 1], rows[count, 2] = wall_row(
-            x, y, walls[k, 0], walls[k, 1], walls[k, 2], safety
-        )
+        rows[count, 0], rows[count, 1], rows[count, 2] = wall_row(x, y, walls[k, 0], walls[k, 1], walls[k, 2], safety)
         if rows[count, 2] < safety.speed_limit:
             count += 1
     return count

@@ -1,0 +1,7 @@
+"""`python -m higvf_console` is `higvf`."""
+
+import sys
+
+from higvf_console.cli import main
+
+sys.exit(main())

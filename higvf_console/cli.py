@@ -1,0 +1,256 @@
+"""`higvf`: run a scenario in the browser or headless, replay a recording, list scenarios, measure.
+
+Exit status: 0; 1 where a replay differs; 2 on input that cannot be used (one line on stderr says why); 130 on Ctrl-C.
+"""
+# ruff: noqa: PLC0415 (each command imports what it needs, so that `--help` loads no compiler)
+
+import argparse
+import json
+import os
+import signal
+import sys
+import webbrowser
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from threading import Event as Signal
+from threading import Thread
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from higvf_console.errors import HigvfError
+
+if TYPE_CHECKING:
+    from higvf_console.session.scenario import Scenario
+    from higvf_console.session.session import Session
+    from higvf_console.sim.setup import Setup
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs one command and returns the exit status."""
+    given = _parser().parse_args(arguments)
+    try:
+        return given.command(given)
+    except HigvfError as error:
+        _tell(f"higvf: {error}")
+        return 2
+    except KeyboardInterrupt:
+        _tell("higvf: interrupted")
+        return 130
+
+
+def _tell(text: str) -> None:
+    print(text, file=sys.stderr)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="higvf", description="One person guides a team of robots from the browser.")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    _add_run(commands)
+    scenarios = commands.add_parser("scenarios", help="list the shipped scenarios")
+    scenarios.set_defaults(command=_scenarios)
+    replay = commands.add_parser("replay", help="run a recording again and compare the digests")
+    replay.add_argument("file", type=Path, metavar="FILE", help="made by `higvf run --record FILE`")
+    replay.set_defaults(command=_replay)
+    bench = commands.add_parser("bench", help="measure the engine")
+    bench.add_argument(
+        "--suite", choices=("filter", "tick"), required=True, help="the safety filter, or the whole tick"
+    )
+    bench.add_argument("--json", action="store_true", help="write JSON")
+    bench.set_defaults(command=_bench)
+    compiling = commands.add_parser("compile", help="compile the engine now, so that the first run starts at once")
+    compiling.set_defaults(command=_compile)
+    return parser
+
+
+def _add_run(commands: Any) -> None:
+    run = commands.add_parser("run", help="run a scenario in the browser, or headless")
+    run.set_defaults(command=_run)
+    run.add_argument("scenario", nargs="?", default="firefighting", metavar="SCENARIO", help="a name or a .yaml file")
+    run.add_argument("--duration", type=_positive, metavar="S", help="end after S seconds of session time")
+    run.add_argument("--seed", type=_seed, default=0, metavar="N", help="of the start positions (default 0)")
+    run.add_argument("--speed", type=_positive, default=1.0, metavar="F", help="times real time, 0.25 to 8 (default 1)")
+    run.add_argument("--record", type=Path, metavar="FILE", help="write a recording (JSON lines)")
+    inputs = run.add_argument_group("inputs")
+    inputs.add_argument(
+        "--input", action="append", default=[], metavar="CHANNEL=FILE[:OPTION=VALUE,...]",
+        help="an operator input, e.g. gaze=gaze.tsv:frame=screen; once for each channel",
+    )  # fmt: skip
+    inputs.add_argument("--script", metavar="FILE", help="a YAML list of operator actions")
+    inputs.add_argument("--demo", action="store_true", help="the scenario's own recorded inputs")
+    headless = run.add_argument_group("headless")
+    headless.add_argument("--headless", action="store_true", help="no browser, as fast as it can, and a report")
+    headless.add_argument("--report", metavar="FILE", help="where the JSON report goes (default -, standard output)")
+    console = run.add_argument_group("console")
+    console.add_argument("--host", default="127.0.0.1", help="address to serve at (default 127.0.0.1)")
+    console.add_argument("--port", type=_port, default=8080, help="a port, or auto for a free one (default 8080)")
+    console.add_argument("--token", metavar="T", help="secret of the login link (default: a new one)")
+    console.add_argument("--no-browser", action="store_true", help="do not open a browser")
+
+
+def _positive(text: str) -> float:
+    number = float(text)
+    if not 0.0 < number < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
+    return number
+
+
+def _seed(text: str) -> int:
+    number = int(text)
+    if number < 0:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 0")
+    return number
+
+
+def _port(text: str) -> int:
+    return 0 if text == "auto" else int(text)
+
+
+def _scenarios(_: argparse.Namespace) -> int:
+    from higvf_console.session.scenario import load_scenario, scenario_names
+
+    for name in scenario_names():
+        print(f"{name:26} {load_scenario(name).description}")
+    return 0
+
+
+def _bench(given: argparse.Namespace) -> int:
+    from higvf_console.lab import bench
+
+    bench.main(given.suite, given.json)
+    return 0
+
+
+def _compile(_: argparse.Namespace) -> int:
+    from higvf_console.session.scenario import load_scenario
+
+    seconds = _warm_up(load_scenario("firefighting").setup())
+    print(f"The engine is compiled ({seconds:.1f} s).")
+    return 0
+
+
+def _warm_up(setup: "Setup") -> float:
+    """Compiles the engine, or loads it; how long that took [s]."""
+    from higvf_console.sim.simulation import warm_up
+
+    started = perf_counter()
+    if not any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("simulation.tick-*.nbi")):
+        _tell("Compiling the engine, once; this takes up to a minute ...")
+    warm_up(setup.start, setup.world, setup.gains)
+    return perf_counter() - started
+
+
+def _replay(given: argparse.Namespace) -> int:
+    from higvf_console.session.recording import read_recording, replay
+
+    result = replay(read_recording(given.file))
+    if not result.complete:
+        _tell(f"{given.file}: the recording was cut off; its readable part has {result.ticks} ticks")
+    if result.agrees:
+        print(f"The run of {result.ticks} ticks agrees: {result.digest}")
+        return 0
+    if result.differs_after is None:
+        print(f"The run of {result.ticks} ticks cannot be compared: the recording holds no digest")
+        return 1
+    print(f"The run differs after tick {result.differs_after}: {result.digest} is not {result.expected}")
+    if result.changed_versions:
+        print(f"Recorded with other versions: {', '.join(result.changed_versions)}")
+    return 1
+
+
+def _run(given: argparse.Namespace) -> int:
+    if given.report is not None and not given.headless:
+        raise HigvfError("--report is written by a headless run: add --headless")
+    session = _open_session(given)
+    try:
+        for warning in session.scenario.warnings:
+            _tell(f"Warning: {warning}")
+        return _run_headless(session, given) if given.headless else _serve(session, given)
+    finally:
+        session.close()
+
+
+def _open_session(given: argparse.Namespace) -> "Session":
+    from higvf_console.session.channels import open_interface
+    from higvf_console.session.recording import Recorder
+    from higvf_console.session.scenario import load_scenario
+    from higvf_console.session.session import FASTEST, SLOWEST, Session
+
+    if not SLOWEST <= given.speed <= FASTEST:
+        raise HigvfError(f"--speed {given.speed:g}: choose {SLOWEST:g} to {FASTEST:g}")
+    scenario = load_scenario(given.scenario)
+    _warm_up(scenario.setup(given.seed))
+    interfaces = [open_interface(spec) for spec in _input_specs(given, scenario)]
+    recorder = Recorder(given.record, scenario, given.seed) if given.record else None
+    session = Session(scenario, interfaces, given.seed, recorder)
+    session.set_speed(given.speed)
+    return session
+
+
+def _input_specs(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
+    from higvf_console.commands import InputSpec
+    from higvf_console.session.inputs import demo_specs, input_spec
+
+    specs = [input_spec(text, scenario) for text in given.input]
+    if given.demo:
+        specs += demo_specs(scenario)
+    if given.script is not None:
+        specs.append(InputSpec("script", given.script, {}, scenario.inputs.get("script", {}), scenario.arena))
+    if not given.headless and all(spec.channel != "mouse" for spec in specs):
+        specs.insert(0, input_spec("mouse", scenario))
+    return specs
+
+
+def _run_headless(session: "Session", given: argparse.Namespace) -> int:
+    from higvf_console.session.headless import run_headless
+
+    report = json.dumps(run_headless(session, given.duration), indent=2) + "\n"
+    if given.report in (None, "-"):
+        sys.stdout.write(report)
+        return 0
+    try:
+        Path(given.report).write_text(report, encoding="utf-8")
+    except OSError as error:
+        raise HigvfError(f"--report {given.report}: {error.strerror}") from error
+    return 0
+
+
+def _serve(session: "Session", given: argparse.Namespace) -> int:
+    """Serves the console until Ctrl-C, a termination signal, or the end of the duration."""
+    from higvf_console.ui.console import Console
+    from higvf_console.ui.guard import login_url, new_token, open_server
+
+    token, stopping = given.token or new_token(), Signal()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with ExitStack() as ends:  # undone from last to first
+        server = open_server(given.host, given.port, token, session.scenario.title)
+        ends.callback(server.stop)
+        console = Console(session, server)
+        console.start()
+        ends.callback(console.close)
+        loop = Thread(target=session.run, args=(stopping,), name="session")
+        loop.start()
+        ends.callback(loop.join)
+        ends.callback(stopping.set)
+        print(f"Console: {login_url(server, token)}\nCtrl-C ends it.", flush=True)
+        if not given.no_browser and _has_display():
+            webbrowser.open(login_url(server, token))
+        try:
+            while given.duration is None or session.snapshot.time < given.duration:
+                stopping.wait(0.2)
+        except KeyboardInterrupt:
+            _tell("Ending.")
+    return 0
+
+
+def _has_display() -> bool:
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
