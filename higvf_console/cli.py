@@ -11,7 +11,7 @@ import signal
 import sys
 import webbrowser
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from threading import Event as Signal
 from threading import Thread
@@ -186,9 +186,9 @@ def _open_session(given: argparse.Namespace) -> "Session":
     if not SLOWEST <= given.speed <= FASTEST:
         raise HigvfError(f"--speed {given.speed:g}: choose {SLOWEST:g} to {FASTEST:g}")
     scenario = load_scenario(given.scenario)
-    _warm_up(scenario.setup(given.seed))
     interfaces = [open_interface(spec) for spec in _input_specs(given, scenario)]
     recorder = Recorder(given.record, scenario, given.seed) if given.record else None
+    _warm_up(scenario.setup(given.seed))
     session = Session(scenario, interfaces, given.seed, recorder)
     session.set_speed(given.speed)
     return session
@@ -229,7 +229,7 @@ def _serve(session: "Session", given: argparse.Namespace) -> int:
 
     token, stopping = given.token or new_token(), Signal()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with ExitStack() as ends:  # undone from last to first
+    with suppress(KeyboardInterrupt), ExitStack() as ends:  # the stack is undone from last to first
         server = open_server(given.host, given.port, token, session.scenario.title)
         ends.callback(server.stop)
         console = Console(session, server)
@@ -242,11 +242,8 @@ def _serve(session: "Session", given: argparse.Namespace) -> int:
         print(f"Console: {login_url(server, token)}\nCtrl-C ends it.", flush=True)
         if not given.no_browser and _has_display():
             webbrowser.open(login_url(server, token))
-        try:
-            while given.duration is None or session.snapshot.time < given.duration:
-                stopping.wait(0.2)
-        except KeyboardInterrupt:
-            _tell("Ending.")
+        while given.duration is None or session.snapshot.time < given.duration:
+            stopping.wait(0.2)
     return 0
 
 

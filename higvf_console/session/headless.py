@@ -1,0 +1,64 @@
+"""The same session as fast as the machine can, and one report at its end."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from higvf_console.session.run import TrajectoryDigest
+from higvf_console.session.session import Session
+
+FORMS = "corrected"  # of the equations, see the table of symbols
+
+
+def run_headless(session: Session, duration: float | None = None) -> dict[str, Any]:
+    """Ticks until all fires are out or `duration` ends, then reports; the caller closes the session.
+
+    A clock that a command froze stands until the duration ends, for nobody else can thaw it.
+
+    Args:
+        session: fresh, with its interfaces.
+        duration: [s]; None = the scenario's.
+
+    Returns:
+        The report, ready for JSON: fires are numbered from 1, `min_clearance_m` is null when nobody ever came near
+        anything, `digest` is the SHA-256 of `TrajectoryDigest`.
+    """
+    dt = session.setup.gains.safety.control_period
+    duration = session.scenario.duration if duration is None else duration
+    fires = len(session.setup.world.fire_position)
+    digest, tick_ms, done = TrajectoryDigest(), list[float](), 0
+    for _ in range(math.ceil(duration / dt - 1e-9)):
+        session.tick()
+        if session.ticks > done:
+            done = session.ticks
+            digest.add(session.snapshot.state.motion)
+            tick_ms.append(session.snapshot.tick_ms)
+        if fires and len(session.snapshot.extinguished) == fires:
+            break
+    return {
+        "scenario": session.scenario.name,
+        "forms": FORMS,
+        "seed": session.seed,
+        "duration_s": round(done * dt, 9),
+        "ticks": done,
+        **_outcome(session),
+        "commands": [
+            {"time": round(time, 9), "source": command.source, "kind": type(command).__name__}
+            for time, command in session.commands
+        ],
+        "tick_ms": {f"p{share}": round(float(np.percentile(tick_ms or [0.0], share)), 4) for share in (50, 99)},
+        "digest": digest.hex(),
+    }
+
+
+def _outcome(session: Session) -> dict[str, Any]:
+    now = session.snapshot
+    return {
+        "extinguished": [fire + 1 for fire in now.extinguished],
+        "loss_area_m2": now.loss_area.tolist(),
+        "loss_area_total_m2": float(now.loss_area.sum()),
+        "min_clearance_m": now.min_clearance if math.isfinite(now.min_clearance) else None,
+        "infeasible_ticks": now.infeasible_ticks,
+        "deadlock_s": round(now.deadlock_s, 9),
+    }

@@ -1,0 +1,205 @@
+"""Recordings: the scenario's text, the seed and every command with its tick are enough to run a session again.
+
+JSON lines: a header; `{"tick": 120, "command": "Pick", ...}` for each command; `{"mark": 150, "digest": ...}` each
+second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`.
+"""
+
+import dataclasses
+import json
+import platform
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NamedTuple, get_args
+
+import numpy as np
+
+from higvf_console.arrays import Floats, floats
+from higvf_console.commands import Command, OperatorCommand
+from higvf_console.errors import InputError
+from higvf_console.session.run import Run, TrajectoryDigest
+from higvf_console.session.scenario import Scenario, parse_scenario
+from higvf_console.state import Motion
+
+FORMAT = 1
+_FLUSH_EVERY = 1.0  # [s] of wall clock: what a crash can lose
+_KINDS: dict[str, type[Command]] = {kind.__name__: kind for kind in get_args(OperatorCommand)}
+_ARRAYS = {"points": (-1, 2), "point": (2,)}  # command fields that hold arrays, with their shapes
+
+
+class Recorder:
+    """Writes a session down while it runs."""
+
+    def __init__(self, file: Path, scenario: Scenario, seed: int) -> None:
+        """Opens the file and writes the header.
+
+        Raises:
+            InputError: the file cannot be written.
+        """
+        try:
+            self._file = file.open("w", encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"{file}: cannot be written: {error.strerror}") from error
+        self._ticks = 0
+        self._digest = TrajectoryDigest()
+        self._mark_every = max(1, round(1.0 / scenario.gains.safety.control_period))
+        self._flushed = time.monotonic()
+        header = {"recording": FORMAT, "scenario": scenario.name, "source": scenario.source, "seed": seed}
+        self._write({**header, "versions": versions(), "text": scenario.text})
+
+    def command(self, command: OperatorCommand) -> None:
+        """A command was applied before the next tick."""
+        fields = {field.name: _plain(getattr(command, field.name)) for field in dataclasses.fields(command)}
+        self._write({"tick": self._ticks, "command": type(command).__name__, **fields})
+
+    def step(self, motion: Motion) -> None:
+        """A tick was done."""
+        self._ticks += 1
+        self._digest.add(motion)
+        if self._ticks % self._mark_every == 0:
+            self._write({"mark": self._ticks, "digest": self._digest.hex()})
+        if time.monotonic() - self._flushed > _FLUSH_EVERY:
+            self._file.flush()
+            self._flushed = time.monotonic()
+
+    def close(self) -> None:
+        """Writes the end; may be called twice."""
+        if not self._file.closed:
+            self._write({"mark": self._ticks, "digest": self._digest.hex(), "end": True})
+            self._file.close()
+
+    def _write(self, line: dict[str, Any]) -> None:
+        self._file.write(json.dumps(line) + "\n")
+
+
+def versions() -> dict[str, str]:
+    """Versions of what decides the last bit of a trajectory."""
+    names = ("higvf-console", "numba", "numpy", "scipy")
+    return {"python": platform.python_version(), **{name: version(name) for name in names}}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        array: Floats = value
+        return [None if np.isnan(number) else number for number in array.ravel().tolist()]
+    return value.item() if isinstance(value, np.generic) else value
+
+
+class Mark(NamedTuple):
+    """The digest after so many ticks."""
+
+    ticks: int
+    digest: str
+
+
+class Recording(NamedTuple):
+    """A recording, as far as it could be read.
+
+    Attributes:
+        scenario: what was run.
+        seed: of its start positions.
+        versions: of the console that recorded it.
+        commands: by the tick before which they were applied.
+        marks: digests on the way.
+        complete: whether the recording has its end.
+    """
+
+    scenario: Scenario
+    seed: int
+    versions: dict[str, str]
+    commands: dict[int, list[OperatorCommand]]
+    marks: list[Mark]
+    complete: bool
+
+
+class Replay(NamedTuple):
+    """What came of running a recording again.
+
+    Attributes:
+        ticks: control periods run.
+        digest: of this run.
+        expected: digest of the recording after as many ticks; None when it was cut before its first mark.
+        differs_after: ticks up to which both agreed, when they do not; else None.
+        complete: whether the recording has its end.
+        changed_versions: "numpy 2.3.0 -> 2.4.6" and the like.
+    """
+
+    ticks: int
+    digest: str
+    expected: str | None
+    differs_after: int | None
+    complete: bool
+    changed_versions: tuple[str, ...]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether every digest of the recording was met."""
+        return self.differs_after is None and self.expected is not None
+
+
+def read_recording(file: Path) -> Recording:
+    """Reads a recording up to its end, or up to the line that was cut off.
+
+    Raises:
+        InputError: not a recording, of another version, or damaged in the middle.
+    """
+    try:
+        lines = file.read_text(encoding="utf-8", errors="replace").split("\n")
+    except OSError as error:
+        raise InputError(f"{file}: {error.strerror}") from error
+    header = _parsed(lines[0])
+    if header is None or header.get("recording") != FORMAT:
+        raise InputError(f"{file}: not a recording of version {FORMAT}: its first line is not a header")
+    scenario = parse_scenario(header["text"], header["source"])
+    recording = Recording(scenario, header["seed"], header["versions"], {}, [], False)
+    for number, line in enumerate(lines[1:-1], 2):
+        entry = _parsed(line)
+        if entry is None:
+            raise InputError(f"{file}: line {number} is damaged: {line[:60]!r}")
+        if "mark" in entry:
+            recording.marks.append(Mark(entry["mark"], entry["digest"]))
+            recording = recording._replace(complete="end" in entry)
+        else:
+            recording.commands.setdefault(entry["tick"], []).append(_command(entry, f"{file}: line {number}"))
+    return recording
+
+
+def _parsed(line: str) -> dict[str, Any] | None:
+    try:
+        entry = json.loads(line)
+    except ValueError:
+        return None
+    return entry if isinstance(entry, dict) else None
+
+
+def _command(entry: dict[str, Any], place: str) -> OperatorCommand:
+    fields = {name: value for name, value in entry.items() if name not in ("tick", "command")}
+    try:
+        kind = _KINDS[entry["command"]]
+        for name in _ARRAYS.keys() & fields.keys():
+            fields[name] = floats(fields[name], *_ARRAYS[name])
+        return kind(**fields)  # pyright: ignore[reportReturnType] (the members of the union)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{place}: not a command that this console knows: {error}") from error
+
+
+def replay(recording: Recording) -> Replay:
+    """Runs a recording again, as far as it goes, and compares the digests."""
+    run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter)
+    digest = TrajectoryDigest()
+    expected = {mark.ticks: mark.digest for mark in recording.marks}
+    last = max([*expected, *recording.commands, 0])
+    agreed, differs_after = 0, None
+    for tick in range(1, last + 1):
+        for command in recording.commands.get(tick - 1, ()):
+            run.apply(command)
+        run.step()
+        digest.add(run.state.motion)
+        if tick in expected and differs_after is None:
+            if digest.hex() != expected[tick]:
+                differs_after = agreed
+            agreed = tick
+    here = versions()
+    changed = [f"{name} {old} -> {here.get(name)}" for name, old in recording.versions.items() if here.get(name) != old]
+    final = recording.marks[-1].digest if recording.marks else None
+    return Replay(last, digest.hex(), final, differs_after, recording.complete, tuple(changed))

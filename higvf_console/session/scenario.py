@@ -1,0 +1,257 @@
+"""Scenarios: strict YAML files that say what a run starts from.
+
+    version: 1                               # these three are required
+    arena: {size_m: [1200, 700]}             # or x_min, y_min, x_max, y_max; walls: false opens it
+    robots: {start_m: [[700, 300], ...]}     # or count, spacing_m, centre_m; jitter_m, as the seed decides
+    title, description, name: text           # the name defaults to the file's
+    links: [[1, 2], ...]                     # else the communication range decides
+    formation_m: [[0, 0], ...]               # the shape to keep, else the start positions
+    fires: [{at_m: [500, 250], radius_m: 20, growth_m_per_s: 1, robots_needed: 2}, ...]
+    obstacles: {circles: [{at_m: ..., radius_m: 20}], bars: [{from_m: ..., to_m: ..., half_width_m: 6}]}
+    path: {circle: {at_m: ..., radius_m: 250}, direction: forward}     # or line, ellipse, sketch
+    influenced: 1                            # robots and fires count from 1
+    strokes: [{name: Round the bar, robot: 1, points_m: [...]}]        # "show me" buttons
+    parameters: {safety: {robot_clearance: 25}}                        # groups and names of `control.gains`
+    filter: distributed                      # or centralised
+    inputs: {emg: {labels: {fist: pause}}}   # settings by interface
+    demo: ["gaze=assets/recordings/barrier-gaze.tsv:frame=screen"]     # what --demo plays, as --input
+    duration_s: 120
+
+A key that is not known, a number out of range or a start that is not safe raises a `ScenarioError` with the file, the
+key path, the value and the choices.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+
+from higvf_console.arrays import Floats, floats, ints
+from higvf_console.control.gains import Gains
+from higvf_console.errors import ScenarioError
+from higvf_console.quantity import Quantity
+from higvf_console.session.channels import unknown_settings
+from higvf_console.session.placement import (
+    Network,
+    check_barriers,
+    check_formation,
+    check_start,
+    late_stand_off,
+    link_table,
+    start_network,
+)
+from higvf_console.session.reading import Node, closest, read_yaml
+from higvf_console.session.sections import (
+    FilterKind,
+    Fire,
+    Obstacles,
+    Robots,
+    ShownStroke,
+    read_arena,
+    read_fires,
+    read_formation,
+    read_inputs,
+    read_links,
+    read_obstacles,
+    read_parameters,
+    read_path,
+    read_robots,
+    read_strokes,
+)
+from higvf_console.sim.operator import follow
+from higvf_console.sim.setup import Setup
+from higvf_console.sim.simulation import initial_state
+from higvf_console.state import NO_PATH, Path, World
+from higvf_console.viewport import Arena
+
+VERSION = 1
+KEYS = (
+    "version", "name", "title", "description", "arena", "robots", "links", "formation_m", "fires", "obstacles", "path",
+    "influenced", "strokes", "parameters", "filter", "inputs", "demo", "duration_s",
+)  # fmt: skip
+_DURATION = Quantity("s", 0.001, 1e6, "", "How long a run lasts.")
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """A scenario file, read and checked.
+
+    Attributes:
+        name: word that reports use.
+        title: what a person reads.
+        description: one or two sentences.
+        text: the file as it was read, for recordings.
+        source: where it was read from.
+        arena: what the operator sees.
+        walls: whether the arena's four sides are barriers.
+        robots: where the team starts.
+        links: given communication links as index pairs i < j; None = the communication range decides.
+        formation: (N, 2) shape [m]; None = the start positions.
+        fires: in the order of their numbers.
+        obstacles: circles and bars.
+        path: desired path in force from the start, or NO_PATH.
+        influenced: index of the robot that is influenced first.
+        strokes: what the "show me" buttons draw.
+        gains: all tunables.
+        filter: which safety filter runs.
+        inputs: settings by interface name.
+        demo: inputs of `--demo`, written as on the command line.
+        duration: how long a headless run lasts at most [s].
+        warnings: what is allowed but probably not meant.
+    """
+
+    name: str
+    title: str
+    description: str
+    text: str
+    source: str
+    arena: Arena
+    walls: bool
+    robots: Robots
+    links: tuple[tuple[int, int], ...] | None
+    formation: Floats | None
+    fires: tuple[Fire, ...]
+    obstacles: Obstacles
+    path: Path
+    influenced: int
+    strokes: tuple[ShownStroke, ...]
+    gains: Gains
+    filter: FilterKind
+    inputs: Mapping[str, Mapping[str, object]]
+    demo: tuple[str, ...]
+    duration: float
+    warnings: tuple[str, ...]
+
+    def setup(self, seed: int = 0) -> Setup:
+        """What a run starts from; the same seed gives the same bytes.
+
+        Raises:
+            ScenarioError: the seed's jitter puts a robot where it would violate a safety barrier.
+        """
+        position = self.robots.positions(seed)
+        world = self._world(position)
+        fire_radius = floats([fire.radius for fire in self.fires], -1)
+        check_start(position, fire_radius, world, self.gains, f"{self.source}: robots")
+        start = initial_state(position, fire_radius, world)
+        start = start._replace(intent=start.intent._replace(influenced=self.influenced))
+        return Setup(self.arena, world, self.gains, follow(start, self.path))
+
+    def _world(self, position: Floats) -> World:
+        sides = [(1, 0, self.arena.x_min), (-1, 0, -self.arena.x_max)]
+        sides += [(0, 1, self.arena.y_min), (0, -1, -self.arena.y_max)]
+        link_start, link_to = ints([]), ints([])
+        if self.links is not None:
+            link_start, link_to = link_table(self.links, len(position))
+        return World(
+            circles=floats(self.obstacles.circles),
+            bars=floats(self.obstacles.bars),
+            walls=floats(sides if self.walls else [], -1, 3),
+            fire_position=floats([fire.position for fire in self.fires], -1, 2),
+            fire_growth=floats([fire.growth for fire in self.fires], -1),
+            fire_needs=ints([fire.needs for fire in self.fires], -1),
+            formation=floats(position if self.formation is None else self.formation),
+            link_start=link_start,
+            link_to=link_to,
+        )
+
+
+def data_folder() -> FilePath:
+    """The folder of `scenarios` and `assets`: beside the package in a checkout, inside it in a wheel.
+
+    A checkout comes first, for an editable install may leave a stale copy inside.
+    """
+    package = FilePath(__file__).parents[1]
+    checkout = package.parent
+    return checkout if (checkout / "pyproject.toml").is_file() and (checkout / "scenarios").is_dir() else package
+
+
+def scenario_names() -> tuple[str, ...]:
+    """Names of the shipped scenarios."""
+    return tuple(sorted(path.stem for path in (data_folder() / "scenarios").glob("*.yaml")))
+
+
+def load_scenario(name_or_path: str | FilePath) -> Scenario:
+    """The shipped scenario of that name, or the one in that file.
+
+    Raises:
+        ScenarioError: there is no such scenario, or its file cannot be used.
+    """
+    given = str(name_or_path)
+    file = FilePath(given)
+    if file.suffix not in (".yaml", ".yml"):
+        names = scenario_names()
+        if given not in names:
+            raise ScenarioError(
+                f"no scenario '{given}'{closest(given, names)}; known scenarios: {', '.join(names)}, or a .yaml file"
+            )
+        file = data_folder() / "scenarios" / f"{given}.yaml"
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
+        raise ScenarioError(f"{file}: {reason}") from error
+    return parse_scenario(text, str(file))
+
+
+def parse_scenario(text: str, source: str) -> Scenario:
+    """The scenario that a YAML text describes.
+
+    Args:
+        text: the YAML.
+        source: where it comes from, for errors; its stem names a scenario that does not name itself.
+
+    Raises:
+        ScenarioError: the text cannot be used.
+    """
+    root = read_yaml(text, source)
+    entries = root.section(KEYS, ("version", "arena", "robots"))
+    version = entries["version"]
+    if str(version.value) != str(VERSION):
+        raise version.error(f"{version.value!r} is not a version that this console reads; known versions: {VERSION}")
+
+    def entry(key: str, default: object) -> Node:
+        return entries.get(key, Node(default, source, key))
+
+    arena, walls = read_arena(entries["arena"])
+    robots = read_robots(entries["robots"], arena)
+    count = len(robots.points)
+    gains = read_parameters(entry("parameters", {}))
+    inputs = read_inputs(entry("inputs", {}))
+    links = read_links(entries["links"], count) if "links" in entries else None
+    network = start_network(robots.points, links, gains.formation.communication_range)
+    check_formation(network.degree, gains, source)
+    name = entry("name", FilePath(source).stem).text()
+    scenario = Scenario(
+        name=name,
+        title=entry("title", name).text(),
+        description=entry("description", "").text().strip(),
+        text=text,
+        source=source,
+        arena=arena,
+        walls=walls,
+        robots=robots,
+        links=links,
+        formation=read_formation(entries["formation_m"], count) if "formation_m" in entries else None,
+        fires=read_fires(entry("fires", []), count),
+        obstacles=read_obstacles(entry("obstacles", {})),
+        path=read_path(entries["path"], gains.path.stroke_smoothing) if "path" in entries else NO_PATH,
+        influenced=entry("influenced", 1).integer(1, count, "a robot's number") - 1,
+        strokes=read_strokes(entry("strokes", []), count),
+        gains=gains,
+        filter=FilterKind(entry("filter", "distributed").choice(tuple(FilterKind))),
+        inputs=inputs,
+        demo=tuple(item.text() for item in entry("demo", []).items()),
+        duration=entry("duration_s", 120.0).number(_DURATION),
+        warnings=(*_network_warnings(network, links is not None), *unknown_settings(inputs)),
+    )
+    start = scenario.setup(seed=0)
+    fire_radius = start.start.motion.fire_radius
+    check_barriers(start.world, fire_radius, gains, source)
+    late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, gains)
+    return replace(scenario, warnings=(*scenario.warnings, *late))
+
+
+def _network_warnings(network: Network, linked: bool) -> tuple[str, ...]:
+    if network.components == 1:
+        return ()
+    cause = "links" if linked else "communication_range"
+    return (f"the team starts in {network.components} parts that do not hear each other; see {cause}",)

@@ -1,0 +1,293 @@
+"""A session: the one loop between operator and team.
+
+    each tick:  poll the interfaces -> apply their commands -> advance -> say what happened -> record -> publish
+
+The session owns the clock (freeze, step, speed). Everyone else reads `snapshot`, which is replaced as a whole and never
+written, so a view may keep one for as long as it likes.
+"""
+
+import logging
+from collections.abc import Iterable
+from threading import Event as Signal
+from threading import Thread
+from time import perf_counter
+from typing import Any, NamedTuple, cast
+
+from higvf_console.arrays import Floats
+from higvf_console.commands import (
+    ChannelHealth,
+    Cursor,
+    Freeze,
+    Interface,
+    OperatorCommand,
+    OperatorContext,
+    PointerSink,
+    SetSpeed,
+    Step,
+    StrokeCancel,
+    StrokePoints,
+)
+from higvf_console.errors import InputError
+from higvf_console.session.baseline import Baseline, compute_baseline
+from higvf_console.session.channels import Channels
+from higvf_console.session.failsafe import failure_event, halted
+from higvf_console.session.recording import Recorder
+from higvf_console.session.run import Run
+from higvf_console.session.scenario import Scenario
+from higvf_console.session.sections import FilterKind
+from higvf_console.sim.metrics import loss_area
+from higvf_console.sim.setup import Event, Severity
+from higvf_console.state import SimState, Trace
+from higvf_console.viewport import Viewport
+
+SLOWEST, FASTEST = 0.25, 8.0  # speed factors
+CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time
+EVENTS_KEPT = 2000
+_HEALTH_EVERY = 25  # ticks
+
+_log = logging.getLogger(__name__)
+
+
+class Snapshot(NamedTuple):
+    """All that a view needs of one moment.
+
+    Attributes:
+        state: now.
+        trace: of the last control period.
+        time: session time [s].
+        frozen: whether the simulation clock stands.
+        speed: factor of the simulation clock.
+        loss_area: (M,) burnt by each fire [m^2].
+        min_clearance: smallest of the run so far [m]; the present one is in the trace.
+        tick_ms: how long the tick took [ms].
+        infeasible_ticks: control periods in which a robot could not meet all barrier rows.
+        deadlock_s: time in which a robot was deadlocked [s].
+        extinguished: fire indices in the order in which they went out.
+        channels: how each interface is.
+        events: what happened, oldest first; the last `EVENTS_KEPT`.
+    """
+
+    state: SimState
+    trace: Trace
+    time: float
+    frozen: bool
+    speed: float
+    loss_area: Floats
+    min_clearance: float
+    tick_ms: float
+    infeasible_ticks: int
+    deadlock_s: float
+    extinguished: tuple[int, ...]
+    channels: tuple[tuple[str, ChannelHealth], ...]
+    events: tuple[Event, ...]
+
+
+class AppliedCommand(NamedTuple):
+    """A command and the session time at which it was applied [s]."""
+
+    time: float
+    command: OperatorCommand
+
+
+class Session:
+    """A scenario, its operator's interfaces and the clock.
+
+    Attributes:
+        scenario: what is run.
+        seed: of the start positions.
+        setup: what the run started from.
+        snapshot: the latest moment.
+        baseline: loss area without an operator; None until it is known.
+        viewport: how the operator's screen lies over the arena; set by the view.
+        commands: applied so far, without cursors and stroke points, which come by the thousand.
+        error: what halted the engine; None while all is well.
+    """
+
+    def __init__(
+        self, scenario: Scenario, interfaces: Iterable[Interface], seed: int = 0, recorder: Recorder | None = None
+    ) -> None:
+        """Sets the run up and publishes its first moment; nothing moves before `tick` or `run`.
+
+        Args:
+            scenario: what to run.
+            interfaces: polled each tick, in this order.
+            seed: of the start positions.
+            recorder: writes everything down.
+
+        Raises:
+            ScenarioError: the start is not safe with this seed.
+            InputError: two interfaces have the same name.
+        """
+        self.scenario = scenario
+        self.seed = seed
+        self.setup = scenario.setup(seed)
+        self.baseline: Baseline | None = None
+        self.viewport: Viewport | None = None
+        self.commands: list[AppliedCommand] = []
+        self.error: Exception | None = None
+        self._run = Run(self.setup, scenario.filter)
+        self._channels = Channels(interfaces)
+        self._health = self._channels.health(0.0)
+        self._recorder = recorder
+        self._frozen = False
+        self._speed = 1.0
+        self._steps_due = 0
+        self._beats = 0
+        self._events = tuple(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings)
+        self._publish(perf_counter())
+
+    @property
+    def pointer(self) -> PointerSink:
+        """Where the view leaves the browser's commands: the interface named "mouse".
+
+        Raises:
+            InputError: the session has none, or it takes no pushed commands.
+        """
+        mouse = self._channels.named("mouse")
+        if not hasattr(mouse, "push"):
+            raise InputError("the session has no interface 'mouse' that commands can be pushed to")
+        return cast(PointerSink, mouse)
+
+    @property
+    def ticks(self) -> int:
+        """Control periods done; a reset of the run does not set it back."""
+        return self._run.ticks
+
+    def tick(self, *, advance: bool = True) -> None:
+        """Polls and applies, then advances by one control period unless the clock stands, and publishes.
+
+        Args:
+            advance: False polls, applies and publishes only (between the ticks of a slowed clock).
+        """
+        started = perf_counter()
+        self._attend()
+        if self._frozen:
+            advance, self._steps_due = self._steps_due > 0, max(0, self._steps_due - 1)
+        if advance:
+            self._add(self._run.step())
+            if self._recorder is not None:
+                self._record(self._recorder.step, self._run.state.motion)
+        self._publish(started)
+
+    def run(self, stopping: Signal) -> None:
+        """Ticks at the pace of the clock until `stopping` is set; an engine that fails halts the team, not the loop."""
+        Thread(target=self._compute_baseline, args=(stopping,), name="baseline", daemon=True).start()
+        due, credit = perf_counter(), 0.0
+        while not stopping.is_set():
+            credit += min(self._speed, 1.0)
+            try:
+                self.tick(advance=credit >= 1.0)
+            except Exception as error:  # the operator must learn of any failure, and the robots must stand
+                self._halt(error)
+            credit -= credit >= 1.0
+            due = self._wait(due, stopping)
+
+    def close(self) -> None:
+        """Closes the interfaces and completes the recording."""
+        try:
+            self._channels.close()
+        finally:
+            if self._recorder is not None:
+                self._record(self._recorder.close)
+
+    def _wait(self, due: float, stopping: Signal) -> float:
+        """Waits for the next tick; returns when it is due, without the time that cannot be caught up."""
+        period = self.setup.gains.safety.control_period / max(self._speed, 1.0)
+        due += period
+        now = perf_counter()
+        if now < due:
+            stopping.wait(due - now)
+        return max(due, now - CATCH_UP * period)
+
+    def _attend(self) -> None:
+        intent = self._run.state.intent
+        context = OperatorContext(
+            self._run.time, "operator", self.viewport, self._run.state.drawing.clutch, intent.paused,
+            intent.influenced, self._run.extinguished, len(self._run.state.motion.position),
+        )  # fmt: skip
+        commands, failures = self._channels.poll(context)
+        for command in commands:
+            self._apply(command)
+        if failures:
+            self._add(tuple(failures))
+            if self._channels.failed(self._run.state.drawing.stroke_source):
+                self._apply(StrokeCancel(source=self._run.state.drawing.stroke_source))
+
+    def _apply(self, command: OperatorCommand) -> None:
+        try:
+            events = self._run.apply(command)
+        except Exception as error:  # a device may send what no type checker saw; the state is as it was
+            source = getattr(command, "source", "?")
+            text = f"Input '{source}' sent {type(command).__name__}, which cannot be used: {error}"
+            self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
+            return
+        self._add(events)
+        self._set_clock(command)
+        if not isinstance(command, Cursor | StrokePoints):
+            self.commands.append(AppliedCommand(self._run.time, command))
+        if self._recorder is not None:
+            self._record(self._recorder.command, command)
+
+    def _set_clock(self, command: OperatorCommand) -> None:
+        match command:
+            case Freeze(frozen=frozen):
+                self._frozen, self._steps_due = bool(frozen), 0
+            case Step():
+                self._steps_due += 1
+            case SetSpeed(factor=factor):
+                self.set_speed(factor)
+            case _:
+                pass
+
+    def set_speed(self, factor: float) -> None:
+        """Lets the clock run at `factor` times real time; one outside [0.25, 8] is refused with an event."""
+        if SLOWEST <= factor <= FASTEST:
+            self._speed = float(factor)
+            return
+        text = f"The clock cannot run at {factor:g} times real time: choose {SLOWEST:g} to {FASTEST:g}."
+        self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
+
+    def _record(self, write: Any, *arguments: object) -> None:
+        try:
+            write(*arguments)
+        except OSError as error:
+            self._recorder = None
+            text = f"The recording ends here: {error.strerror or error}."
+            self._add((Event(self._run.time, Severity.ALARM, "recording", text),))
+
+    def _add(self, events: tuple[Event, ...]) -> None:
+        if events:
+            self._events = (self._events + events)[-EVENTS_KEPT:]
+
+    def _halt(self, error: Exception) -> None:
+        _log.error("the engine failed at %.2f s; the team stands", self._run.time, exc_info=error)
+        self.error = error
+        self._frozen, self._steps_due = True, 0
+        self._run.state = halted(self._run.state)
+        self._add((failure_event(error, self._run.time),))
+        self._publish(perf_counter())
+
+    def _publish(self, started: float) -> None:
+        run = self._run
+        if self._beats % _HEALTH_EVERY == 0:
+            self._health = self._channels.health(run.time)
+        self._beats += 1
+        self.snapshot = Snapshot(
+            state=run.state,
+            trace=run.trace,
+            time=run.time,
+            frozen=self._frozen,
+            speed=self._speed,
+            loss_area=loss_area(run.state.motion),
+            min_clearance=run.min_clearance,
+            tick_ms=1e3 * (perf_counter() - started),
+            infeasible_ticks=run.infeasible_ticks,
+            deadlock_s=run.deadlock_ticks * self.setup.gains.safety.control_period,
+            extinguished=run.extinguished,
+            channels=self._health,
+            events=self._events,
+        )
+
+    def _compute_baseline(self, stopping: Signal) -> None:
+        if self.scenario.filter is FilterKind.DISTRIBUTED:  # the centralised filter has no fast roll
+            self.baseline = compute_baseline(self.setup, self.scenario.duration, stopping)

@@ -1,0 +1,174 @@
+"""A recording holds enough to run the session again, bit for bit, also when it was cut off."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fake_interfaces import FakeInterface
+
+from higvf_console.commands import (
+    Clutch,
+    Cursor,
+    Freeze,
+    OperatorCommand,
+    Pause,
+    Pick,
+    ResetRun,
+    Resume,
+    Step,
+    StrokeBegin,
+    StrokeEnd,
+    StrokePoints,
+)
+from higvf_console.errors import InputError
+from higvf_console.session.headless import run_headless
+from higvf_console.session.recording import Recorder, read_recording, replay
+from higvf_console.session.scenario import Scenario
+from higvf_console.session.session import Session
+
+STROKE = np.array([[650.1, 250.0], [500.0, 400.0], [400.0, 1.0 / 3.0], [300.0, 300.0]])
+PLAN: list[tuple[float, OperatorCommand]] = [
+    (0.2, Cursor(np.array([np.nan, np.nan]), source="gaze")),
+    (0.5, StrokeBegin(source="gaze")),
+    (0.5, StrokePoints(STROKE[:2], source="gaze")),
+    (0.7, Clutch(closed=True, source="emg", confidence=0.75)),
+    (0.9, StrokePoints(STROKE[2:], source="gaze", sequence=7)),
+    (1.0, StrokeEnd(smoothing=2.0, robot=1, source="gaze")),
+    (1.5, Pause(source="emg")),
+    (1.7, Resume(source="emg")),
+    (2.0, Pick(2, source="bci", operator="ada")),
+]
+
+
+def recorded(scenario: Scenario, file: Path, *plan: tuple[float, OperatorCommand], duration: float = 4.3) -> str:
+    """Runs and records; the digest of the run."""
+    session = Session(scenario, [FakeInterface("plan", *plan)], seed=5, recorder=Recorder(file, scenario, 5))
+    report = run_headless(session, duration)
+    session.close()
+    return report["digest"]
+
+
+def test_a_replay_agrees_with_the_run_that_was_recorded(team: Scenario, tmp_path: Path) -> None:
+    digest = recorded(team, tmp_path / "run.jsonl", *PLAN)
+    result = replay(read_recording(tmp_path / "run.jsonl"))
+    assert (result.digest, result.expected, result.ticks) == (digest, digest, 215)
+    assert result.agrees
+    assert result.complete
+    assert result.changed_versions == ()
+
+
+def test_a_recording_is_strict_json(team: Scenario, tmp_path: Path) -> None:
+    recorded(team, tmp_path / "run.jsonl", *PLAN)
+
+    def refuse(constant: str) -> None:
+        raise ValueError(constant)
+
+    for line in (tmp_path / "run.jsonl").read_text().splitlines():
+        json.loads(line, parse_constant=refuse)
+
+
+def test_every_command_is_read_back_as_it_was_given(team: Scenario, tmp_path: Path) -> None:
+    recorded(team, tmp_path / "run.jsonl", *PLAN)
+    recording = read_recording(tmp_path / "run.jsonl")
+    for time, given in PLAN:
+        same = [command for command in recording.commands[round(time / 0.02)] if type(command) is type(given)]
+        for name, value in vars(given).items():
+            np.testing.assert_array_equal(getattr(same[0], name), value)
+
+
+def test_a_reset_and_a_frozen_clock_replay_too(team: Scenario, tmp_path: Path) -> None:
+    plan: list[tuple[float, OperatorCommand]] = [(1.0, ResetRun()), (0.6, Pick(1)), (0.4, Freeze(frozen=True))]
+    session = Session(team, mouse := [FakeInterface("mouse", *plan)], 5, Recorder(tmp_path / "run.jsonl", team, 5))
+    for tick in range(200):
+        if tick in (30, 40):
+            mouse[0].push(Step())
+        if tick == 50:
+            mouse[0].push(Freeze(frozen=False))
+        session.tick()
+    session.close()
+    result = replay(read_recording(tmp_path / "run.jsonl"))
+    assert result.ticks == session.ticks
+    assert result.agrees
+
+
+def test_a_recording_that_was_cut_off_replays_up_to_there(team: Scenario, tmp_path: Path) -> None:
+    recorded(team, tmp_path / "run.jsonl", *PLAN)
+    whole = (tmp_path / "run.jsonl").read_text()
+    third_mark = whole.index('{"mark": 150')
+    (tmp_path / "cut.jsonl").write_text(whole[: third_mark + 30])
+    result = replay(read_recording(tmp_path / "cut.jsonl"))
+    assert not result.complete
+    assert result.agrees
+    assert result.ticks == 100
+
+
+def test_a_changed_command_is_noticed_and_where(team: Scenario, tmp_path: Path) -> None:
+    recorded(team, tmp_path / "run.jsonl", *PLAN)
+    whole = (tmp_path / "run.jsonl").read_text()
+    (tmp_path / "forged.jsonl").write_text(whole.replace('"robot": 2', '"robot": 0'))
+    result = replay(read_recording(tmp_path / "forged.jsonl"))
+    assert not result.agrees
+    assert result.differs_after == 100
+
+
+def test_a_recording_cut_before_its_first_digest_agrees_with_nothing(team: Scenario, tmp_path: Path) -> None:
+    recorded(team, tmp_path / "run.jsonl", *PLAN)
+    header = (tmp_path / "run.jsonl").read_text().split("\n")[0]
+    (tmp_path / "cut.jsonl").write_text(header + "\n")
+    result = replay(read_recording(tmp_path / "cut.jsonl"))
+    assert (result.ticks, result.agrees, result.expected) == (0, False, None)
+
+
+def test_other_versions_are_named(team: Scenario, tmp_path: Path) -> None:
+    recorded(team, tmp_path / "run.jsonl")
+    header, _, rest = (tmp_path / "run.jsonl").read_text().partition("\n")
+    changed = json.loads(header)
+    changed["versions"]["numpy"] = "1.0"
+    (tmp_path / "old.jsonl").write_text(json.dumps(changed) + "\n" + rest)
+    (change,) = replay(read_recording(tmp_path / "old.jsonl")).changed_versions
+    assert change == f"numpy 1.0 -> {np.__version__}"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ('{"recording": 1', '{"recording": 2', "not a recording of version 1"),
+        ('{"mark": 50', '{"mark": 50 oops', r"line \d+ is damaged"),
+        ('"command": "Pick"', '"command": "Jump"', r"line \d+: not a command that this console knows: 'Jump'"),
+        ('"robot": 2', '"robots": 2', r"line \d+: not a command that this console knows: .*robots"),
+    ],
+)
+def test_a_damaged_recording_is_refused_with_the_line(
+    team: Scenario, tmp_path: Path, old: str, new: str, sentence: str
+) -> None:
+    recorded(team, tmp_path / "run.jsonl", *PLAN)
+    whole = (tmp_path / "run.jsonl").read_text()
+    assert old in whole
+    (tmp_path / "damaged.jsonl").write_text(whole.replace(old, new))
+    with pytest.raises(InputError, match=sentence):
+        read_recording(tmp_path / "damaged.jsonl")
+
+
+def test_files_that_cannot_be_opened_are_input_errors(team: Scenario, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none\.jsonl: No such file"):
+        read_recording(tmp_path / "none.jsonl")
+    with pytest.raises(InputError, match="cannot be written: Is a directory"):
+        Recorder(tmp_path, team, 0)
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_run(
+    team: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recorder = Recorder(tmp_path / "run.jsonl", team, 0)
+
+    def full(_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(recorder, "step", full)
+    session = Session(team, [], recorder=recorder)
+    for _ in range(5):
+        session.tick()
+    assert session.ticks == 5
+    alarms = [event.text for event in session.snapshot.events if event.kind == "recording"]
+    assert alarms == ["The recording ends here: No space left on device."]

@@ -1,0 +1,162 @@
+"""Every way in which a scenario file can be wrong is told in one sentence: file, key path, value, choices."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from higvf_console.errors import ScenarioError
+from higvf_console.session.scenario import load_scenario, parse_scenario, scenario_names
+
+BASE = """
+version: 1
+arena: {size_m: [1200, 700]}
+robots: {start_m: [[700, 300], [670, 350], [730, 350]]}
+"""
+
+# What is added to (or replaces a line of) the base, and what the message must say.
+MISTAKES = {
+    "unknown section": (
+        "firez: []", "t.yaml: firez: unknown key (did you mean 'fires'?); value []; known keys: version,"
+    ),
+    "unknown key": (
+        "fires: [{at_m: [1, 2], radius_m: 3, groth_m_per_s: 1}]",
+        "fires[1].groth_m_per_s: unknown key (did you mean 'growth_m_per_s'?); value 1; known keys: at_m, radius_m",
+    ),
+    "missing key": ("fires: [{at_m: [1, 2]}]", "fires[1]: the key 'radius_m' is missing"),
+    "missing section": ("robots: {}", "robots: the key 'count' is missing; known keys: "),
+    "wrong version": ("version: 2", "version: 2 is not a version that this console reads; known versions: 1"),
+    "boolean version": ("version: true", "version: True is not a version"),
+    "number as text": (
+        "fires: [{at_m: [1, 2], radius_m: wide}]", "fires[1].radius_m: 'wide' is not a number from 0.001 to 1e+06 m"
+    ),
+    "boolean as number": ("duration_s: true", "duration_s: True is not a number"),
+    "not a number": ("duration_s: .nan", "duration_s: nan is out of range"),
+    "octal is text": ("duration_s: 010", "duration_s: '010' is not a number"),
+    "number out of range": ("duration_s: -3", "duration_s: -3 is out of range; give a number from 0.001 to 1e+06 s"),
+    "parameter out of range": (
+        "parameters: {safety: {control_period: 2}}",
+        "t.yaml: parameters.safety.control_period: 2 is out of range; give a number from 0.001 to 0.1 s",
+    ),
+    "unknown parameter": (
+        "parameters: {blending: {cruisespeed: 2}}",
+        "parameters.blending.cruisespeed: unknown key (did you mean 'cruise_speed'?)",
+    ),
+    "unknown parameter group": ("parameters: {saftey: {}}", "parameters.saftey: unknown key (did you mean 'safety'?)"),
+    "point of three": ("fires: [{at_m: [1, 2, 3], radius_m: 3}]", "[1].at_m: [1, 2, 3] is not a point [x, y] in m"),
+    "section as list": ("parameters: []", "parameters: [] is not a section with the keys path, rings,"),
+    "list as section": ("fires: {}", "fires: {} is not a list"),
+    "text wanted": ("title: 5", "title: 5 is not a text"),
+    "flag wanted": ("arena: {size_m: [1200, 700], walls: off}", "arena.walls: 'off' is not true or false"),
+    "unknown word": ("filter: fast", "filter: 'fast' is not one of: distributed, centralised"),
+    "key twice": ("title: a\ntitle: b", "line 6: key 'title' is given twice"),
+    "not YAML": ("title: [", "t.yaml: line 5: expected the node content"),
+    "key that is no text": ("1: 2", "line 5: key 1 is not text"),
+    "empty arena": ("arena: {x_min: 0, y_min: 0, x_max: 0, y_max: 9}", "arena: an arena of 0 m x 9 m has no inside"),
+    "arena twice": ("arena: {size_m: [1, 2], x_min: 0}", "arena: give size_m, or x_min, y_min, x_max and y_max,"),
+    "half an arena": ("arena: {x_min: 0, y_min: 0, x_max: 0}", "arena: the key 'y_max' is missing"),
+    "no robots": ("robots: {start_m: []}", "robots.start_m: 0 points are too few; give at least 1"),
+    "count of zero": (
+        "robots: {count: 0, spacing_m: 40}", "count: 0 is not a number of robots, a whole number from 1 to 100000"
+    ),
+    "robots twice": ("robots: {start_m: [[1, 2]], count: 3}", "robots: give start_m, or count and spacing_m, not both"),
+    "robots overlap": (
+        "robots: {start_m: [[700, 300], [710, 300]]}",
+        "robots: robots 1 and 2 start 10.00 m apart; robot_clearance is 25 m",
+    ),
+    "robots on one spot": ("robots: {start_m: [[700, 300], [700, 300]]}", "robots 1 and 2 start 0.00 m apart"),
+    "grid too tight": ("robots: {count: 9, spacing_m: 20}", "start 20.00 m apart; robot_clearance is 25 m"),
+    "robot outside": (
+        "robots: {start_m: [[700, 300], [1300, 350]]}",
+        "robots: robot 2 at (1300, 350) is -100.00 m from the arena's wall; obstacle_clearance is 12 m",
+    ),
+    "robot at the wall": ("robots: {start_m: [[700, 5]]}", "robot 1 at (700, 5) is 5.00 m from the arena's wall"),
+    "robot in a circle": (
+        "obstacles: {circles: [{at_m: [0, 0], radius_m: 1}, {at_m: [670, 380], radius_m: 20}]}",
+        "robot 2 at (670, 350) is 10.00 m from circle 2; obstacle_clearance is 12 m",
+    ),
+    "robot in a bar": (
+        "obstacles: {bars: [{from_m: [0, 360], to_m: [900, 360], half_width_m: 6}]}",
+        "robot 2 at (670, 350) is 4.00 m from bar 1",
+    ),
+    "robot in a fire": ("fires: [{at_m: [700, 310], radius_m: 20}]", "robot 1 at (700, 300) is -10.00 m from fire 1"),
+    "too many needed": (
+        "fires: [{at_m: [100, 100], radius_m: 20, robots_needed: 4}]",
+        "fires[1].robots_needed: 4 is not within the team of 3, a whole number from 1 to 3",
+    ),
+    "link to itself": ("links: [[1, 1]]", "links[1]: [1, 1] is not a link between two robots, such as [1, 2]"),
+    "link to nobody": ("links: [[1, 2], [2, 4]]", "links[2][2]: 4 is not a robot's number, a whole number from 1 to 3"),
+    "formation of two": ("formation_m: [[0, 0], [1, 1]]", "formation_m: 2 points for 3 robots; give one a robot"),
+    "two paths": ("path: {circle: {}, line: {}}", "path: give exactly one of: line, circle, ellipse, sketch"),
+    "a path that is none": (
+        "path: {sketch: {points_m: [[1, 1], [1, 1], [1, 1]]}}",
+        "path.sketch: a stroke needs at least 3 distinct points; this one has 1",
+    ),
+    "flat ellipse": (
+        "path: {ellipse: {at_m: [1, 1], half_axes_m: [1, 0]}}", "path.ellipse: an ellipse's half axes must be positive"
+    ),
+    "unknown direction": (
+        "path: {circle: {at_m: [1, 1], radius_m: 9}, direction: -1}",
+        "path.direction: -1 is not one of: forward, backward",
+    ),
+    "nobody influenced": ("influenced: 4", "influenced: 4 is not a robot's number, a whole number from 1 to 3"),
+    "stroke of two": ("strokes: [{name: a, points_m: [[1, 1], [2, 2]]}]", "strokes[1].points_m: 2 points are too few"),
+    "settings as text": ("inputs: {emg: loud}", "inputs.emg: 'loud' is not a section of settings"),
+    "rings the wrong way": (
+        "parameters: {rings: {reactive_margin: 14}}",
+        "parameters.rings: reactive_margin is 14 m and must be above repulsive_margin, 14 m",
+    ),
+    "too fast for the control period": (
+        "parameters: {blending: {cruise_speed: 400}}",
+        "t.yaml: parameters.safety: pair barriers do not hold between two control steps: dt * rate * h_near^2 = ",
+    ),
+    "stand-off inside the barrier": (
+        "fires: [{at_m: [100, 100], radius_m: 32}]\nparameters: {fires: {stand_off: 13}}",
+        "parameters.fires.stand_off: 13 m is too near to fire 1 (32 m, growing 1 m/s), whose barrier holds robots 14.",
+    ),
+    "stiff formation": (
+        "parameters: {formation: {formation_rate: 25}}",
+        "control_period x formation_rate x 2 x 2 links of one robot is 2 and must stay below 2",
+    ),
+}  # fmt: skip
+
+
+def with_line(line: str) -> str:
+    """The base with `line` in place of the line of the same key, or added."""
+    key = line.partition(":")[0]
+    text, replaced = re.subn(rf"(?m)^{key}:.*$", lambda _: line, BASE)
+    return text if replaced else BASE + line
+
+
+@pytest.mark.parametrize(("line", "sentence"), MISTAKES.values(), ids=MISTAKES.keys())
+def test_a_mistake_is_told_in_one_sentence(line: str, sentence: str) -> None:
+    with pytest.raises(ScenarioError) as caught:
+        parse_scenario(with_line(line), "t.yaml")
+    message = str(caught.value)
+    assert message.startswith("t.yaml")
+    assert sentence in message
+    assert "\n" not in message
+
+
+def test_an_unknown_scenario_is_answered_with_the_names() -> None:
+    with pytest.raises(ScenarioError, match="did you mean 'firefighting'") as caught:
+        load_scenario("firefihgting")
+    assert all(name in str(caught.value) for name in scenario_names())
+
+
+def test_a_missing_file_and_a_file_of_bytes_are_scenario_errors(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"none\.yaml: No such file"):
+        load_scenario(tmp_path / "none.yaml")
+    (tmp_path / "bytes.yaml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(ScenarioError, match=r"bytes\.yaml: not UTF-8 text"):
+        load_scenario(tmp_path / "bytes.yaml")
+    (tmp_path / "null.yaml").write_bytes(b"version: \x00")
+    with pytest.raises(ScenarioError, match=r"null\.yaml: unacceptable character"):
+        load_scenario(tmp_path / "null.yaml")
+
+
+def test_a_jitter_that_makes_robots_overlap_is_refused_with_the_seed_that_does_it() -> None:
+    text = with_line("robots: {count: 9, spacing_m: 30, jitter_m: 8}")
+    with pytest.raises(ScenarioError, match="apart; robot_clearance is 25 m"):
+        for seed in range(20):
+            parse_scenario(text, "t.yaml").setup(seed)
