@@ -1,1 +1,1 @@
-"""Readers of recorded formats."""
+"""Readers of recorded formats, found by what a file holds, never by its name alone: `reading` is the entrance."""

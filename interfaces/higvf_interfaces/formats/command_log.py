@@ -1,0 +1,115 @@
+"""Logs of decoded commands, as tables `time,label[,confidence]` or as JSON lines with the same keys."""
+
+import itertools
+import json
+import math
+from collections.abc import Iterator
+from typing import NamedTuple, cast
+
+from higvf_console.errors import InputError
+from higvf_interfaces.fields import is_number
+from higvf_interfaces.formats.gaze_csv import TIMES, time_scale
+from higvf_interfaces.formats.records import CommandLog, Decision, log_start
+from higvf_interfaces.formats.text import TextFile, cell, number
+
+CSV_NAME, JSON_NAME = "command-csv", "command-jsonl"
+CSV_TITLE = "command log CSV (time,label[,confidence])"
+JSON_TITLE = 'command log JSON lines ({"time": 1.5, "label": "fist", "confidence": 0.9})'
+LABELS = ("label", "command", "marker", "event")
+
+
+class _Entry(NamedTuple):
+    place: str
+    time: float
+    label: str
+    confidence: float | None  # NaN: something that is not a number
+
+
+def matches_csv(file: TextFile) -> bool:
+    """Whether the header names a time and a label."""
+    return not matches_jsonl(file) and file.find(*TIMES) is not None and file.find(*LABELS) is not None
+
+
+def matches_jsonl(file: TextFile) -> bool:
+    """Whether the first line begins a JSON object."""
+    return file.first_line.lstrip().startswith("{")
+
+
+def read_csv(file: TextFile) -> CommandLog:
+    """Reads a table.
+
+    Raises:
+        InputError: no time or label column, no row with both, or a confidence outside [0, 1].
+    """
+    time, label, confidence = file.find(*TIMES), file.find(*LABELS), file.find("confidence")
+    if time is None:
+        raise InputError(f"{file.path}: no time column (one of {', '.join(TIMES)}); has: {file.titles}")
+    if label is None:
+        raise InputError(f"{file.path}: no label column (one of {', '.join(LABELS)}); has: {file.titles}")
+    scale = time_scale(file)
+    entries: list[_Entry] = []
+    notes: list[str] = []
+    for index, row in enumerate(file.rows(notes), start=1):
+        trust = cell(row, confidence)
+        entries.append(
+            _Entry(f"row {index}", number(cell(row, time)) * scale, cell(row, label), number(trust) if trust else None)
+        )
+    return _log(file, entries, CSV_NAME, notes)
+
+
+def read_jsonl(file: TextFile) -> CommandLog:
+    """Reads JSON lines; a line that is not an object (the torn end of a log, say) is left out and noted.
+
+    Raises:
+        InputError: no line with a time and a label, or a confidence outside [0, 1].
+    """
+    broken: list[int] = []
+    entries = list(_objects(file, broken))
+    notes = [f"{len(broken)} lines that are not JSON objects left out, the first is line {broken[0]}"] if broken else []
+    return _log(file, entries, JSON_NAME, notes)
+
+
+def _objects(file: TextFile, broken: list[int]) -> Iterator[_Entry]:
+    for index, line in enumerate(file.lines(), start=1):
+        try:
+            entry: object = json.loads(line)
+        except (ValueError, RecursionError):
+            entry = None
+        if not isinstance(entry, dict):
+            broken.append(index)
+            continue
+        fields = cast(dict[str, object], entry)
+        label = next((fields[key] for key in LABELS if key in fields), "")
+        trust = fields.get("confidence")
+        time = _number(next((fields[key] for key in TIMES if key in fields), None))
+        scale = 1e-3 if "time_ms" in fields else 1.0
+        text = str(label).strip() if isinstance(label, str | int) else ""
+        yield _Entry(f"line {index}", time * scale, text, None if trust is None else _number(trust))
+
+
+def _number(value: object) -> float:
+    return float(value) if is_number(value) else math.nan
+
+
+def _log(file: TextFile, entries: list[_Entry], name: str, notes: list[str]) -> CommandLog:
+    if not any(math.isfinite(entry.time) for entry in entries):
+        raise InputError(f"{file.path}: no entry has a time; a log without times cannot be replayed")
+    usable = [entry for entry in entries if math.isfinite(entry.time) and entry.label]
+    if not usable:
+        raise InputError(f"{file.path}: no entry has both a time and a label")
+    if len(usable) < len(entries):
+        notes.append(f"{len(entries) - len(usable)} entries without a time or a label left out")
+    if any(later.time < earlier.time for earlier, later in itertools.pairwise(usable)):
+        notes.append("entries out of order: sorted by time")
+    usable.sort(key=lambda entry: entry.time)
+    start = log_start(usable[0].time)
+    if start:
+        notes.append(f"times count from an epoch: {start:.3f} s became 0")
+    decisions = tuple(Decision(e.time - start, e.label, _confidence(file, e)) for e in usable)
+    return CommandLog(decisions, start, name, tuple(notes))
+
+
+def _confidence(file: TextFile, entry: _Entry) -> float | None:
+    if entry.confidence is not None and not 0 <= entry.confidence <= 1:
+        raise InputError(f"{file.path}, {entry.place}: confidence {entry.confidence:g} is not a number from 0 to 1")
+    return entry.confidence

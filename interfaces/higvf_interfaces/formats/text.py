@@ -1,0 +1,149 @@
+"""Text tables as people export them: any Unicode encoding, tabs, commas or semicolons, decimal comma or point."""
+
+import codecs
+import csv
+import itertools
+import math
+import os
+import unicodedata
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from higvf_console.errors import InputError
+
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "us": 1e-6, "ns": 1e-9}  # [s]; NFKC makes both mu this one
+_HEAD = 65_536  # bytes that settle encoding and delimiter
+_BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+
+
+class Column(NamedTuple):
+    """A column of a table: `Gaze point X [DACS px]` has the name "gaze point x" and the unit "dacs px"."""
+
+    place: int
+    title: str
+    name: str
+    unit: str
+
+
+class TextFile(NamedTuple):
+    """A text file, looked at: enough to tell formats apart and to read it row by row."""
+
+    path: Path
+    encoding: str
+    delimiter: str
+    complete: bool  # the last line has its end
+    first_line: str
+    columns: tuple[Column, ...]
+
+    @property
+    def titles(self) -> str:
+        """The column titles as a list for messages, cut where they are many."""
+        shown = [column.title[:60] for column in self.columns[:40]]
+        return ", ".join(shown) + (f", and {len(self.columns) - 40} more" if len(self.columns) > 40 else "")
+
+    def find(self, *names: str, units: tuple[str, ...] | None = None) -> Column | None:
+        """The first column with one of `names` (in that order of preference) and, where given, one of `units`."""
+        for name in names:
+            for column in self.columns:
+                if column.name == name and (units is None or column.unit in units):
+                    return column
+        return None
+
+    def lines(self) -> Iterator[str]:
+        """Lines without their ends, empty ones left out."""
+        with self.path.open(encoding=self.encoding, errors="replace") as stream:
+            for line in stream:
+                if line.strip():
+                    yield line.rstrip("\n")
+
+    def rows(self, notes: list[str]) -> Iterator[list[str]]:
+        """Cells of each row below the header; a last row that is torn is left out, and `notes` say so.
+
+        Raises:
+            InputError: the text is no table.
+        """
+        quoting = csv.QUOTE_NONE if self.delimiter == "\t" else csv.QUOTE_MINIMAL
+        reader = csv.reader(self.lines(), delimiter=self.delimiter, quoting=quoting)
+        below = itertools.islice(reader, 1, None)
+        try:
+            last = next(below, None)
+            for row in below:
+                if last is not None:
+                    yield last
+                last = row
+            if last is not None and not self.complete and len(last) < len(self.columns):
+                notes.append("the last row is torn: left out")
+            elif last is not None:
+                yield last
+        except csv.Error as problem:
+            raise InputError(f"{self.path}: is not a table: {problem}") from problem
+
+
+def look(source: str) -> TextFile:
+    """Opens a text file far enough to tell what it is.
+
+    Raises:
+        InputError: no file is named, there is no such file, it cannot be read, or it is empty.
+    """
+    if not source:
+        raise InputError("no file is given; write CHANNEL=FILE")
+    path = Path(source).expanduser()
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(_HEAD)
+            stream.seek(max(0, stream.seek(0, os.SEEK_END) - 2))
+            tail = stream.read()
+    except FileNotFoundError as problem:
+        raise InputError(f"{path}: there is no such file") from problem
+    except (OSError, ValueError) as problem:
+        raise InputError(f"{path}: cannot be read: {problem}") from problem
+    encoding = _encoding(head)
+    text = codecs.getincrementaldecoder(encoding)("replace").decode(head)
+    first_line = next((line for line in text.splitlines() if line.strip()), "")
+    if not first_line:
+        raise InputError(f"{path}: the file is empty")
+    complete = tail[-1:] in b"\r\n" or tail in (b"\n\0", b"\0\n")
+    delimiter = max("\t;,", key=first_line.count)
+    titles = [title.strip().strip('"') for title in first_line.split(delimiter)]
+    return TextFile(path, encoding, delimiter, complete, first_line, tuple(map(_column, range(len(titles)), titles)))
+
+
+def cell(row: list[str], column: Column | None) -> str:
+    """The text of a cell, stripped; empty where column or cell is missing."""
+    return row[column.place].strip() if column is not None and column.place < len(row) else ""
+
+
+def number(text: str) -> float:
+    """A number written with decimal point or comma; NaN where it is missing or none."""
+    if "," in text:
+        grouping = "." if text.rfind(",") > text.rfind(".") else ","
+        text = text.replace(grouping, "").replace(",", ".")
+    try:
+        value = float(text)
+    except ValueError:
+        return math.nan
+    return value if math.isfinite(value) else math.nan
+
+
+def _encoding(head: bytes) -> str:
+    for bom, name in _BOMS.items():
+        if head.startswith(bom):
+            return name
+    if head[1::2].count(0) > len(head) / 4:
+        return "utf-16-le"
+    if head[0::2].count(0) > len(head) / 4:
+        return "utf-16-be"
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8"
+
+
+def _column(place: int, title: str) -> Column:
+    plain = " ".join(unicodedata.normalize("NFKC", title).casefold().split())
+    opening = max(plain.rfind("["), plain.rfind("("))
+    if opening < 0 or plain[-1] not in ")]":
+        return Column(place, title, plain, "")
+    return Column(place, title, plain[:opening].rstrip(), plain[opening + 1 : -1])

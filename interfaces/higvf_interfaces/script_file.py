@@ -1,0 +1,133 @@
+"""The YAML script of operator actions, read strictly: each entry has one trigger and one action.
+
+- at_s: 12.0                        - when: {extinguished: 1}
+  do: pick                            after_s: 0.5
+  robot: 2                            do: stroke
+                                      points_m: [[300, 200], [500, 260], [700, 240]]
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple, cast
+
+from higvf_console.arrays import Floats
+from higvf_console.commands import Clutch, OperatorCommand, Pick
+from higvf_console.errors import ScriptError
+from higvf_interfaces.actions import PLAIN
+from higvf_interfaces.fields import Fields, shown
+from higvf_interfaces.yaml_files import read_yaml
+
+EVENTS = ("extinguished", "extinguished_count")
+DETAILS: dict[str, tuple[str, ...]] = {
+    "stroke": ("points_m", "robot", "smoothing_m", "over_s"),
+    "pick": ("robot",),
+    "clutch": ("closed",),
+    **dict.fromkeys(PLAIN, ()),
+}
+_TRIGGER = ("at_s", "when", "after_s", "do")
+_LONGEST = 1e6  # [s]
+
+
+class Trigger(NamedTuple):
+    """When an entry fires.
+
+    Attributes:
+        at: session time [s]; None where an event decides.
+        extinguished: fire index that must be out; None where it does not matter.
+        fires_out: fires that must be out; 0 where it does not matter.
+        after: delay behind the event [s].
+    """
+
+    at: float | None
+    extinguished: int | None
+    fires_out: int
+    after: float
+
+    def met(self, now: float, extinguished: Sequence[int]) -> float | None:
+        """Session time from which the trigger holds, or None while it does not; `now` for an event."""
+        if self.at is not None:
+            return self.at
+        burning = self.extinguished is not None and self.extinguished not in extinguished
+        return None if burning or len(extinguished) < self.fires_out else now
+
+
+class Stroke(NamedTuple):
+    """A path to draw.
+
+    Attributes:
+        points: (n, 2) [m].
+        robot: index of the robot that shall feel it; None = the one influenced then.
+        smoothing: standard deviation by which the path may leave the points [m]; None = the scenario's.
+        duration: over which the points arrive [s].
+    """
+
+    points: Floats
+    robot: int | None
+    smoothing: float | None
+    duration: float
+
+
+class Entry(NamedTuple):
+    """One line of a script: where it stands, when it fires, what it does."""
+
+    place: str
+    trigger: Trigger
+    action: Stroke | OperatorCommand
+
+
+def read_script(path: Path) -> tuple[Entry, ...]:
+    """Reads a script.
+
+    Raises:
+        ScriptError: with file, entry number, key, value and the known keys.
+    """
+    content = read_yaml(path, ScriptError)
+    if not isinstance(content, list) or not content:
+        raise ScriptError(f"{path}: a script is a list of entries, each with do: and at_s: or when:")
+    return tuple(
+        _entry(entry, f"{path}, entry {number}") for number, entry in enumerate(cast(list[object], content), start=1)
+    )
+
+
+def _entry(entry: object, place: str) -> Entry:
+    if not isinstance(entry, dict):
+        raise ScriptError(f"{place}: {shown(entry)} is not an entry with do: and at_s: or when:")
+    values = cast(dict[str, object], entry)
+    action = values.get("do")
+    if not isinstance(action, str) or action not in DETAILS:
+        raise ScriptError(f"{place}: do: {shown(action)} is not an action; known actions: {', '.join(DETAILS)}")
+    fields = Fields(values, (*_TRIGGER, *DETAILS[action]), place, ScriptError)
+    return Entry(place, _trigger(fields), _action(action, fields))
+
+
+def _trigger(fields: Fields) -> Trigger:
+    if fields.has("at_s") == fields.has("when"):
+        fields.fail("give either at_s: SECONDS or when: {EVENT: NUMBER}")
+    if fields.has("at_s"):
+        if fields.has("after_s"):
+            fields.fail("after_s goes with when:, not with at_s:")
+        return Trigger(fields.number("at_s", None, 0.0, _LONGEST, "s"), None, 0, 0.0)
+    event = Fields(fields.mapping("when"), EVENTS, f"{fields.place}: when", ScriptError)
+    if len(event.values) != 1:
+        fields.fail(f"when: give one event, one of {', '.join(EVENTS)}")
+    after = fields.number("after_s", 0.0, 0.0, _LONGEST, "s")
+    if event.has("extinguished"):
+        return Trigger(None, event.whole("extinguished", 1) - 1, 0, after)
+    return Trigger(None, None, event.whole("extinguished_count", 1), after)
+
+
+def _action(action: str, fields: Fields) -> Stroke | OperatorCommand:
+    match action:
+        case "stroke":
+            return Stroke(
+                points=fields.points("points_m"),
+                robot=fields.whole("robot", 1) - 1 if fields.has("robot") else None,
+                smoothing=fields.number("smoothing_m", None, 0.0, 1e6, "m") if fields.has("smoothing_m") else None,
+                duration=fields.number("over_s", 0.0, 0.0, _LONGEST, "s"),
+            )
+        case "pick":
+            return Pick(fields.whole("robot", 1) - 1)
+        case "clutch":
+            return Clutch(fields.flag("closed"))
+        case _:
+            return PLAIN[action]()

@@ -1,0 +1,56 @@
+"""What the adapter tests share: an operator's context, recorded samples, files made on the spot."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from higvf_console.commands import OperatorContext
+from higvf_console.viewport import Viewport
+
+ContextAt = Callable[..., OperatorContext]
+
+
+@pytest.fixture
+def at() -> ContextAt:
+    """Makes the context of a session at a time; three robots, nothing pressed, nothing burnt out."""
+
+    def context(
+        time: float,
+        *,
+        clutch: bool = False,
+        paused: bool = False,
+        extinguished: tuple[int, ...] = (),
+        viewport: Viewport | None = None,
+        robots: int = 3,
+    ) -> OperatorContext:
+        return OperatorContext(time, "operator", viewport, clutch, paused, 0, extinguished, robots)
+
+    return context
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Callable[..., str]:
+    """Writes a file and returns its name."""
+
+    def written(content: str | bytes, name: str = "file.txt") -> str:
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return str(path)
+
+    return written
+
+
+@pytest.fixture
+def sample() -> Callable[[str], Path]:
+    """Finds a recorded sample; skips the test where it is missing."""
+
+    def found(name: str) -> Path:
+        root = os.environ.get("HIGVF_SAMPLES") or Path(__file__).parents[3] / "shared" / "samples"
+        path = Path(root) / name
+        if not path.is_file():
+            pytest.skip(f"recorded sample {name} is missing; HIGVF_SAMPLES names its folder")
+        return path
+
+    return found

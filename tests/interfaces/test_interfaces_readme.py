@@ -1,0 +1,49 @@
+"""What interfaces/README.md shows can be used as it stands."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from higvf_console.commands import InputSpec
+from higvf_console.errors import InputError
+from higvf_interfaces.actions import ACTIONS
+from higvf_interfaces.bci import CLASSES
+from higvf_interfaces.decisions import OPTIONS as DECISION_OPTIONS
+from higvf_interfaces.emg import GESTURES, open_emg
+from higvf_interfaces.formats.reading import COMMAND_FORMATS, GAZE_FORMATS
+from higvf_interfaces.gaze import OPTIONS as GAZE_OPTIONS
+from higvf_interfaces.recordings import make_recordings
+from higvf_interfaces.script_file import DETAILS, EVENTS, read_script
+from higvf_interfaces.yaml_files import read_yaml
+
+README = (Path(__file__).parents[2] / "interfaces" / "README.md").read_text(encoding="utf-8")
+INPUTS, SCRIPT, PLAN = re.findall(r"```yaml\n(.*?)```", README, re.DOTALL)
+
+
+def test_the_shown_script_is_accepted(write: Callable[..., str]) -> None:
+    assert len(read_script(Path(write(SCRIPT)))) == 2
+
+
+def test_the_shown_plan_makes_its_recordings(write: Callable[..., str]) -> None:
+    assert set(make_recordings(Path(write(PLAN)))) == {"gaze.tsv", "emg.csv", "bci.jsonl"}
+
+
+def test_the_shown_settings_are_accepted(write: Callable[..., str]) -> None:
+    content = read_yaml(Path(write(INPUTS)), InputError)
+    assert isinstance(content, dict)
+    open_emg(InputSpec("emg", write("time,label\n1,fist\n", "log.csv"), settings=content["inputs"]["emg"]))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [*GAZE_OPTIONS, *DECISION_OPTIONS, *ACTIONS, *GESTURES, "robot9", *DETAILS, *EVENTS,
+     *(known.name for known in (*GAZE_FORMATS, *COMMAND_FORMATS))],
+)  # fmt: skip
+def test_every_option_action_label_and_format_is_described(name: str) -> None:
+    assert re.search(rf"`[^`\n]*\b{re.escape(name)}\b[^`\n]*`", README), name
+
+
+def test_the_default_classes_of_the_bci_are_those_described() -> None:
+    assert set(CLASSES) == {f"robot{n}" for n in range(1, 10)} | {str(n) for n in range(1, 10)} | {"idle", "rest"}
