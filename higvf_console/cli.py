@@ -202,7 +202,8 @@ def _input_specs(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
     if given.demo:
         specs += demo_specs(scenario)
     if given.script is not None:
-        specs.append(InputSpec("script", given.script, {}, scenario.inputs.get("script", {}), scenario.arena))
+        settings, robots = scenario.inputs.get("script", {}), len(scenario.robots.points)
+        specs.append(InputSpec("script", given.script, {}, settings, scenario.arena, robots))
     if not given.headless and all(spec.channel != "mouse" for spec in specs):
         specs.insert(0, input_spec("mouse", scenario))
     return specs

@@ -204,6 +204,7 @@ class InputSpec:
         options: from the command line, `--input gaze=FILE:frame=screen` -> {"frame": "screen"}.
         settings: the scenario's `inputs: {gaze: ...}` section.
         arena: the arena that the input is to steer in.
+        robots: how many the team has; None = not known yet.
     """
 
     channel: str
@@ -211,6 +212,7 @@ class InputSpec:
     options: Mapping[str, str] = field(default_factory=lambda: {})
     settings: Mapping[str, object] = field(default_factory=lambda: {})
     arena: Arena = field(default_factory=lambda: Arena(0.0, 0.0, 1200.0, 700.0))
+    robots: int | None = None
 
 
 class Interface(Protocol):

@@ -31,7 +31,7 @@ def input_spec(text: str, scenario: Scenario, folder: Path | None = None) -> Inp
         raise InputError(f"--input {text}: give CHANNEL=FILE or CHANNEL=FILE:option=value,option=value")
     source, options = _split(rest, folder or Path())
     settings = scenario.inputs.get(channel, {})
-    return InputSpec(channel, source, _options(options, text), settings, scenario.arena)
+    return InputSpec(channel, source, _options(options, text), settings, scenario.arena, len(scenario.robots.points))
 
 
 def demo_specs(scenario: Scenario) -> list[InputSpec]:

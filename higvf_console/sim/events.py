@@ -14,16 +14,17 @@ def events_between(
     was, now = before.motion, after.motion
     time = now.tick * gains.safety.control_period
     events: list[Event] = []
-    if was.fire_burning.sum() != now.fire_burning.sum():
+    if was.fire_burning.tobytes() != now.fire_burning.tobytes():
         for fire in np.flatnonzero(was.fire_burning & ~now.fire_burning):
             area = np.pi * now.fire_radius[fire] ** 2
             text = f"Fire {fire + 1} is out; it burnt {area:,.0f} m²."
             events.append(Event(time, Severity.GOOD, "extinguished", text))
     if was.path_status != now.path_status:
         events.extend(_path_event(now.path_status, after.intent.influenced, time))
-    target = _common_target(now.target)
-    if target not in (NOBODY, _common_target(was.target)):
-        events.append(Event(time, Severity.INFO, "target", f"The team's target is fire {target + 1}."))
+    if was.target.tobytes() != now.target.tobytes():
+        target = _common_target(now.target)
+        if target not in (NOBODY, _common_target(was.target)):
+            events.append(Event(time, Severity.INFO, "target", f"The team's target is fire {target + 1}."))
     if trace.infeasible.any():
         events.extend(_robots(trace.infeasible, trace_before.infeasible if trace_before else None, time, "infeasible"))
     if trace.deadlocked.any():

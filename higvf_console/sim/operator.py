@@ -126,7 +126,7 @@ def _commit(state: SimState, command: StrokeEnd, setup: Setup, time: float) -> O
 
 
 def _pick(state: SimState, robot: int, time: float) -> Outcome:
-    robots = len(state.motion.position)
+    robots, robot = len(state.motion.position), int(robot)
     if not 0 <= robot < robots:
         return state, _refuse(time, f"There is no robot {robot + 1}: the team has robots 1 to {robots}.")
     if robot == state.intent.influenced:

@@ -33,7 +33,6 @@ class ScriptPlayer:
         self._entries = entries
         self._stamp = Stamp(name)
         self._now = -math.inf
-        self._checked = False
         self._resets: set[int] = set()
         self._forget()
 
@@ -43,13 +42,7 @@ class ScriptPlayer:
         return self._name
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
-        """Commands that have fallen due, in order of time.
-
-        Raises:
-            ScriptError: at the first poll: an entry names a robot that the scenario does not have.
-        """
-        if not self._checked:
-            self._check_robots(context.robots)
+        """Commands that have fallen due, in order of time."""
         if context.time < self._now:
             self._forget()
         self._now = context.time
@@ -73,13 +66,6 @@ class ScriptPlayer:
         self._fired: set[int] = set(self._resets)
         self._event_times: dict[int, float] = {}
         self._growing: list[tuple[float, OperatorCommand]] = []
-
-    def _check_robots(self, robots: int) -> None:
-        for entry in self._entries:
-            robot = entry.action.robot if isinstance(entry.action, Stroke | Pick) else None
-            if robot is not None and robot >= robots:
-                raise ScriptError(f"{entry.place}: robot: there is no robot {robot + 1}; give 1 to {robots}")
-        self._checked = True
 
     def _due(self, context: OperatorContext) -> list[tuple[float, int]]:
         """(time, entry) of what fires now, in order."""
@@ -117,11 +103,16 @@ def open_script(spec: InputSpec) -> ScriptPlayer:
     """Entry point `script`.
 
     Raises:
-        ScriptError: the script cannot be used.
+        ScriptError: the script cannot be used, or names a robot that the team does not have.
         InputError: an option was given; a script takes none.
     """
     option_fields(spec, ())
-    return ScriptPlayer(spec.channel, read_script(Path(spec.source).expanduser()))
+    entries = read_script(Path(spec.source).expanduser())
+    for entry in entries:
+        robot = entry.action.robot if isinstance(entry.action, Stroke | Pick) else None
+        if robot is not None and spec.robots is not None and robot >= spec.robots:
+            raise ScriptError(f"{entry.place}: robot: there is no robot {robot + 1}; give 1 to {spec.robots}")
+    return ScriptPlayer(spec.channel, entries)
 
 
 def _schedule(stroke: Stroke, start: float) -> list[tuple[float, OperatorCommand]]:

@@ -140,10 +140,10 @@ def test_health_counts_what_is_done(write: Write, at: ContextAt) -> None:
     player.close()
 
 
-def test_a_robot_that_is_not_there_is_refused_at_the_first_poll(write: Write, at: ContextAt) -> None:
-    player = script(write("- {at_s: 50, do: pick, robot: 4}\n"))
+def test_a_robot_that_is_not_there_is_refused_when_the_script_is_opened(write: Write) -> None:
+    file = write("- {at_s: 50, do: pick, robot: 4}\n")
     with pytest.raises(ScriptError, match=r"file.txt, entry 1: robot: there is no robot 4; give 1 to 3"):
-        player.poll(at(0.0, robots=3))
+        open_script(InputSpec("script", file, robots=3))
 
 
 @pytest.mark.parametrize(
