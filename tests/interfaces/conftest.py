@@ -1,6 +1,5 @@
-"""What the adapter tests share: an operator's context, recorded samples, files made on the spot."""
+"""What the adapter tests share: an operator's context, files made on the spot."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -40,17 +39,3 @@ def write(tmp_path: Path) -> Callable[..., str]:
         return str(path)
 
     return written
-
-
-@pytest.fixture
-def sample() -> Callable[[str], Path]:
-    """Finds a recorded sample; skips the test where it is missing."""
-
-    def found(name: str) -> Path:
-        root = os.environ.get("HIGVF_SAMPLES") or Path(__file__).parents[3] / "shared" / "samples"
-        path = Path(root) / name
-        if not path.is_file():
-            pytest.skip(f"recorded sample {name} is missing; HIGVF_SAMPLES names its folder")
-        return path
-
-    return found

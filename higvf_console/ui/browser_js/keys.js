@@ -1,0 +1,252 @@
+// Space and a red button that stop the team whatever has the focus, the other keys, and the list of them.
+(page, config) => {
+  const ALIVE_EVERY_MS = 1000;
+  const ALIVE_FOR_MS = 3000;
+  const RESEND_MS = 150;
+  const CONFIRM_MS = 5000; // time for the second step of a reset
+  const DOUBLE_MS = 400; // a hasty second press of the same click is none
+  const UNCONFIRMED_MS = 2000; // an accepted STOP must show as stopped by then
+
+  // Space types a blank only here; everywhere else it stops the team.
+  const TYPES_SPACE =
+    "textarea, input:not([inputmode]):not([role=combobox]):not([type=checkbox]):not([type=range])";
+  const TYPES_LETTERS = "textarea, select, [contenteditable=true], input:not([type=checkbox]):not([type=range])";
+
+  const overlay = page.overlay(
+    `<style>
+      :host { font: 14px/1.45 system-ui, "Segoe UI", sans-serif; }
+      * { box-sizing: border-box; }
+      .bar { position: absolute; display: flex; gap: 10px; align-items: flex-end; }
+      button { pointer-events: auto; cursor: pointer; font: inherit; border: 0; touch-action: manipulation;
+        user-select: none; -webkit-user-select: none; -webkit-tap-highlight-color: transparent; }
+      button:focus-visible { outline: 3px solid #fff; outline-offset: 2px; }
+      .stop { width: 196px; min-height: 68px; padding: 8px 10px; border-radius: 12px; color: #fff; background: #c81e1e;
+        box-shadow: 0 0 0 2px rgba(255, 255, 255, 0.85), 0 4px 16px rgba(0, 0, 0, 0.45); line-height: 1.2; }
+      .stop:hover { background: #dc2626; }
+      .stop:active { filter: brightness(0.85); }
+      .stop b { display: block; font-size: 17px; font-weight: 700; letter-spacing: 0.02em; }
+      .stop.ready b { font-size: 22px; font-weight: 800; letter-spacing: 0.06em; }
+      .stop span { display: block; font-size: 12.5px; opacity: 0.95; }
+      .stop.sending, .stop.accepted { background: #7f1d1d; }
+      .stop.stopped, .stop.asked { color: #991b1b; background: #fff;
+        box-shadow: 0 0 0 4px #dc2626, 0 4px 16px rgba(0, 0, 0, 0.45); }
+      .stop.asked { color: #7c2d12; background: #fde68a; }
+      .stop.offline { background: #3f1d1d; box-shadow: 0 0 0 3px #f59e0b, 0 4px 16px rgba(0, 0, 0, 0.45); }
+      .ask { width: 34px; height: 34px; border-radius: 50%; color: #cbd5e1; background: rgba(24, 28, 34, 0.8);
+        font-size: 16px; font-weight: 600; box-shadow: 0 0 0 1px rgba(148, 163, 184, 0.45); }
+      .ask:hover { color: #fff; background: rgba(45, 52, 62, 0.95); }
+      .veil { position: absolute; inset: 0; display: none; pointer-events: auto; align-items: center;
+        justify-content: center; background: rgba(0, 0, 0, 0.35); }
+      .veil.open { display: flex; }
+      .card { width: min(520px, 92vw); max-height: 88vh; overflow: auto; padding: 22px 26px 18px; border-radius: 14px;
+        color: #dbe2ea; background: rgba(20, 24, 30, 0.93); box-shadow: 0 12px 48px rgba(0, 0, 0, 0.5);
+        border: 1px solid rgba(148, 163, 184, 0.22); backdrop-filter: blur(6px); }
+      h2 { margin: 0 0 12px; font-size: 17px; font-weight: 600; color: #fff; }
+      h3 { margin: 16px 0 8px; font-size: 12px; font-weight: 600; color: #8d99a8; letter-spacing: 0.08em;
+        text-transform: uppercase; }
+      dl { display: grid; grid-template-columns: max-content 1fr; gap: 7px 16px; margin: 0; align-items: baseline; }
+      dt { justify-self: end; min-width: 96px; text-align: right; }
+      dd { margin: 0; }
+      kbd { display: inline-block; min-width: 26px; padding: 1px 8px; border-radius: 6px; text-align: center;
+        font: 600 13px/1.6 ui-monospace, "DejaVu Sans Mono", monospace; color: #f1f5f9; background: #2b323c;
+        box-shadow: inset 0 -1px 0 #0d1014, 0 0 0 1px rgba(148, 163, 184, 0.3); }
+      .stops kbd { background: #b91c1c; }
+      p { margin: 14px 0 0; font-size: 12.5px; color: #98a4b3; }
+    </style>
+    <div class="veil"><div class="card" role="dialog" aria-label="Keys"></div></div>
+    <div class="bar">
+      <button class="stop" type="button" aria-live="assertive"><b></b><span></span></button>
+      <button class="ask" type="button" title="Keys" aria-label="Keys">?</button>
+    </div>`,
+    2147483647,
+  );
+  const $ = (selector) => overlay.shadowRoot.querySelector(selector);
+  const [bar, button, veil] = [$(".bar"), $(".stop"), $(".veil")];
+
+  const stop = {
+    number: 0, // of the last press
+    waiting: false, // until the server has acknowledged that number
+    acceptedAt: -Infinity,
+    unconfirmed: false, // accepted, and not yet shown as stopped
+    latched: false, // what the server says
+    latchedAt: -Infinity,
+    askedAt: -Infinity,
+  };
+  const alive = { connection: null, heardAt: -Infinity, askedAt: -Infinity, askedOf: null };
+
+  const now = () => performance.now();
+  const since = (moment) => now() - moment;
+  const connected = () => alive.connection === page.connection() && since(alive.heardAt) < ALIVE_FOR_MS;
+
+  function sendKey(name, number = 0) {
+    page.send("key", { name, number });
+  }
+
+  function pressStop() {
+    stop.number = Math.max(stop.number + 1, Date.now());
+    stop.waiting = true;
+    stop.askedAt = -Infinity;
+    sendKey("stop", stop.number);
+    show();
+  }
+
+  // The button stops; once stopped, two unhurried presses reset.
+  function pressButton() {
+    if (!stop.latched) return pressStop();
+    if (!connected() || since(stop.latchedAt) < DOUBLE_MS || since(stop.askedAt) < DOUBLE_MS) return;
+    const confirmed = since(stop.askedAt) < CONFIRM_MS;
+    sendKey(confirmed ? "reset_stop" : "ask_reset");
+    stop.askedAt = confirmed ? -Infinity : now();
+    show();
+  }
+
+  function face() {
+    if (!connected()) {
+      const text = stop.waiting ? "STOP waits for the server" : "STOP cannot reach the server";
+      return ["offline", "No connection", text];
+    }
+    if (stop.waiting) return ["sending", "STOP sent", "not acknowledged yet …"];
+    if (stop.latched && since(stop.askedAt) < CONFIRM_MS) {
+      const seconds = Math.ceil((CONFIRM_MS - since(stop.askedAt)) / 1000);
+      return ["asked", `Reset? (${seconds} s)`, "press again to confirm"];
+    }
+    if (stop.latched) return ["stopped", "STOPPED", "Reset …"];
+    if (stop.unconfirmed && since(stop.acceptedAt) < UNCONFIRMED_MS) return ["accepted", "STOP received", "stopping …"];
+    if (stop.unconfirmed) return ["offline", "Not confirmed", "press STOP again"];
+    return ["ready", "STOP", "Space"];
+  }
+
+  let shown = "";
+  function show() {
+    const rect = page.canvas()?.getBoundingClientRect();
+    bar.style.left = `${(rect?.left ?? 0) + 18}px`;
+    bar.style.bottom = `${Math.max(window.innerHeight - (rect?.bottom ?? window.innerHeight), 0) + 18}px`;
+    const [state, title, text] = face();
+    if (shown === state + title + text) return;
+    shown = state + title + text;
+    button.className = `stop ${state}`;
+    button.querySelector("b").textContent = title;
+    button.querySelector("span").textContent = text;
+  }
+
+  // Asks the server for a sign of life; a STOP that it has not acknowledged is sent again.
+  function beat() {
+    const connection = page.connection();
+    if (stop.waiting || since(alive.heardAt) > 1.5 * ALIVE_EVERY_MS) page.readNow();
+    if (stop.waiting && connected()) sendKey("stop", stop.number);
+    if (since(alive.askedAt) > ALIVE_EVERY_MS || alive.askedOf !== connection) {
+      [alive.askedAt, alive.askedOf] = [now(), connection];
+      page.send("alive", {});
+    }
+    if (!document.hidden) show();
+  }
+
+  function fillCard() {
+    const entry = ([key, text]) => {
+      const [dt, kbd, dd] = ["dt", "kbd", "dd"].map((tag) => document.createElement(tag));
+      kbd.textContent = key;
+      dd.textContent = text;
+      dt.append(kbd);
+      return [dt, dd];
+    };
+    const list = (entries) => {
+      const dl = document.createElement("dl");
+      dl.append(...entries.flatMap(entry));
+      return dl;
+    };
+    const heading = (tag, text) => Object.assign(document.createElement(tag), { textContent: text });
+    const keys = list(config.keys);
+    keys.firstElementChild.className = "stops";
+    $(".card").append(
+      heading("h2", "Keys"),
+      keys,
+      heading("h3", "Pointer in the arena"),
+      list(config.pointer),
+      heading("p", config.note),
+    );
+  }
+
+  const toggleHelp = (open = !veil.classList.contains("open")) => veil.classList.toggle("open", open);
+
+  // The key as printed on it; on a keyboard without Latin letters, the key at that place.
+  function hotkey(event) {
+    const printed = event.key.toLowerCase();
+    if (printed in config.names || /^[a-z]$/.test(printed)) return config.names[printed];
+    return config.names[event.code.replace(/^(Key|Digit|Numpad)/, "").toLowerCase()];
+  }
+
+  function onKeyDown(event) {
+    const target = event.composedPath()[0];
+    if (event.code === "Space") {
+      if (target.matches?.(TYPES_SPACE)) return;
+      event.preventDefault();
+      event.stopImmediatePropagation();
+      if (!event.repeat) pressStop();
+      return;
+    }
+    if (event.key === "Escape" && veil.classList.contains("open")) {
+      event.stopImmediatePropagation();
+      toggleHelp(false);
+      return;
+    }
+    if (event.ctrlKey || event.metaKey || event.altKey || target.matches?.(TYPES_LETTERS)) return;
+    const name = hotkey(event);
+    if (!name) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    if (event.repeat) return;
+    if (name === "help") toggleHelp();
+    else if (name === "fit_view") page.part("camera")?.fit();
+    else sendKey(name);
+  }
+
+  // A browser may press the focused button when Space is released.
+  function onKeyUp(event) {
+    if (event.code !== "Space" || event.composedPath()[0].matches?.(TYPES_SPACE)) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+  }
+
+  // Pressed at once by a pointer, and by a click where there is none: Enter, assistive technology.
+  button.addEventListener("pointerdown", (event) => {
+    event.stopPropagation();
+    if (event.button === 0) pressButton();
+  });
+  button.addEventListener("click", (event) => event.detail === 0 && pressButton());
+  bar.addEventListener("mousedown", (event) => event.preventDefault()); // the focus stays where it is
+  $(".ask").addEventListener("click", () => toggleHelp());
+  veil.addEventListener("click", (event) => event.target === veil && toggleHelp(false));
+
+  fillCard();
+  show();
+  const beating = setInterval(beat, RESEND_MS);
+  const forget = page.listen({ keydown: onKeyDown, keyup: onKeyUp });
+
+  return {
+    alive() {
+      [alive.connection, alive.heardAt] = [page.connection(), now()];
+      if (stop.waiting) sendKey("stop", stop.number);
+      show();
+    },
+
+    acknowledged(number) {
+      if (!stop.waiting || number !== stop.number) return;
+      stop.waiting = false;
+      [stop.acceptedAt, stop.unconfirmed] = [now(), !stop.latched];
+      show();
+    },
+
+    stopped(latched) {
+      if (latched !== stop.latched) [stop.askedAt, stop.latchedAt] = [-Infinity, now()];
+      stop.latched = latched;
+      if (latched) stop.unconfirmed = false;
+      show();
+    },
+
+    remove() {
+      clearInterval(beating);
+      forget();
+      overlay.remove();
+    },
+  };
+}

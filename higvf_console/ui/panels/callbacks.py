@@ -1,0 +1,75 @@
+"""How a widget's callback becomes commands: in order, for operators only, and never at another callback's cost.
+
+viser keeps order for coroutines alone, calls them also when the console itself assigns a value, and lets one that
+raises starve those after it.
+"""
+
+import logging
+import time
+from collections.abc import Callable, Coroutine
+from typing import Any, TypeAlias
+
+import viser
+
+Reaction: TypeAlias = Callable[[Any], Coroutine[None, None, None]]
+SETTLE_S = 0.6  # from a touch until the session must have answered it
+_log = logging.getLogger(__name__)
+
+
+def reaction(act: Callable[[Any], None]) -> Reaction:
+    """A callback that hands a page's value to `act`; a ValueError or TypeError refuses the value, and is logged.
+
+    Args:
+        act: validates the value, which may be anything that a page can send, and returns at once.
+    """
+
+    async def react(event: viser.GuiEvent[Any]) -> None:
+        if event.client_id is None:  # the console's own assignment
+            return
+        try:
+            act(event.target.value)
+        except (ValueError, TypeError) as error:
+            _log.warning("page %d: refused %r: %s", event.client_id, event.target.value, error)
+        except Exception:
+            _log.exception("a panel's callback failed")
+
+    return react
+
+
+def mirror(widget: viser.GuiInputHandle[Any], value: Any) -> None:
+    """Makes a widget show what holds; one that was touched just now is left alone while its command is on its way."""
+    if widget.value != value and time.time() - widget.update_timestamp > SETTLE_S:
+        widget.value = value
+
+
+def one_of(value: object, choices: dict[str, Any]) -> Any:
+    """The choice that a page named.
+
+    Raises:
+        ValueError: there is none of that name.
+    """
+    if not isinstance(value, str) or value not in choices:
+        raise ValueError(f"{value!r} is not one of {', '.join(choices)}")
+    return choices[value]
+
+
+def number_in(value: object, low: float, high: float) -> float:
+    """A number that a page sent.
+
+    Raises:
+        ValueError: it is none, or not from `low` to `high`.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+        raise ValueError(f"{value!r} is not a number from {low:g} to {high:g}")
+    return float(value)
+
+
+def truth(value: object) -> bool:
+    """A check mark that a page sent.
+
+    Raises:
+        ValueError: it is neither True nor False.
+    """
+    if not isinstance(value, bool):
+        raise ValueError(f"{value!r} is neither True nor False")
+    return value

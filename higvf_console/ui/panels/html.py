@@ -1,0 +1,76 @@
+"""The words and colours of the panels' HTML: one style sheet, and everything escaped that goes into it."""
+
+from html import escape
+
+from higvf_console.sim.setup import Severity
+from higvf_console.ui.theme import DARK
+
+SEVERITY_COLOUR = {
+    Severity.INFO: DARK.robot,
+    Severity.GOOD: DARK.fighting,
+    Severity.WARNING: DARK.fire_zone,
+    Severity.ALARM: "#e5484d",
+}
+
+STYLE = f"""<style>
+.hg {{ padding: 0 12px 8px; font-size: 13px; line-height: 1.5; color: var(--mantine-color-text);
+  font-variant-numeric: tabular-nums; }}
+.hg .dim {{ color: var(--mantine-color-dimmed); }}
+.hg .head {{ display: flex; align-items: center; gap: 12px; margin: 2px 0 8px; }}
+.hg .mode {{ padding: 3px 11px; border-radius: 6px; font-weight: 700; letter-spacing: .05em; color: #0d1117; }}
+.hg .clock {{ font-size: 22px; font-weight: 600; letter-spacing: -.01em; }}
+.hg .speed {{ margin-left: auto; font-size: 14px; color: var(--mantine-color-dimmed); }}
+.hg dl {{ display: grid; grid-template-columns: 74px 1fr; gap: 1px 8px; margin: 0; }}
+.hg dt {{ color: var(--mantine-color-dimmed); }}
+.hg dd {{ margin: 0; }}
+.hg .dot {{ display: inline-block; width: 9px; height: 9px; border-radius: 50%; margin-right: 6px; }}
+.hg .dot.hollow {{ background: none !important; border: 2px solid; }}
+.hg .channel {{ margin-right: 12px; white-space: nowrap; }}
+.hg table {{ width: 100%; border-collapse: collapse; }}
+.hg th {{ font-weight: 500; color: var(--mantine-color-dimmed); text-align: right; padding: 0 0 3px 6px; }}
+.hg td {{ text-align: right; padding: 2px 0 2px 6px; border-top: 1px solid var(--mantine-color-default-border); }}
+.hg th:nth-child(-n+2), .hg td:nth-child(-n+2) {{ text-align: left; padding-left: 0; }}
+.hg tr.out td {{ color: var(--mantine-color-dimmed); }}
+.hg tfoot td {{ font-weight: 600; }}
+.hg .log div {{ display: grid; grid-template-columns: 52px 1fr; gap: 8px; padding: 4px 0 4px 8px;
+  border-left: 3px solid; margin-bottom: 4px; }}
+.hg .chart text {{ font-size: 11px; fill: var(--mantine-color-dimmed); }}
+.hg .chart .rule {{ stroke: var(--mantine-color-default-border); }}
+.hg .key {{ display: grid; grid-template-columns: 22px 1fr; gap: 3px 8px; align-items: center; }}
+.hg .key svg {{ width: 20px; height: 14px; overflow: visible; }}
+.hg .warn {{ color: {DARK.fire_zone}; font-weight: 600; }}
+.hg .alarm {{ color: #ff6b6b; font-weight: 600; }}
+.hg .operator {{ color: {DARK.operator}; font-weight: 600; }}
+.mantine-Notifications-root {{ top: auto !important; bottom: 18px !important; left: 290px !important; }}
+</style>"""
+
+
+TIMES, DASH = "\u00d7", "\u2013"
+SPACER = '<div style="height: 8px"></div>'
+
+
+def block(content: str) -> str:
+    """A panel's content in the console's style; the content is HTML already."""
+    return f'<div class="hg">{content}</div>'
+
+
+def text(value: object) -> str:
+    """Anything as text that HTML cannot take for markup."""
+    return escape(str(value), quote=True)
+
+
+def dot(colour: str, *, hollow: bool = False) -> str:
+    """A small disc, or a ring, of a colour."""
+    kind = "dot hollow" if hollow else "dot"
+    return f'<span class="{kind}" style="background:{colour};border-color:{colour}"></span>'
+
+
+def clock(seconds: float) -> str:
+    """Session time as minutes and seconds."""
+    tenths = int(seconds * 10 + 0.5)
+    return f"{tenths // 600}:{tenths // 10 % 60:02d}.{tenths % 10}"
+
+
+def area(square_metres: float) -> str:
+    """An area with thin spaces between the thousands."""
+    return f"{square_metres:,.0f}".replace(",", "\u202f")

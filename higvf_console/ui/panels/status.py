@@ -1,0 +1,124 @@
+"""What the operator must always know: time, mode, who is influenced, inputs, clearance, filter, tick time."""
+
+import math
+from typing import TYPE_CHECKING
+
+import viser
+
+from higvf_console.commands import ChannelHealth, ChannelState
+from higvf_console.state import PathKind, PathStatus, SimState
+from higvf_console.ui.panels.html import DASH, STYLE, TIMES, block, clock, dot, text
+from higvf_console.ui.theme import DARK
+
+if TYPE_CHECKING:
+    from higvf_console.session.session import Snapshot
+
+CHANNEL_COLOUR = {
+    ChannelState.LIVE: DARK.fighting,
+    ChannelState.STALE: DARK.fire_zone,
+    ChannelState.LOST: "#e5484d",
+    ChannelState.NEVER_SEEN: DARK.scorched_text,
+    ChannelState.ENDED: DARK.scorched_text,
+}
+_QUIET = {ChannelState.NEVER_SEEN, ChannelState.ENDED}
+
+
+class StatusPanel:
+    """A few lines of HTML, renewed when they read differently."""
+
+    def __init__(self, gui: viser.GuiApi, control_period: float) -> None:
+        """Starts empty."""
+        self._period_ms = 1e3 * control_period
+        self._style = gui.add_html(STYLE)
+        self._html = gui.add_html("")
+
+    def update(self, snapshot: "Snapshot") -> None:
+        """Shows a snapshot."""
+        self._html.content = status_html(snapshot, self._period_ms)
+
+    def cleanup(self) -> None:
+        """Removes the panel."""
+        self._html.remove()
+        self._style.remove()
+
+
+def mode_of(state: SimState, frozen: bool) -> tuple[str, str]:
+    """The mode in one word, and its colour."""
+    if state.intent.stopped:
+        return "STOPPED", "#ff6b6b"
+    if frozen:
+        return "FROZEN", DARK.robot
+    if state.intent.paused:
+        return "PAUSED", DARK.fire_zone
+    return "RUNNING", DARK.progress
+
+
+def status_html(snapshot: "Snapshot", period_ms: float) -> str:
+    """The status lines."""
+    mode, colour = mode_of(snapshot.state, snapshot.frozen)
+    head = (
+        f'<div class="head"><span class="mode" style="background:{colour}">{mode}</span>'
+        f'<span class="clock">{clock(snapshot.time)}</span><span class="speed">{snapshot.speed:g}{TIMES}</span></div>'
+    )
+    rows = [
+        ("Operator", operator_line(snapshot.state)),
+        ("Clearance", clearance_line(float(snapshot.trace.clearance.min(initial=math.inf)), snapshot.min_clearance)),
+        ("Filter", filter_line(snapshot)),
+        ("Tick", f'{snapshot.tick_ms:.2f} ms <span class="dim">of {period_ms:g} ms</span>'),
+    ]
+    if snapshot.channels:
+        rows.append(("Inputs", " ".join(channel_html(name, health) for name, health in snapshot.channels)))
+    lines = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in rows)
+    return block(f"{head}<dl>{lines}</dl>")
+
+
+def operator_line(state: SimState) -> str:
+    """Whom the operator influences, and how far the path has come."""
+    intent, motion = state.intent, state.motion
+    robot = f'<span class="operator">robot {intent.influenced + 1}</span>'
+    if intent.path.kind == PathKind.NONE:
+        return f'{robot} <span class="dim">no path yet</span>'
+    status = {
+        PathStatus.FINISHED: "path finished",
+        PathStatus.BLOCKED: '<span class="warn">path given up</span>',
+    }.get(PathStatus(motion.path_status))
+    if status is None and math.isfinite(intent.path.length) and not intent.path.closed:
+        done = motion.path_parameter if intent.path.direction > 0 else intent.path.length - motion.path_parameter
+        status = f"on its path, {min(max(done / intent.path.length, 0.0), 1.0):.0%}"
+    return f"{robot} {status or 'on its path'}"
+
+
+def clearance_line(now: float, least: float) -> str:
+    """The smallest distance to anything, now and in the run; a violation stands out."""
+    return f'{_metres(now)} <span class="dim">now,</span> {_metres(least)} <span class="dim">least</span>'
+
+
+def _metres(clearance: float) -> str:
+    if not math.isfinite(clearance):
+        return DASH
+    shown = f"{clearance:.1f} m"
+    return f'<span class="alarm">{shown}</span>' if clearance < 0.0 else shown
+
+
+def filter_line(snapshot: "Snapshot") -> str:
+    """Whether the safety filter finds a velocity for everybody."""
+    infeasible, deadlocked = int(snapshot.trace.infeasible.sum()), int(snapshot.trace.deadlocked.sum())
+    if infeasible:
+        now = f'<span class="alarm">{infeasible} infeasible</span>'
+    elif deadlocked:
+        now = f'<span class="warn">{deadlocked} held by barriers</span>'
+    else:
+        now = "all rows met"
+    past: list[str] = []
+    if snapshot.infeasible_ticks:
+        past.append(f"{snapshot.infeasible_ticks} ticks infeasible")
+    if snapshot.deadlock_s > 0.0:
+        past.append(f"{snapshot.deadlock_s:.1f} s held")
+    return now + (f' <span class="dim">{", ".join(past)}</span>' if past else "")
+
+
+def channel_html(name: str, health: ChannelHealth) -> str:
+    """One input: a disc (a ring while it is quiet), its name, its state when that is not simply live."""
+    mark = dot(CHANNEL_COLOUR[health.state], hollow=health.state in _QUIET)
+    state = "" if health.state is ChannelState.LIVE else f' <span class="dim">{text(health.state.value)}</span>'
+    return f'<span class="channel" title="{text(health.detail)}">{mark}{text(name)}{state}</span>'

@@ -1,0 +1,98 @@
+"""Whom the operator steers and along what: robot picker, path actions, the scenario's own strokes."""
+
+from typing import TYPE_CHECKING, Any
+
+import viser
+
+from higvf_console.arrays import floats
+from higvf_console.commands import (
+    ClearPath,
+    NextTask,
+    Pick,
+    PointerSink,
+    ReversePath,
+    StrokeBegin,
+    StrokeEnd,
+    StrokePoints,
+)
+from higvf_console.quantity import quantities
+from higvf_console.ui.panels.callbacks import mirror, number_in, one_of, reaction
+from higvf_console.ui.panels.html import block
+
+if TYPE_CHECKING:
+    from higvf_console.session.scenario import Scenario
+    from higvf_console.session.sections import ShownStroke
+    from higvf_console.session.session import Snapshot
+
+MOST_LISTED = 50  # robots; a larger team is picked from by number
+_CLEAR, _REVERSE, _NEXT = "Clear", "Reverse", "Next task"
+_FEELS = "The robot that feels your path"
+_HELP = block(
+    '<span class="dim">Drag in the arena to draw the path of the chosen robot. Click a robot, or press its number, '
+    "to choose it.</span>"
+)
+
+
+class SteerPanel:
+    """Everything about the human intention.
+
+    Attributes:
+        smoothing: how far the next drawn path may leave its stroke [m].
+    """
+
+    def __init__(self, gui: viser.GuiApi, scenario: "Scenario", robots: int, sink: PointerSink) -> None:
+        """Builds the widgets for a team and the strokes that its scenario ships."""
+        self._sink = sink
+        self._robots = robots
+        self._picker = self._make_picker(gui)
+        self._actions = gui.add_button_group(
+            "Path", (_CLEAR, _REVERSE, _NEXT), hint="Remove it (C), turn it round (R), or count it as finished"
+        )
+        actions: dict[str, Any] = {_CLEAR: ClearPath(), _REVERSE: ReversePath(), _NEXT: NextTask()}
+        self._actions.on_click(reaction(lambda value: sink.push(one_of(value, actions))))
+        meaning = quantities(type(scenario.gains.path))["stroke_smoothing"]
+        self.smoothing = scenario.gains.path.stroke_smoothing
+        self._smoothing = gui.add_number(
+            "Smoothing m", self.smoothing, min=meaning.low, max=meaning.high, step=1.0, hint=meaning.text
+        )
+        self._smoothing.on_update(reaction(lambda value: self._smooth(value, meaning.low, meaning.high)))
+        self._help = gui.add_html(_HELP)
+        self._strokes = [self._make_show_me(gui, stroke) for stroke in scenario.strokes]
+
+    def _make_picker(self, gui: viser.GuiApi) -> viser.GuiDropdownHandle[str] | viser.GuiNumberHandle[int]:
+        if self._robots <= MOST_LISTED:
+            names = {f"Robot {number}": number - 1 for number in range(1, self._robots + 1)}
+            listed = gui.add_dropdown("Influence", tuple(names), hint=_FEELS)
+            listed.on_update(reaction(lambda name: self._sink.push(Pick(one_of(name, names)))))
+            return listed
+        numbered = gui.add_number("Influence", 1, min=1, max=self._robots, step=1, hint=_FEELS)
+        numbered.on_update(reaction(lambda value: self._sink.push(Pick(int(number_in(value, 1, self._robots)) - 1))))
+        return numbered
+
+    def _make_show_me(self, gui: viser.GuiApi, stroke: "ShownStroke") -> viser.GuiButtonHandle:
+        who = "the chosen robot" if stroke.robot is None else f"robot {stroke.robot + 1}"
+        button = gui.add_button(
+            f"Show me: {stroke.name}", icon=viser.Icon.WAVE_SINE, color="gray", hint=f"Draws this stroke for {who}"
+        )
+        button.on_click(reaction(lambda _: self._show(stroke)))
+        return button
+
+    def _show(self, stroke: "ShownStroke") -> None:
+        for command in (StrokeBegin(), StrokePoints(points=floats(stroke.points)), StrokeEnd(robot=stroke.robot)):
+            self._sink.push(command)
+
+    def _smooth(self, value: object, low: float, high: float) -> None:
+        self.smoothing = number_in(value, low, high)
+
+    def update(self, snapshot: "Snapshot") -> None:
+        """Shows who is influenced now, and the smoothing in force."""
+        mirror(self._smoothing, self.smoothing)
+        influenced = snapshot.state.intent.influenced
+        if 0 <= influenced < self._robots:
+            listed = self._robots <= MOST_LISTED
+            mirror(self._picker, f"Robot {influenced + 1}" if listed else influenced + 1)
+
+    def cleanup(self) -> None:
+        """Removes the widgets."""
+        for widget in (self._picker, self._actions, self._smoothing, self._help, *self._strokes):
+            widget.remove()

@@ -1,0 +1,70 @@
+"""The arena as the operator sees it, from above: layers that a snapshot is poured into.
+
+    floor, grid -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> robots -> cursor
+
+Everything changes by assignment to a few nodes; nothing here knows threads or commands.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import viser
+
+from higvf_console.control.field import FieldKind
+from higvf_console.sim.setup import Setup
+from higvf_console.ui.scene_field import FieldLayer
+from higvf_console.ui.scene_fires import Fires
+from higvf_console.ui.scene_ground import Ground, with_margin
+from higvf_console.ui.scene_parts import Canvas
+from higvf_console.ui.scene_path import PathLayer
+from higvf_console.ui.scene_team import Team
+from higvf_console.viewport import Arena
+
+if TYPE_CHECKING:
+    from higvf_console.session.session import Snapshot
+
+
+@dataclass
+class View:
+    """What the operator chose to see; the panels write it, the view thread reads it.
+
+    Attributes:
+        field: vector field whose arrows are drawn; None = no arrows.
+        trails: where the robots were.
+        links: who talks with whom.
+        boundaries: reactive and repulsive boundaries of obstacles.
+        labels: numbers of the robots.
+        clearance: circles of half the robot clearance: two that touch are as close as they may be.
+    """
+
+    field: FieldKind | None = None
+    trails: bool = True
+    links: bool = True
+    boundaries: bool = True
+    labels: bool = True
+    clearance: bool = False
+
+
+class Scene:
+    """All layers."""
+
+    def __init__(self, server: viser.ViserServer, setup: Setup, view: View) -> None:
+        """Draws what stands still."""
+        canvas = Canvas(server, setup.arena)
+        self.camera_arena: Arena = with_margin(setup.arena, canvas.px)
+        self._view = view
+        self._ground = Ground(canvas, setup)
+        self._fires = Fires(canvas, setup)
+        self._team = Team(canvas, setup)
+        self._path = PathLayer(canvas)
+        self._field = FieldLayer(canvas, setup)
+
+    def update(self, snapshot: "Snapshot") -> None:
+        """Shows a snapshot; call it inside `server.atomic()`."""
+        state, trace, view = snapshot.state, snapshot.trace, self._view
+        self._fires.update(state, trace, snapshot.loss_area)
+        self._team.update(state, trace, snapshot.time)
+        self._path.update(state)
+        self._field.update(view.field, state)
+        self._ground.show_boundaries(view.boundaries)
+        self._team.show(links=view.links, trails=view.trails, labels=view.labels, clearance=view.clearance)

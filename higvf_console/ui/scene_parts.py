@@ -1,0 +1,201 @@
+"""How a layer of the scene is drawn with viser: flat meshes, batches of marks, line segments, at a height of its own.
+
+viser sorts what is transparent by the height of its node, so a layer's height is its node's position. A node is made
+once and then assigned to; one that has nothing to show is hidden, because viser cannot draw nothing.
+"""
+
+from enum import IntEnum
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from higvf_console.arrays import Floats
+from higvf_console.ui.glyphs import Triangles
+from higvf_console.ui.theme import NOMINAL_SCREEN_PX, batch_rgb, line_rgb, mesh_rgb
+from higvf_console.viewport import Arena
+
+_NO_LINE = np.zeros((1, 2, 2))
+_NO_SHAPE = Triangles(np.zeros((3, 2)), np.array([[0, 1, 2]]))
+
+
+class Layer(IntEnum):
+    """What lies over what, from the ground up."""
+
+    FLOOR = 0
+    GRID = 1
+    FIELD = 2
+    FIRE_ZONE = 3
+    BOUNDARY = 4
+    LINK = 5
+    TRAIL = 6
+    FIRE = 7
+    FIRE_EDGE = 8
+    FIRE_TEXT = 9
+    OBSTACLE = 10
+    PATH = 11
+    CHEVRON = 12
+    CLEARANCE = 13
+    HALO = 14
+    ROBOT = 15
+    ROBOT_TEXT = 16
+    STROKE = 17
+    CURSOR = 18
+
+
+class Canvas:
+    """Where the layers are drawn, and how many metres a nominal pixel is."""
+
+    def __init__(self, server: viser.ViserServer, arena: Arena) -> None:
+        """Measures the arena."""
+        self.server = server
+        self.arena = arena
+        self.px = max(arena.width / NOMINAL_SCREEN_PX[0], arena.height / NOMINAL_SCREEN_PX[1])  # [m]
+
+    def height(self, layer: Layer) -> tuple[float, float, float]:
+        """Position of a layer's nodes; a quarter pixel apart, so that perspective does not move them visibly."""
+        return (0.0, 0.0, 0.25 * self.px * layer)
+
+    def mesh(self, layer: Layer, name: str, shape: Triangles, colour: str) -> "FlatMesh":
+        """A mesh of one colour."""
+        return FlatMesh(self, layer, name, shape, colour)
+
+    def lines(self, layer: Layer, name: str, colour: str | None, thickness: float) -> "Lines":
+        """Line segments of `thickness` [px] and one colour; None = each end will be given its own."""
+        return Lines(self, layer, name, colour, thickness)
+
+    def marks(
+        self, layer: Layer, name: str, shape: Triangles, *, count: int, colour: str, opacity: float = 1.0
+    ) -> "Marks":
+        """`count` copies of a shape."""
+        return Marks(self, layer, name, shape, count=count, colour=colour, opacity=opacity)
+
+
+def raised(points: Floats) -> NDArray[np.float32]:
+    """Ground points (..., 2) as scene points (..., 3) on their node's plane."""
+    flat = np.zeros((*points.shape[:-1], 3), np.float32)
+    flat[..., :2] = points
+    return flat
+
+
+def turned(heading: Floats) -> NDArray[np.float32]:
+    """Quaternions wxyz (N, 4) of headings (N,) [rad]."""
+    turns = np.zeros((len(heading), 4), np.float32)
+    turns[:, 0], turns[:, 3] = np.cos(heading / 2), np.sin(heading / 2)
+    return turns
+
+
+class FlatMesh:
+    """A mesh of one colour, whose shape and visibility may change."""
+
+    def __init__(self, canvas: Canvas, layer: Layer, name: str, shape: Triangles, colour: str) -> None:
+        """Draws the shape, if it has any triangles."""
+        self._visible = True
+        self._node = canvas.server.scene.add_mesh_simple(
+            name,
+            raised(_NO_SHAPE.vertices),
+            _NO_SHAPE.faces.astype(np.uint32),
+            color=mesh_rgb(colour),
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+            position=canvas.height(layer),
+        )
+        self.reshape(shape)
+
+    def reshape(self, shape: Triangles) -> None:
+        """Shows another shape."""
+        self._empty = not len(shape.faces)
+        if not self._empty:
+            self._node.vertices = raised(shape.vertices)
+            self._node.faces = shape.faces.astype(np.uint32)
+        self.show(self._visible)
+
+    def show(self, visible: bool) -> None:
+        """Shows or hides it."""
+        self._visible = visible
+        self._node.visible = visible and not self._empty
+
+
+class Lines:
+    """Line segments whose ends and visibility may change."""
+
+    def __init__(self, canvas: Canvas, layer: Layer, name: str, colour: str | None, thickness: float) -> None:
+        """Starts with no segment."""
+        self._visible, self._empty = True, True
+        self._node = canvas.server.scene.add_line_segments(
+            name,
+            raised(_NO_LINE),
+            # A page cannot turn one colour into many later: its shader would be without them.
+            np.zeros((1, 2, 3), np.uint8) if colour is None else line_rgb(colour),
+            thickness=thickness,
+            thickness_units="screen",
+            position=canvas.height(layer),
+            visible=False,
+        )
+
+    def draw(self, segments: Floats, colours: NDArray[np.uint8] | None = None) -> None:
+        """Draws segments (s, 2, 2) [m], their ends in colours (s, 2, 3), in place of those before."""
+        self._empty = not len(segments)
+        if not self._empty:
+            self._node.points = raised(segments)
+            if colours is not None:
+                self._node.colors = colours
+        self.show(self._visible)
+
+    def show(self, visible: bool) -> None:
+        """Shows or hides them."""
+        self._visible = visible
+        self._node.visible = visible and not self._empty
+
+
+class Marks:
+    """Copies of one flat shape: one node, however many there are."""
+
+    def __init__(
+        self, canvas: Canvas, layer: Layer, name: str, shape: Triangles, *, count: int, colour: str, opacity: float
+    ) -> None:
+        """Makes `count` copies, all at the origin."""
+        self.count = count
+        self._colours = np.tile(np.array([batch_rgb(colour)], np.uint8), (count, 1))
+        self._node = canvas.server.scene.add_batched_meshes_simple(
+            name,
+            raised(shape.vertices),
+            shape.faces.astype(np.uint32),
+            turned(np.zeros(max(count, 1))),
+            np.zeros((max(count, 1), 3), np.float32),
+            batched_scales=np.ones(max(count, 1), np.float32),
+            batched_colors=self._colours if count else batch_rgb(colour),
+            lod="off",
+            opacity=None if opacity >= 1.0 else opacity,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+            position=canvas.height(layer),
+            visible=count > 0,
+        )
+
+    def place(self, positions: Floats, heading: Floats | None = None, scale: Floats | None = None) -> None:
+        """Moves the copies to positions (N, 2) [m], turned by (N,) [rad], scaled by (N,)."""
+        if not self.count:
+            return
+        self._node.batched_positions = raised(positions)
+        if heading is not None:
+            self._node.batched_wxyzs = turned(heading)
+        if scale is not None:
+            self.resize(scale)
+
+    def resize(self, scale: Floats) -> None:
+        """Scales the copies by (N,)."""
+        if self.count:
+            self._node.batched_scales = scale.astype(np.float32)
+
+    def highlight(self, colour: str, chosen: NDArray[np.bool_], highlighted: str) -> None:
+        """Paints all copies, the chosen ones (N,) differently."""
+        if self.count:
+            both = np.array([batch_rgb(colour), batch_rgb(highlighted)], np.uint8)
+            self._node.batched_colors = both[chosen.astype(np.int64)]
+
+    def show(self, visible: bool) -> None:
+        """Shows or hides them."""
+        self._node.visible = visible and self.count > 0

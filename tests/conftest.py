@@ -1,0 +1,106 @@
+"""What all tests share: a real browser, recorded samples, and what is said when there is none."""
+
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect, sync_playwright
+
+from higvf_console.ui import keys
+from tests.browser import (
+    CHROMIUM_NAMES,
+    PATIENCE,
+    Stage,
+    find_chromium,
+    launch,
+    open_console,
+    open_stage,
+    wait_for_stop,
+)
+
+NO_CHROMIUM = f"no Chromium ({', '.join(CHROMIUM_NAMES)}): install the package 'chromium', or name it by HIGVF_CHROMIUM"
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    skipped = [report for report in terminalreporter.stats.get("skipped", []) if NO_CHROMIUM in str(report.longrepr)]
+    if skipped:
+        terminalreporter.write_line(f"WARNING: {len(skipped)} browser tests were skipped: {NO_CHROMIUM}", yellow=True)
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Browser]:
+    """One Chromium for all tests; without one they are skipped, or fail where HIGVF_REQUIRE_BROWSER=1."""
+    path = find_chromium()
+    if path is None:
+        (pytest.fail if os.environ.get("HIGVF_REQUIRE_BROWSER") == "1" else pytest.skip)(NO_CHROMIUM)
+    expect.set_options(timeout=PATIENCE * 1000)
+    with sync_playwright() as playwright:
+        browser = launch(playwright, path)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def open_page(chromium: Browser) -> Iterator[Callable[[str], Page]]:
+    """Opens consoles by their address; closes them after the test."""
+    pages: list[Page] = []
+
+    def open_one(url: str) -> Page:
+        pages.append(open_console(chromium, url))
+        return pages[-1]
+
+    yield open_one
+    for page in pages:
+        page.context.close()
+
+
+@pytest.fixture(scope="session")
+def whole_stage() -> Iterator[Stage]:
+    """The browser layer on a server without an engine."""
+    stage = open_stage()
+    yield stage
+    stage.server.stop()
+
+
+@pytest.fixture(scope="session")
+def whole_page(chromium: Browser, whole_stage: Stage) -> Iterator[Page]:
+    """The page that most browser tests share; opening one takes seconds."""
+    page = open_console(chromium, whole_stage.url)
+    yield page
+    page.context.close()
+
+
+@pytest.fixture
+def stage(whole_stage: Stage) -> Stage:
+    """The shared server, with its notes wiped."""
+    for notes in (whole_stage.strokes, whole_stage.clicks, whole_stage.viewports, whole_stage.pressed):
+        notes.clear()
+    whole_stage.hears_stop = True
+    return whole_stage
+
+
+@pytest.fixture
+def page(whole_page: Page, stage: Stage) -> Page:
+    """The shared page: nothing focused, the arena fitted, the team not stopped."""
+    whole_page.evaluate("document.activeElement.blur()")
+    whole_page.keyboard.press("f")
+    for stopped, shown in ((True, "stopped"), (False, "ready")):  # settles a STOP of the test before
+        keys.show_stopped(stage.server, stopped)
+        wait_for_stop(whole_page, shown)
+    stage.pressed.clear()
+    return whole_page
+
+
+@pytest.fixture
+def sample() -> Callable[[str], Path]:
+    """Finds a recorded sample; skips the test where it is missing."""
+
+    def found(name: str) -> Path:
+        root = os.environ.get("HIGVF_SAMPLES") or Path(__file__).parents[2] / "shared" / "samples"
+        path = Path(root) / name
+        if not path.is_file():
+            pytest.skip(f"recorded sample {name} is missing; HIGVF_SAMPLES names its folder")
+        return path
+
+    return found

@@ -1,0 +1,340 @@
+"""The whole console in a real browser: session, scene, panels, pointer and keys, as the operator meets them."""
+
+import threading
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+import pytest
+import viser
+from playwright.sync_api import Browser, Page
+
+from higvf_console.arrays import Floats, floats
+from higvf_console.commands import Freeze, InputSpec, OperatorCommand, Pause, Pick, ResetRun, Resume, SetSpeed, Step
+from higvf_console.session.channels import open_interface
+from higvf_console.session.scenario import load_scenario
+from higvf_console.session.session import Session
+from higvf_console.sim.simulation import warm_up
+from higvf_console.state import PathKind, SimState
+from higvf_console.ui import guard
+from higvf_console.ui.console import Console
+from tests.browser import draw, open_console, press_stop, screenshot, to_page, wait_for_console, wait_until
+from tests.teams import stroke
+
+pytestmark = pytest.mark.browser
+
+
+class Running(NamedTuple):
+    """A console at work."""
+
+    session: Session
+    server: viser.ViserServer
+    console: Console
+    url: str
+
+    @property
+    def state(self) -> SimState:
+        return self.session.snapshot.state
+
+    def push(self, *commands: OperatorCommand) -> None:
+        for command in commands:
+            self.session.pointer.push(command)
+
+    def given(self, kind: type[OperatorCommand]) -> list[OperatorCommand]:
+        return [applied.command for applied in self.session.commands if isinstance(applied.command, kind)]
+
+
+@pytest.fixture(scope="module")
+def running() -> Iterator[Running]:
+    """The firefighting scenario, live."""
+    session = Session(load_scenario("firefighting"), [open_interface(InputSpec("mouse"))])
+    warm_up(session.setup.start, session.setup.world, session.setup.gains)
+    token = guard.new_token()
+    server = guard.open_server("127.0.0.1", 0, token, "Console")
+    console = Console(session, server)
+    stopping = threading.Event()
+    loop = threading.Thread(target=session.run, args=(stopping,), daemon=True)
+    loop.start()
+    console.start()
+    yield Running(session, server, console, guard.login_url(server, token))
+    stopping.set()
+    loop.join()
+    console.close()
+    session.close()
+    server.stop()
+
+
+@pytest.fixture(scope="module")
+def page(chromium: Browser, running: Running) -> Iterator[Page]:
+    """A page of 1280 x 720 that shows it."""
+    page = open_console(chromium, running.url, 1280, 720)
+    close_notifications(page)
+    yield page
+    page.context.close()
+
+
+@pytest.fixture(autouse=True)
+def _from_the_start(running: Running, page: Page) -> None:
+    """Each test begins with a run of its own, frozen at its start."""
+    running.session.commands.clear()
+    running.console._view.field = None  # pyright: ignore[reportPrivateUsage]
+    running.push(Freeze(True), SetSpeed(1.0), Resume(), ResetRun(), Pick(0))
+    wait_until(lambda: running.given(Pick) and running.state.motion.tick == 0)
+    running.session.commands.clear()
+    page.evaluate("document.activeElement.blur()")
+    tab(page, "Steer")
+
+
+def close_notifications(page: Page) -> None:
+    page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((close) => close.click())")
+
+
+def tab(page: Page, name: str) -> None:
+    page.get_by_role("tab", name=name).click()
+
+
+def press(page: Page, label: str) -> None:
+    page.get_by_role("button", name=label, exact=True).click()
+
+
+def shown(page: Page, text: str) -> Callable[[], bool]:
+    return lambda: text in page.locator("body").inner_text()
+
+
+def visible(page: Page, node: str) -> bool:
+    """Whether the page shows a scene node."""
+    return page.evaluate("(node) => window.__viserMutable.nodeRefFromName[node].visible", node)
+
+
+def pixels(page: Page, ground: Floats, size: int = 3) -> np.ndarray:
+    """Colours (n, 3) of the picture round ground points (n, 2) [m], brightest of a few pixels each."""
+    picture = np.asarray(cv2.imdecode(np.frombuffer(page.screenshot(), np.uint8), cv2.IMREAD_COLOR))[..., ::-1]
+    seen = []
+    for x, y in to_page(page, ground):
+        patch = picture[round(y) - size : round(y) + size + 1, round(x) - size : round(x) + size + 1]
+        seen.append(patch.reshape(-1, 3)[patch.reshape(-1, 3).sum(axis=1).argmax()])
+    return np.array(seen, np.int64)
+
+
+def test_the_arena_is_shown_with_fires_and_robots_where_they_are(page: Page, running: Running) -> None:
+    wait_until(shown(page, "FROZEN"))
+    beside_number = running.state.motion.fire_radius[:3, None] * np.array([0.6, -0.45])
+    fires = pixels(page, running.session.setup.world.fire_position[:3] + beside_number)
+    robots = pixels(page, running.state.motion.position)
+    assert (fires[:, 0] > 180).all()
+    assert (fires[:, 2] < 100).all()
+    assert (np.abs(robots[1:] - [86, 180, 233]).max(axis=1) < 40).all()
+    assert np.abs(robots[0] - [240, 228, 66]).max() < 60
+    screenshot(page, "console-start")
+
+
+def test_a_drawn_stroke_becomes_the_path_and_the_robot_follows_it(page: Page, running: Running) -> None:
+    hand = np.stack([np.linspace(720, 1050, 120), 340 + 120 * np.sin(np.linspace(0, 3, 120))], axis=1)
+    draw(page, to_page(page, hand))
+    wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
+    length = np.hypot(*np.diff(hand, axis=0).T).sum()
+    assert running.state.intent.path.length == pytest.approx(length, rel=0.02)
+    yellow = pixels(page, floats(hand[[30, 60, 90]]))
+    assert (yellow[:, :2].min(axis=1) > 150).all()
+    assert (yellow[:, 2] < 140).all()
+    press(page, "Run clock")
+    wait_until(lambda: running.state.motion.path_parameter > 0.2 * length, 60.0)
+    screenshot(page, "console-stroke")
+
+
+def test_a_click_picks_the_robot_under_it_and_the_panel_says_so(page: Page, running: Running) -> None:
+    draw(page, to_page(page, running.state.motion.position[2:3] + np.array([6.0, 4.0])), rate=0)
+    wait_until(lambda: running.state.intent.influenced == 2)
+    wait_until(lambda: "robot 3" in page.locator(".hg .operator").inner_text())
+    wait_until(lambda: page.get_by_role("combobox").nth(1).input_value() == "Robot 3")
+    draw(page, to_page(page, [[100.0, 600.0]]), rate=0)
+    page.wait_for_timeout(300)
+    assert len(running.given(Pick)) == 1
+
+
+def test_the_panel_and_the_number_keys_pick_too(page: Page, running: Running) -> None:
+    page.get_by_role("combobox").nth(1).click()
+    page.get_by_role("option", name="Robot 2").click()
+    wait_until(lambda: running.state.intent.influenced == 1)
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("3")
+    wait_until(lambda: running.state.intent.influenced == 2)
+
+
+def test_pause_freeze_step_and_speed_follow_their_buttons(page: Page, running: Running) -> None:
+    press(page, "Pause")
+    wait_until(lambda: running.state.intent.paused)
+    wait_until(lambda: page.get_by_role("button", name="Resume", exact=True).count())
+    press(page, "Step once")
+    wait_until(lambda: running.state.motion.tick == 1)
+    press(page, "Run clock")
+    wait_until(lambda: not running.session.snapshot.frozen)
+    wait_until(shown(page, "PAUSED"))
+    page.get_by_role("combobox").nth(0).click()
+    page.get_by_role("option", name="8", exact=False).click()
+    wait_until(lambda: running.session.snapshot.speed == 8.0)
+    press(page, "Resume")
+    wait_until(shown(page, "RUNNING"))
+    assert len(running.given(Pause)) == 1
+    assert len(running.given(Step)) == 1
+
+
+def test_the_run_is_reset_in_two_steps(page: Page, running: Running) -> None:
+    press(page, "Reset run")
+    wait_until(lambda: page.get_by_role("button", name="Press again to reset the run").count())
+    assert running.given(ResetRun) == []
+    press(page, "Press again to reset the run")
+    wait_until(lambda: running.given(ResetRun))
+
+
+def test_a_shown_stroke_becomes_the_path_and_can_be_reversed_and_cleared(page: Page, running: Running) -> None:
+    shipped = running.session.scenario.strokes[0]
+    press(page, f"Show me: {shipped.name}")
+    wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
+    assert running.state.intent.influenced == shipped.robot
+    press(page, "Reverse")
+    wait_until(lambda: running.state.intent.path.direction == -1.0)
+    press(page, "Clear")
+    wait_until(lambda: running.state.intent.path.kind == PathKind.NONE)
+
+
+def test_stop_is_latched_shown_and_survives_a_reload(page: Page, running: Running) -> None:
+    press_stop(page)
+    wait_until(lambda: running.state.intent.stopped)
+    page.locator("button.stop.stopped").wait_for()
+    wait_until(shown(page, "STOPPED"))
+    assert page.get_by_role("button", name="Stopped: reset STOP first").is_disabled()
+    screenshot(page, "console-stopped")
+    page.reload()
+    wait_for_console(page)
+    page.locator("button.stop.stopped").wait_for()
+    wait_until(shown(page, "STOPPED"))
+    page.wait_for_timeout(600)
+    press_stop(page)
+    page.locator("button.stop.asked").wait_for()
+    page.wait_for_timeout(600)
+    press_stop(page)
+    wait_until(lambda: not running.state.intent.stopped)
+    close_notifications(page)
+
+
+@pytest.mark.parametrize("widget", ["dropdown", "number"])
+def test_space_stops_whatever_has_the_focus(page: Page, running: Running, widget: str) -> None:
+    field = page.get_by_role("combobox").nth(0) if widget == "dropdown" else page.locator("input[inputmode]").nth(0)
+    field.click()
+    page.keyboard.press("Space")
+    wait_until(lambda: running.state.intent.stopped)
+    page.locator("button.stop.stopped").wait_for()
+    for state in ("asked", "ready"):
+        page.wait_for_timeout(600)
+        press_stop(page)
+        page.locator(f"button.stop.{state}").wait_for()
+    close_notifications(page)
+
+
+def test_the_field_key_and_list_show_arrows(page: Page, running: Running) -> None:
+    tab(page, "View")
+    page.evaluate("document.activeElement.blur()")
+    running.push(*shipped_stroke(running))
+    wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
+    assert not visible(page, "/field")
+    page.keyboard.press("v")
+    wait_until(lambda: visible(page, "/field"))
+    field = page.get_by_role("combobox").nth(1)
+    wait_until(lambda: field.input_value() == "Path")
+    field.click()
+    page.get_by_role("option", name="Blended").click()
+    page.wait_for_timeout(700)
+    screenshot(page, "console-field")
+    field.click()
+    page.get_by_role("option", name="Off").click()
+    wait_until(lambda: not visible(page, "/field"))
+
+
+def test_switches_hide_what_they_name(page: Page, running: Running) -> None:
+    tab(page, "View")
+    for label, name in (("Links", "/team/links"), ("Boundaries", "/ground/reactive"), ("Numbers", "/team/digit_1")):
+        switch = page.get_by_role("checkbox", name=label)
+        wait_until(lambda name=name: visible(page, name))
+        switch.click()
+        wait_until(lambda name=name: not visible(page, name))
+        switch.click()
+        wait_until(lambda name=name: visible(page, name))
+    assert running.state.motion.tick == 0
+
+
+def test_a_value_that_no_widget_offers_is_refused_and_the_widget_heals(page: Page, running: Running) -> None:
+    identifier = page.get_by_role("combobox").nth(0).get_attribute("id")
+    for value in ("999", 7, None):
+        page.evaluate(
+            "([uuid, value]) =>"
+            " window.__viserMutable.sendMessage({ type: 'GuiUpdateMessage', uuid, updates: { value } })",
+            [identifier, value],
+        )
+    page.wait_for_timeout(500)
+    assert running.given(SetSpeed) == []
+    assert page.get_by_role("combobox").nth(0).input_value().startswith("1")
+    press(page, "Pause")
+    wait_until(lambda: running.state.intent.paused)
+
+
+def test_a_fire_that_goes_out_is_notified_logged_and_tabled(page: Page, running: Running) -> None:
+    running.push(SetSpeed(8.0), Freeze(False))
+    wait_until(lambda: running.session.snapshot.extinguished, 120.0)
+    running.push(Freeze(True))
+    first = running.session.snapshot.extinguished[0] + 1
+    wait_until(lambda: page.locator(".mantine-Notification-root", has_text=f"Fire {first} is out").count())
+    tab(page, "Log")
+    wait_until(lambda: page.locator(".hg .log", has_text=f"Fire {first} is out").count())
+    tab(page, "Fires")
+    assert "out" in page.locator(".hg tr.out").first.inner_text()
+    wait_until(lambda: page.locator("svg.chart polyline[stroke-dasharray]").count())
+    screenshot(page, "console-fires")
+    close_notifications(page)
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 720), (1920, 1080)])
+def test_nothing_overlaps_the_stop_button_or_leaves_the_arena_s_room(
+    page: Page, running: Running, width: int, height: int
+) -> None:
+    page.set_viewport_size({"width": width, "height": height})
+    page.wait_for_timeout(800)
+    arena = running.session.setup.arena
+    (left, bottom), (right, top) = to_page(page, [[arena.x_min, arena.y_min], [arena.x_max, arena.y_max]])
+    canvas = page.evaluate(
+        "(() => { const { right } = __viserMutable.canvas.getBoundingClientRect(); return right })()"
+    )
+    stop = page.locator("button.stop").bounding_box()
+    assert stop is not None
+    assert stop["y"] > bottom + 20
+    assert left > 40
+    assert top > 15
+    assert right < canvas - 25
+    screenshot(page, f"console-{width}x{height}")
+    page.set_viewport_size({"width": 1280, "height": 720})
+
+
+def test_two_pages_see_the_same_and_a_late_one_has_it_all(
+    page: Page, running: Running, open_page: Callable[[str], Page]
+) -> None:
+    running.push(*shipped_stroke(running))
+    late = open_page(running.url)
+    for seen in (page, late):
+        wait_until(lambda seen=seen: "on its path" in seen.locator(".hg dl").inner_text())
+    assert visible(late, "/hand/ahead")
+
+
+def test_a_panel_that_fails_does_not_stop_the_scene(
+    page: Page, running: Running, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    status = running.console._panels[0]  # pyright: ignore[reportPrivateUsage]
+    monkeypatch.setattr(status, "update", {}.__delitem__)
+    running.push(Pick(1))
+    wait_until(lambda: page.get_by_role("combobox").nth(1).input_value() == "Robot 2")
+    wait_until(lambda: [record for record in caplog.records if "StatusPanel" in record.getMessage()])
+
+
+def shipped_stroke(running: Running) -> list[OperatorCommand]:
+    shipped = running.session.scenario.strokes[0]
+    return stroke(shipped.points, shipped.robot)

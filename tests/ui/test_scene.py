@@ -1,0 +1,295 @@
+"""What the operator sees has the right shape, place and colour; pure, without a browser."""
+
+import numpy as np
+import pytest
+
+from higvf_console.arrays import floats, ints
+from higvf_console.control.field import FieldKind
+from higvf_console.control.paths import circle_path, line_path, sketch_path
+from higvf_console.sim.simulation import advance
+from higvf_console.state import NO_PATH
+from higvf_console.ui import shapes, theme
+from higvf_console.ui.console import robot_near
+from higvf_console.ui.glyphs import STROKES, WEIGHT, glyph, lettering, numbering, width
+from higvf_console.ui.panels.view import FIELDS, next_field
+from higvf_console.ui.scene_field import field_grid
+from higvf_console.ui.scene_fires import FireLook, fire_lettering, fire_look, progress_arcs
+from higvf_console.ui.scene_ground import axis_lettering, grid, obstacle_outlines, scale_bar, with_margin
+from higvf_console.ui.scene_parts import turned
+from higvf_console.ui.scene_path import path_outline, thinned
+from higvf_console.ui.scene_team import MOST_LINKS, TRAIL_POINTS, faded, link_segments, rings
+from higvf_console.viewport import Arena
+from tests.teams import team
+
+ARENA = Arena(0.0, 0.0, 1200.0, 700.0)
+TRIANGLE = floats([[100, 350], [60, 320], [60, 380]])
+
+
+def lengths(segments: np.ndarray) -> np.ndarray:
+    return np.hypot(*(segments[:, 1] - segments[:, 0]).T)
+
+
+def aces(light: np.ndarray) -> np.ndarray:
+    """three.js' film curve, from its shader."""
+    matrix_in = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
+    matrix_out = np.array([[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]])
+    v = matrix_in @ (light / 0.6)
+    return np.clip(
+        matrix_out @ ((v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081)), 0, 1
+    )
+
+
+def to_linear(encoded: np.ndarray) -> np.ndarray:
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def to_bytes(linear: np.ndarray) -> np.ndarray:
+    return 255 * np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+@pytest.mark.parametrize(
+    ("colour", "tolerance"),  # bright saturated colours lie a little beyond what the curve can reach
+    [("#141414", 3), ("#1c2127", 3), ("#8b96a5", 3), ("#cc79a7", 3), ("#56b4e9", 13), ("#d55e00", 13)],
+)
+def test_a_colour_is_seen_as_it_is_written_in_spite_of_the_film_curve(colour: str, tolerance: int) -> None:
+    written = np.array(theme.hex_rgb(colour))
+    mesh = aces(theme.LIGHT_GAIN * to_linear(np.array(theme.mesh_rgb(colour)) / 255))
+    line = aces(to_linear(np.array(theme.line_rgb(colour)) / 255))
+    assert np.abs(to_bytes(mesh) - written).max() <= tolerance
+    assert np.abs(to_bytes(line) - written).max() <= tolerance
+
+
+@pytest.mark.parametrize("colour", ["#56b4e9", "#d55e00", "#009e73", "#cc79a7"])
+def test_batches_and_line_ends_whose_bytes_are_linear_show_the_same_colour(colour: str) -> None:
+    written = np.array(theme.hex_rgb(colour))
+    batch = aces(theme.LIGHT_GAIN * np.array(theme.batch_rgb(colour)) / 255)
+    vertex = aces(np.array(theme.vertex_rgb(colour)) / 255)
+    assert np.abs(to_bytes(batch) - written).max() < 12
+    assert np.abs(to_bytes(vertex) - written).max() < 12
+
+
+def test_a_moving_robot_heads_along_its_velocity_and_a_resting_one_keeps_its_heading() -> None:
+    velocity = floats([[0.0, 30.0], [0.1, -0.1], [-30.0, 0.0]])
+    heading = shapes.headings(velocity, floats([0.3, 0.4, 0.5]), cruise_speed=60.0)
+    assert heading == pytest.approx([np.pi / 2, 0.4, np.pi])
+
+
+def test_a_mark_points_along_x_before_it_is_turned() -> None:
+    mark = shapes.dart(20.0)
+    assert mark.vertices[:, 0].argmax() == 0
+    assert mark.vertices[0, 1] == 0.0
+    assert np.ptp(mark.vertices[:, 0]) == pytest.approx(20.0)
+    assert turned(floats([np.pi]))[0] == pytest.approx([0, 0, 0, 1], abs=1e-6)
+
+
+def test_every_point_of_a_capsule_outline_is_one_radius_from_its_spine() -> None:
+    a, b = floats([100, 50]), floats([180, 110])
+    outline = shapes.capsule(a, b, 12.0)
+    along = np.clip((outline - a) @ (b - a) / np.sum((b - a) ** 2), 0, 1)
+    gap = np.hypot(*(outline - a - along[:, None] * (b - a)).T)
+    assert gap == pytest.approx(np.full(len(outline), 12.0))
+    assert outline[0] == pytest.approx(outline[-1])
+
+
+def test_an_annulus_covers_the_area_between_its_circles() -> None:
+    vertices, faces = shapes.annulus(8.0, 10.0, 400)
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+    assert np.abs(ux * vy - uy * vx).sum() / 2 == pytest.approx(np.pi * 36.0, rel=1e-3)
+
+
+def test_dashes_cover_their_share_of_the_line_and_end_before_its_end() -> None:
+    dashes = shapes.dashed(floats([[0, 0], [100, 0]]), 5.0, 5.0)
+    assert lengths(dashes).sum() == pytest.approx(50.0)
+    assert dashes[..., 0].max() < 100.0
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_chevrons_ride_on_the_path_and_point_along_travel(direction: float) -> None:
+    heads = shapes.chevrons(floats([[0, 0], [300, 0], [300, 300]]), 60.0, 12.0, direction)
+    nose, _, notch, _ = heads.vertices.reshape(-1, 4, 2).transpose(1, 0, 2)
+    travel = (nose - notch) / np.hypot(*(nose - notch).T)[:, None]
+    assert len(nose) == 10
+    assert travel[0] == pytest.approx([direction, 0.0])
+    assert travel[-1] == pytest.approx([0.0, direction])
+
+
+def test_a_path_without_length_has_no_chevrons() -> None:
+    assert len(shapes.chevrons(floats([[5, 5], [5, 5]]), 60.0, 12.0, 1.0).faces) == 0
+
+
+def test_field_arrows_show_direction_and_share_of_the_largest_and_leave_out_zero() -> None:
+    vectors = floats([[60.0, 0.0], [0.0, -30.0], [0.0, 0.0]])
+    drawn = shapes.arrows(floats([[0, 0], [50, 0], [100, 0]]), vectors, 30.0)
+    shafts = drawn[::3]
+    assert len(drawn) == 6
+    assert shafts[0] == pytest.approx(floats([[-15, 0], [15, 0]]))
+    assert shafts[1, 1] - shafts[1, 0] == pytest.approx([0.0, -20.0])
+    assert len(shapes.arrows(floats([[0, 0]]), floats([[0, 0]]), 30.0)) == 0
+
+
+def test_ticks_are_round_numbers_and_never_too_many() -> None:
+    for extent in (0.7, 3.2, 700.0, 1200.0, 4321.0):
+        spacing = shapes.tick_spacing(extent, 13)
+        assert len(shapes.ticks(0.0, extent, spacing)) <= 14
+        assert f"{spacing:e}"[0] in "125"
+    assert shapes.ticks(-250.0, 250.0, 100.0) == pytest.approx([-200, -100, 0, 100, 200])
+
+
+def test_every_glyph_fits_its_advance_and_its_line() -> None:
+    for character in STROKES:
+        vertices = glyph(character).vertices
+        if len(vertices):
+            assert vertices[:, 0].min() > -WEIGHT
+            assert vertices[:, 0].max() < width(character) + WEIGHT
+            assert vertices[:, 1].max() < 1 + WEIGHT
+
+
+@pytest.mark.parametrize(("anchor", "left"), [(0.0, 100.0), (0.5, 90.0), (1.0, 80.0)])
+def test_a_text_lies_at_its_anchor(anchor: float, left: float) -> None:
+    height = 20.0 / width("1200")
+    text = lettering("1200", 100.0, 50.0, height, anchor)
+    assert text.vertices[:, 0].min() == pytest.approx(left, abs=height * WEIGHT)
+    assert text.vertices[:, 0].max() == pytest.approx(left + 20.0, abs=height * WEIGHT)
+    assert text.vertices[:, 1].mean() == pytest.approx(50.0, abs=0.3 * height)
+
+
+def test_robots_are_numbered_from_one_by_one_batch_a_digit() -> None:
+    places = {found.digit: found for found in numbering(12, 50)}
+    assert sorted(places) == list("0123456789")
+    assert places["1"].robot.tolist() == [0, 9, 10, 10, 11]
+    assert places["2"].robot.tolist() == [1, 11]
+    first, second = places["1"].offset[[2, 3]]
+    assert first < 0 < second
+
+
+def test_a_team_larger_than_the_limit_is_not_numbered() -> None:
+    assert numbering(50, 50) != []
+    assert numbering(51, 50) == []
+
+
+def test_grid_axes_and_scale_bar_fit_the_arena_and_its_margin() -> None:
+    spacing, px = 100.0, 1.3
+    room = with_margin(ARENA, 2 * px)
+    lines, letters, bar = grid(ARENA, spacing), axis_lettering(ARENA, spacing, px), scale_bar(ARENA, spacing, px)
+    assert len(lines) == 13 + 8
+    assert lines.min() == 0.0
+    assert lines[..., 0].max() == 1200.0
+    assert np.ptp(bar[..., 0]) == spacing
+    for points in (letters.vertices, bar.reshape(-1, 2)):
+        assert (points >= [room.x_min, room.y_min]).all()
+        assert (points <= [room.x_max, room.y_max]).all()
+
+
+def test_boundaries_keep_their_margin_from_circles_and_bars() -> None:
+    world = team(circles=[(300.0, 200.0, 20.0)], bars=[(900.0, 200.0, 900.0, 400.0, 6.0)]).world
+    (circle, _), (bar, middle) = obstacle_outlines(world, 25.0)
+    assert np.hypot(*(circle - [300, 200]).T) == pytest.approx(np.full(len(circle), 45.0))
+    assert bar[:, 0].max() == pytest.approx(931.0)
+    assert bar[:, 1].min() == pytest.approx(169.0)
+    assert middle == pytest.approx([900, 300])
+
+
+def test_an_open_path_is_drawn_from_its_start_to_its_end() -> None:
+    stroke = floats([[100, 100], [200, 150], [300, 120], [400, 300]])
+    arc, points = path_outline(sketch_path(stroke, 0.0), ARENA)
+    assert points[[0, -1]] == pytest.approx(stroke[[0, -1]], abs=0.1)
+    assert arc[-1] == pytest.approx(lengths(shapes.segments(points)).sum(), rel=1e-3)
+
+
+def test_a_closed_path_is_drawn_closed() -> None:
+    arc, points = path_outline(circle_path(600.0, 300.0, 100.0), ARENA)
+    assert points[0] == pytest.approx(points[-1])
+    assert arc[-1] == pytest.approx(2 * np.pi * 100.0)
+
+
+@pytest.mark.parametrize("angle", [0.0, np.pi / 2, 0.4, -2.0])
+def test_a_line_is_drawn_from_border_to_border(angle: float) -> None:
+    _, points = path_outline(line_path(600.0, 300.0, angle), ARENA)
+    on_border = (np.abs(points[[0, -1]] - [[0, 0]]) < 1e-6) | (np.abs(points[[0, -1]] - [[1200, 700]]) < 1e-6)
+    assert on_border.any(axis=1).all()
+    assert (points >= -1e-6).all()
+
+
+def test_a_line_that_misses_the_arena_and_no_path_draw_nothing() -> None:
+    assert len(path_outline(line_path(600.0, 900.0, 0.0), ARENA)[1]) == 0
+    assert len(path_outline(NO_PATH, ARENA)[1]) == 0
+
+
+def test_a_long_stroke_is_thinned_between_its_ends() -> None:
+    stroke = np.stack([np.arange(1000.0), np.zeros(1000)], axis=1)
+    short = thinned(stroke, 400)
+    assert len(short) == 400
+    assert short[[0, -1]] == pytest.approx(stroke[[0, -1]])
+    assert len(thinned(stroke[:3], 400)) == 3
+    assert len(shapes.segments(thinned(stroke[:0], 400))) == 0
+
+
+def test_a_fire_is_fought_when_its_crew_is_large_enough() -> None:
+    setup = team(fires=[(500.0, 250.0, 20.0), (300.0, 450.0, 30.0), (900.0, 100.0, 40.0)])
+    state, trace = advance(setup.start, setup.world, setup.gains)
+    work = setup.gains.fires.extinguish_time * state.motion.fire_radius
+    motion = state.motion._replace(fire_progress=work * [0.5, 0.0, 1.0], fire_burning=np.array([True, True, False]))
+    look = fire_look(state._replace(motion=motion), trace._replace(crew=ints([2, 1, 2])), setup)
+    assert look.fought.tolist() == [True, False, False]
+    assert look.progress == pytest.approx([0.5, 0.0, 1.0])
+
+
+def test_the_arc_of_a_fire_grows_clockwise_from_the_top_with_its_progress() -> None:
+    look = FireLook(np.array([True, True]), np.array([True, False]), floats([0.25, 0.0]))
+    arc = progress_arcs(floats([[500, 250], [300, 450]]), floats([20, 30]), look, 3.0)
+    assert arc[0, 0] == pytest.approx([500, 273])
+    assert arc[-1, 1] == pytest.approx([523, 250])
+    assert lengths(arc).sum() == pytest.approx(0.5 * np.pi * 23.0, rel=1e-3)
+
+
+def test_a_large_fire_is_numbered_inside_a_small_one_below_and_one_that_is_out_shows_its_loss() -> None:
+    at, radius = floats([[100, 100], [300, 100], [500, 100]]), floats([40.0, 5.0, 30.0])
+    inside, outside, ashes = fire_lettering(at, radius, np.array([True, True, False]), floats([0, 0, 2827.4]), 1.0)
+    assert inside.vertices[:, 1].mean() == pytest.approx(100.0, abs=3.0)
+    assert outside.vertices[:, 1].max() < 95.0
+    assert np.ptp(ashes.vertices[:, 0]) > 40.0
+    assert ashes.vertices[:, 1].min() < 70.0
+
+
+def test_links_of_a_dense_team_are_shown_up_to_a_limit() -> None:
+    at = floats(np.random.default_rng(1).uniform(0, 1000, (200, 2)))
+    links = ints(np.stack(np.triu_indices(200, 1), axis=1))
+    assert len(link_segments(at, links)) == MOST_LINKS
+    assert link_segments(at, links[:5]) == pytest.approx(at[links[:5]])
+    assert len(link_segments(at, links[:0])) == 0
+
+
+def test_only_robots_in_trouble_wear_a_ring() -> None:
+    marked = np.array([False, True, False])
+    assert len(rings(TRIANGLE, marked, 10.0, 24)) == 24
+    assert np.hypot(*(rings(TRIANGLE, marked, 10.0, 4)[:, 0] - TRIANGLE[1]).T) == pytest.approx(np.full(4, 10.0))
+    assert len(rings(TRIANGLE, ~np.ones(3, np.bool_), 10.0, 24)) == 0
+
+
+def test_trails_fade_with_age_into_the_floor() -> None:
+    colours = faded(TRAIL_POINTS - 1, 3)
+    assert colours.shape == (3 * (TRAIL_POINTS - 1), 2, 3)
+    assert colours[0, 0].tolist() == list(theme.vertex_rgb(theme.DARK.floor))
+    assert colours[-1, 1].tolist() == list(theme.vertex_rgb(theme.DARK.trail))
+    assert faded(1, 3)[0, 1].tolist() == list(theme.vertex_rgb(theme.DARK.trail))
+
+
+def test_the_field_grid_is_even_and_inside_the_arena() -> None:
+    points = field_grid(ARENA, 50.0)
+    assert len(points) == 24 * 14
+    assert points.mean(axis=0) == pytest.approx([600, 350])
+    assert (points > 0).all()
+
+
+def test_the_field_key_goes_through_all_fields_and_off_again() -> None:
+    seen: list[FieldKind | None] = [None]
+    for _ in FIELDS:
+        seen.append(next_field(seen[-1]))
+    assert seen == [None, FieldKind.PATH, FieldKind.COMPOSITE, FieldKind.BLENDED, None]
+
+
+def test_a_click_picks_the_nearest_robot_within_reach_and_nobody_beyond() -> None:
+    assert robot_near(TRIANGLE, floats([64, 325]), 26.0) == 1
+    assert robot_near(TRIANGLE, floats([300, 300]), 26.0) is None
+    assert robot_near(floats([], 0, 2), floats([0, 0]), 26.0) is None
