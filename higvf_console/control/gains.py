@@ -121,5 +121,8 @@ PackedGains: TypeAlias = NDArray[Any]  # (1,) of one record; kernels read `packe
 @lru_cache(maxsize=64)
 def packed(gains: Gains) -> PackedGains:
     """All tunables as an array (1,) of one record with the same names; the same array for equal gains."""
-    fields = [(name, [(key, np.float64) for key in part._fields]) for name, part in gains._asdict().items()]
-    return np.array([tuple(tuple(part) for part in gains)], dtype=np.dtype(fields))
+    parts = [
+        (name, np.dtype((np.record, [(key, np.float64) for key in part._fields])))
+        for name, part in gains._asdict().items()
+    ]
+    return np.array([tuple(tuple(part) for part in gains)], dtype=np.dtype((np.record, parts)))

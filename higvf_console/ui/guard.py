@@ -75,7 +75,8 @@ SECURITY_HEADERS = {
 
 LOGIN_PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Console: login needed</title>
 <style>body{background:#14171c;color:#d7dce3;font:17px/1.6 system-ui,sans-serif;max-width:34em;margin:18vh auto;
-padding:0 1.5em}h1{font-size:1.3em;color:#fff}code{background:#242a33;border-radius:4px;padding:.1em .4em;white-space:nowrap}</style>
+padding:0 1.5em}h1{font-size:1.3em;color:#fff}
+code{background:#242a33;border-radius:4px;padding:.1em .4em;white-space:nowrap}</style>
 <h1>This console opens by its link</h1>
 <p>Whoever started the console was shown a link that ends in <code>?token=&hellip;</code>: please open that link in this
 browser. It stays logged in until the browser is closed.</p>

@@ -24,6 +24,8 @@ from tests.browser import (
 
 pytestmark = pytest.mark.browser
 
+FRAMES = "window.__viserTestpoints.rendererInfo.render.frame"
+
 
 def corners(page: Page, arena: Arena = ARENA) -> Floats:
     """Where the arena's corners are seen (4, 2), in CSS pixels of the page."""
@@ -96,14 +98,26 @@ def test_arenas_of_ten_kilometres_and_of_two_metres_are_seen(page_of: Callable[[
     screenshot(page, f"arena-{arena.width:.0f}m")
 
 
+def wait_for_frames(page: Page, count: int = 3) -> None:
+    """Waits until viser has drawn that many frames."""
+    first = page.evaluate(FRAMES)
+    wait_until(lambda: page.evaluate(FRAMES) >= first + count)
+
+
 def test_keys_that_drive_visers_camera_move_nothing(page: Page) -> None:
     before = corners(page)
     for key in ("ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "w", "a", "s", "d", "q", "e"):
         page.keyboard.down(key)
-        page.wait_for_timeout(150)
-        assert np.abs(corners(page) - before).max() < 1.0, key
+        wait_for_frames(page)
         page.keyboard.up(key)
-    page.wait_for_timeout(200)
+        assert np.abs(corners(page) - before).max() < 1e-3, key
+
+
+@pytest.mark.parametrize("move", ["rotate(0.4, 0.3, false)", "truck(200, 100, false)", "dollyTo(500, false)"])
+def test_whatever_else_moves_the_camera_it_goes_back(page: Page, move: str) -> None:
+    before = corners(page)
+    page.evaluate(f"() => {{ window.__viserMutable.cameraControl.{move}; }}")
+    wait_for_frames(page)
     assert np.abs(corners(page) - before).max() < 1e-3
 
 

@@ -121,7 +121,13 @@ def test_a_swarm_in_trouble_is_notified_once_but_every_fire_that_goes_out() -> N
     assert len(notifications.chosen(flood, 9.0)) == 1
     fires = [event("extinguished", Severity.GOOD) for _ in range(2)]
     assert len(notifications.chosen(fires, 9.1)) == 2
-    assert len(notifications.chosen([event(f"kind {i}") for i in range(20)], 9.2)) == MOST_AT_ONCE
+    many = [event(f"kind {i}", Severity.WARNING) for i in range(20)]
+    assert len(notifications.chosen(many, 9.2)) == MOST_AT_ONCE
+
+
+def test_what_the_operator_has_just_done_is_logged_and_not_notified() -> None:
+    assert Notifications().chosen([event("resumed"), event("path"), event("picked")], 0.0) == []
+    assert len(Notifications().chosen([event("target"), event("path", Severity.GOOD)], 0.0)) == 2
 
 
 def test_the_loss_curve_thins_itself_and_starts_anew_with_the_run() -> None:

@@ -162,6 +162,17 @@ def test_the_page_tells_how_it_lies_over_the_ground(page: Page, stage: Stage) ->
     assert (stage.viewports[-1].width_px, stage.viewports[-1].height_px) == (1000.0, 640.0)
 
 
+def test_a_viewport_is_the_whole_page_in_device_pixels(page: Page, stage: Stage) -> None:
+    stage.viewports.clear()
+    canvas = [100, 60, 600, 500]  # its middle, (400, 310), lies over (10, 20)
+    send(page, "viewport", page=[1000, 800], canvas=canvas, pixel_ratio=2, centre=[10, 20], metres_per_px=0.5)
+    wait_until(lambda: stage.viewports)
+    viewport = stage.viewports[0]
+    assert (viewport.width_px, viewport.height_px) == (2000, 1600)
+    ground = viewport.to_ground(2 * np.array([[400.0, 310.0], [500.0, 310.0], [400.0, 410.0]]))
+    assert np.allclose(ground, [[10, 20], [60, 20], [10, -30]])
+
+
 NAN = float("nan")
 SPOILED: dict[str, dict[str, Any]] = {
     "a number that is none": {"points": [1.0, NAN]},

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from higvf_console.session.session import Snapshot
 
 MOST_SHOWN = 30
-MOST_AT_ONCE = 3  # notifications of one update
+MOST_AT_ONCE = 2  # notifications of one update
 TITLES = {
     "extinguished": "Fire out",
     "target": "New target",
@@ -61,7 +61,10 @@ class LogPanel:
 
 
 class Notifications:
-    """Keeps a swarm in trouble from burying the arena: one of a kind at a time, but every fire that goes out."""
+    """Keeps the arena in sight: one of a kind at a time, but every fire that goes out.
+
+    What the operator has just done is seen anyway and only logged.
+    """
 
     def __init__(self) -> None:
         """Nothing has been notified."""
@@ -71,6 +74,8 @@ class Notifications:
         """The events to be notified at `now` [s], of those that are new."""
         chosen: list[Event] = []
         for event in fresh:
+            if event.severity == Severity.INFO and event.kind != "target":
+                continue
             if event.kind == "extinguished" or now >= self._shown_until.get(event.kind, now):
                 self._shown_until[event.kind] = now + STAY_S[event.severity]
                 chosen.append(event)
