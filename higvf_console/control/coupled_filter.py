@@ -4,8 +4,9 @@
     OSQP     finds the tight rows; its status and residuals are never trusted alone
     polish   solves the tight parts exactly, speed limit included, and proves a conflict where there is one
 
-Slower than the distributed filter, and in Python: no fast preview. Where no velocities of the team meet all rows, or the
-program cannot be solved, the distributed filter answers for this tick; it takes the least violation and flags the robots.
+Slower than the distributed filter, and in Python: no fast preview. Where no velocities of the team meet all rows, or
+the program cannot be solved, the distributed filter answers for this tick; it takes the least violation and flags the
+robots.
 """
 
 from typing import NamedTuple
@@ -24,8 +25,9 @@ from higvf_console.control.nearest_point import OPTIMAL, Rows, residual
 from higvf_console.control.polish import polish
 from higvf_console.control.safety_filter import filter_velocities
 
+_SOLVED = 1  # OSQP_SOLVED; an enumeration that its package makes when it is imported
 _SKIN = 0.5  # share of the robot clearance that is listed beyond what can matter now
-_ROUGH = 1e-5  # share of v_max: accurate enough to tell which rows are tight
+_ROUGH = 1e-3  # share of v_max: accurate enough to tell which rows are likely to be tight
 _FINE = 1e-9  # for teams that are too entangled to be polished
 _LIKELY = 1e-3  # share of v_max within which a row may turn out to be tight
 _ACCEPTED = 1e-7  # share of v_max allowed in the optimality conditions without polish
@@ -146,15 +148,15 @@ class _Program:
 
     def solve(self, nominal: Floats, rows: Rows, limit: float, accuracy: float) -> _Guess | None:
         """OSQP's answer, or None where it does not call the problem solved."""
-        row = rows.row[: rows.count]
-        unit = np.ones(rows.count)
+        row = rows.row[: rows.size]
+        unit = np.ones(rows.size)
         unit[self._pairs] = np.sqrt(0.5)
         ax, ay = unit * row[:, 0], unit * row[:, 1]
         values = np.concatenate((ax, ay, -ax[self._pairs], -ay[self._pairs]))[self._order]
         self._solver.update_settings(eps_abs=accuracy, eps_rel=accuracy)
         self._solver.update(q=-nominal.ravel() / limit, u=unit * row[:, 2] / limit, Ax=values)
         result = self._solver.solve(raise_error=False)
-        if result.info.status_val != osqp.SolverStatus.OSQP_SOLVED:
+        if result.info.status_val != _SOLVED:
             return None
         velocity, weight = np.asarray(result.x) * limit, np.asarray(result.y) * unit * limit
         if not (np.isfinite(velocity).all() and np.isfinite(weight).all()):
@@ -164,7 +166,7 @@ class _Program:
 
 def _optimality_error(nominal: Floats, guess: _Guess, rows: Rows, limit: float) -> float:
     """Largest violation of the optimality conditions of the whole team [m/s]."""
-    ends, row = rows.ends[: rows.count], rows.row[: rows.count, :2]
+    ends, row = rows.ends[: rows.size], rows.row[: rows.size, :2]
     broken = _residuals(guess.velocity, rows)
     stationary = guess.velocity - nominal
     np.add.at(stationary, ends[:, 0], guess.weight[:, None] * row)
@@ -186,24 +188,24 @@ def _limited(nominal: Floats, limit: float) -> Floats:
 
 @kernel
 def _residuals(velocity: Floats, rows: Rows) -> Floats:
-    broken = np.empty(rows.count)
-    for r in range(rows.count):
+    broken = np.empty(rows.size)
+    for r in range(rows.size):
         broken[r] = residual(rows, r, velocity)
     return broken
 
 
 @kernel
 def _all_met(velocity: Floats, rows: Rows) -> bool:
-    for r in range(rows.count):
-        if residual(rows, r, velocity) > 0.0:
-            return False
-    return True
+    met = True
+    for r in range(rows.size):
+        met = met and residual(rows, r, velocity) <= 0.0
+    return met
 
 
 @kernel
 def _active(active: Bools, rows: Rows, count: int) -> Ints:
     found = np.zeros(count, np.int64)
-    for r in range(rows.count):
+    for r in range(rows.size):
         if active[r]:
             found[rows.ends[r, 0]] += 1
             if rows.ends[r, 1] >= 0:

@@ -1,11 +1,12 @@
-"""The nearest point to a team's nominal velocities under rows that couple robots: a dual active set, exact, with proofs.
+"""The nearest point to nominal velocities under rows that couple robots: a dual active set, exact, with proofs.
 
-The method of Goldfarb and Idnani for an identity Hessian. It starts at the nominal velocities, which are optimal for no
-rows, and brings in the most violated row, letting go of active rows whose multiplier would turn negative. It stops at the
-optimum, or with a conflict: weights >= 0 under which the rows add up to 0.u <= something negative, which proves that no
-velocity meets them. A speed limit is a disc, so it enters as a tangent wherever it is broken.
+The method of Goldfarb and Idnani for an identity Hessian. It starts at the nominal velocities, which are optimal for
+no rows, and brings in the most violated row, letting go of active rows whose multiplier would turn negative. It stops
+at the optimum, or with a conflict: weights >= 0 under which the rows add up to 0.u <= something negative, which
+proves that no velocity meets them. A speed limit is a disc, so it enters as a tangent wherever it is broken.
 
-A row is ax, ay, b of a.u_i <= b, or of a.(u_i - u_j) <= b where two members share it: `ends` holds i and j, or i and -1.
+A row is ax, ay, b of a.u_i <= b, or of a.(u_i - u_j) <= b where two members share it: `ends` holds i and j, or i
+and -1.
 """
 
 import math
@@ -31,12 +32,12 @@ class Rows(NamedTuple):
     Attributes:
         ends: (C, 2) members that share the row; -1 for none.
         row: (C, 3) ax, ay, b.
-        count: number of rows before any tangent.
+        size: number of rows before any tangent.
     """
 
     ends: Ints
     row: Floats
-    count: int
+    size: int
 
 
 class Solution(NamedTuple):
@@ -46,13 +47,13 @@ class Solution(NamedTuple):
         status: OPTIMAL, CONFLICT or FAILED.
         velocity: (S, 2) [m/s]; of use when OPTIMAL.
         weight: (C,) multipliers of the rows when OPTIMAL; when in CONFLICT the weights that prove it.
-        count: number of rows, tangents included.
+        size: number of rows, tangents included.
     """
 
     status: int
     velocity: Floats
     weight: Floats
-    count: int
+    size: int
 
 
 class _Active(NamedTuple):
@@ -87,8 +88,8 @@ def nearest(nominal: Floats, rows: Rows, speed_limit: float) -> Solution:
     velocity = nominal.copy()
     weight = np.zeros(rows.row.shape[0])
     is_active = np.zeros(rows.row.shape[0], np.bool_)
-    used, count = 0, rows.count
-    for _ in range(20 * (size + rows.count) + 200):
+    used, count = 0, rows.size
+    for _ in range(20 * (size + rows.size) + 200):
         p, count = _most_broken(velocity, rows, count, is_active, speed_limit)
         if p < 0:
             for k in range(used):
@@ -114,26 +115,40 @@ def residual(rows: Rows, r: int, velocity: Floats) -> float:
 
 
 @kernel
+def violation(rows: Rows, velocity: Floats, speed_limit: float) -> float:
+    """By how much `velocity` (S, 2) breaks the worst of the rows and speed limits [m/s]; 0 if it meets them all."""
+    worst = 0.0
+    for r in range(rows.size):
+        worst = max(worst, residual(rows, r, velocity))
+    for k in range(velocity.shape[0]):
+        worst = max(worst, math.sqrt(velocity[k, 0] ** 2 + velocity[k, 1] ** 2) - speed_limit)
+    return worst
+
+
+@kernel
 def optimality_error(nominal: Floats, rows: Rows, solution: Solution, speed_limit: float) -> float:
-    """Largest violation of the optimality conditions [m/s]: rows, speed limit, stationarity, complementarity."""
+    """By how much a solution misses stationarity, complementarity and the signs of the multipliers.
+
+    Returns:
+        A share of the largest multiplier, or of the speed limit where that is larger.
+    """
     stationary = np.empty_like(nominal)
     for k in range(nominal.shape[0]):
         for axis in range(2):
             stationary[k, axis] = solution.velocity[k, axis] - nominal[k, axis]
-    error = 0.0
-    for r in range(solution.count):
-        broken = residual(rows, r, solution.velocity)
+    error, scale = 0.0, speed_limit
+    for r in range(solution.size):
         weight = solution.weight[r]
-        error = max(error, broken, -weight, min(weight, abs(broken)))
+        scale = max(scale, weight)
+        error = max(error, -weight, min(weight, abs(residual(rows, r, solution.velocity))))
         i, j = rows.ends[r, 0], rows.ends[r, 1]
         for axis in range(2):
             stationary[i, axis] += weight * rows.row[r, axis]
             if j >= 0:
                 stationary[j, axis] -= weight * rows.row[r, axis]
     for k in range(nominal.shape[0]):
-        speed = math.sqrt(solution.velocity[k, 0] ** 2 + solution.velocity[k, 1] ** 2)
-        error = max(error, speed - speed_limit, abs(stationary[k, 0]), abs(stationary[k, 1]))
-    return error
+        error = max(error, abs(stationary[k, 0]), abs(stationary[k, 1]))
+    return error / scale
 
 
 @kernel

@@ -1,7 +1,7 @@
 """Who is near whom: neighbour lists by a cell list, and the connected components that they span.
 
-Lists are in compressed rows: robot i's neighbours are `to[start[i]:start[i + 1]]`, sorted. The sorting is free: closeness
-is symmetric, so transposing unsorted rows fills every row in the order of the robots.
+Lists are in compressed rows: robot i's neighbours are `to[start[i]:start[i + 1]]`, sorted. The sorting is free:
+closeness is symmetric, so transposing unsorted rows fills every row in the order of the robots.
 """
 
 import math
@@ -54,7 +54,7 @@ def within(position: Floats, reach: float) -> tuple[Ints, Ints]:
 
 @kernel
 def components(start: Ints, to: Ints) -> Ints:
-    """Labels the connected components of symmetric neighbour lists: (N,) smallest robot index of each one's component."""
+    """Connected components of symmetric neighbour lists: (N,) the smallest robot index of each one's component."""
     count = start.shape[0] - 1
     label = np.full(count, -1, np.int64)
     stack = np.empty(count, np.int64)

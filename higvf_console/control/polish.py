@@ -1,7 +1,7 @@
 """From a good guess to the exact optimum: the rows that are tight, or nearly, split the team into small exact problems.
 
-Robots that share no tight row do not feel each other, so each connected component is solved by itself (`nearest_point`).
-Rows that the parts break together are added, and the parts that they join are solved again.
+Robots that share no tight row do not feel each other, so each connected component is solved by itself
+(`nearest_point`). Rows that the parts break together are added, and the parts that they join are solved again.
 """
 
 from typing import NamedTuple
@@ -18,12 +18,13 @@ from higvf_console.control.nearest_point import (
     nearest,
     optimality_error,
     residual,
+    violation,
 )
 
 _LARGEST_PART = 100  # robots; beyond it the dense method is slower than a sparse solver
 _ROUNDS = 12
 _BROKEN = 1e-9  # share of v_max
-_OPTIMALITY = 1e-8  # share of v_max
+_OPTIMALITY = 1e-6  # relative error allowed in the optimality conditions
 
 
 class Polished(NamedTuple):
@@ -51,11 +52,11 @@ def polish(nominal: Floats, rows: Rows, likely: Bools, speed_limit: float) -> Po
         speed_limit: v_max [m/s].
     """
     velocity = nominal.copy()
-    weight = np.zeros(rows.count)
+    weight = np.zeros(rows.size)
     for _ in range(_ROUNDS):
         part = _parts(rows, likely, nominal.shape[0])
-        of_row = np.full(rows.count, -1, np.int64)
-        for r in range(rows.count):
+        of_row = np.full(rows.size, -1, np.int64)
+        for r in range(rows.size):
             if likely[r]:
                 of_row[r] = part[rows.ends[r, 0]]
         first, members = _grouped(part, nominal.shape[0])
@@ -68,7 +69,7 @@ def polish(nominal: Floats, rows: Rows, likely: Bools, speed_limit: float) -> Po
                 if status != OPTIMAL:
                     return Polished(status, velocity, weight)
         grown = False
-        for r in range(rows.count):
+        for r in range(rows.size):
             if not likely[r] and residual(rows, r, velocity) > _BROKEN * speed_limit:
                 likely[r] = True
                 grown = True
@@ -81,7 +82,7 @@ def polish(nominal: Floats, rows: Rows, likely: Bools, speed_limit: float) -> Po
 def _parts(rows: Rows, likely: Bools, count: int) -> Ints:
     """Connected components of the likely pair rows: (N,) smallest robot index of each one's component."""
     part = np.arange(count)
-    for r in range(rows.count):
+    for r in range(rows.size):
         i, j = rows.ends[r, 0], rows.ends[r, 1]
         if likely[r] and j >= 0:
             i, j = _root(part, i), _root(part, j)
@@ -137,7 +138,9 @@ def _solve_part(
     solution = nearest(wanted, own, speed_limit)
     if solution.status != OPTIMAL:
         return solution.status
-    if optimality_error(wanted, own, solution, speed_limit) > _OPTIMALITY * speed_limit:
+    if violation(own, solution.velocity, speed_limit) > _BROKEN * speed_limit:
+        return FAILED
+    if optimality_error(wanted, own, solution, speed_limit) > _OPTIMALITY:
         return FAILED
     for k in range(members.shape[0]):
         velocity[members[k], 0], velocity[members[k], 1] = solution.velocity[k, 0], solution.velocity[k, 1]

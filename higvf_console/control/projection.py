@@ -1,8 +1,8 @@
 """The distributed filter's core: the exact projection of one velocity on {a.u <= b for all rows} and {|u| <= v_max}.
 
-Seidel's incremental method: take the rows one by one; where the nearest velocity so far breaks the next row, the new one
-lies on that row's line, where the earlier rows and the speed limit leave an interval. Rows that cannot matter are dropped
-before by a rule that never changes the result.
+Seidel's incremental method: take the rows one by one; where the nearest velocity so far breaks the next row, the new
+one lies on that row's line, where the earlier rows and the speed limit leave an interval. Rows that cannot matter are
+dropped before by a rule that never changes the result.
 
 Rows are (R, 3): ax, ay, b with unit (ax, ay); velocities and b in m/s.
 """
@@ -50,11 +50,11 @@ def project(
 
 @kernel
 def cull(vx: float, vy: float, rows: Floats, count: int, speed_limit: float, kept: Ints) -> int:
-    """Lists in `kept` the rows that can shape the projection of (vx, vy); their number, or -1 where nothing meets all rows.
+    """Lists in `kept` the rows that can shape the projection of (vx, vy); their number, or -1 if nothing meets all.
 
-    If w meets all rows, the projection lies in the disc with diameter [w, v], so a row with b >= the largest a.u on that
-    disc, (a.(v + w) + |v - w|)/2, can be dropped. With all b >= 0, w = 0 does; else w is the projection of 0 on the rows
-    with b < 0, if that meets the others as well; if not, all rows stay.
+    If w meets all rows, the projection lies in the disc with diameter [w, v], so a row with b >= the largest a.u on
+    that disc, (a.(v + w) + |v - w|)/2, can be dropped. With all b >= 0, w = 0 does; else w is the projection of 0 on
+    the rows with b < 0, if that meets the others as well; if not, all rows stay.
     """
     used = 0
     for k in range(count):

@@ -1,12 +1,12 @@
 """Robots that cannot meet their own halves of the pair rows: neighbours yield, and only then is anything violated.
 
-A robot between a growing fire and a neighbour may have no velocity that keeps its half of their row, while both together
-have one. So its rows are solved as a cluster, in which the members share their pair rows as they like, [22], and keep
-their own rows and their halves towards everyone else. A cluster that has no solution comes with a proof: the rows in
-conflict. If a half towards somebody else is among them, that robot joins the cluster; robots that are in nobody's way stay
-out. If none is, no velocities of the whole team meet the coupled rows, and just the rows in conflict give way, by the
-least equal amount. So the largest violation of a cluster is the smallest possible, rows out of the conflict are met
-exactly, and the velocities are the nearest to the nominal ones that do so.
+A robot between a growing fire and a neighbour may have no velocity that keeps its half of their row, while both
+together have one. So its rows are solved as a cluster, in which the members share their pair rows as they like, [22],
+and keep their own rows and their halves towards everyone else. A cluster that has no solution comes with a proof: the
+rows in conflict. If a half towards somebody else is among them, that robot joins the cluster; robots that are in
+nobody's way stay out. If none is, no velocities of the whole team meet the coupled rows, and the rows in conflict give
+way, by the least equal amount. So the largest violation of a cluster is the smallest possible, rows out of the conflict
+are met exactly (short of a great many conflicts), and the velocities are the nearest to the nominal ones under that.
 """
 
 from typing import NamedTuple
@@ -25,14 +25,17 @@ from higvf_console.control.nearest_point import (
     nearest,
     optimality_error,
     residual,
+    violation,
 )
 
 _MOST_MEMBERS = 64  # a larger crowd would hold up the tick: its outermost rows give way instead
-_MOST_CONFLICTS = 200
+_MOST_CONFLICTS = 60
+_SEPARATE_CONFLICTS = 30  # after so many, all rows give way together and ever more, which ends it
 _VIOLATION = 1e-6  # share of v_max by which a row must be broken for a robot to count as infeasible
 _PROOF = 1e-9  # weight below which a row has no part in a conflict
 _LEEWAY = 1e-9  # share of v_max by which a row gives way more than it must
-_OPTIMALITY = 1e-7  # share of v_max allowed in the optimality conditions
+_FEASIBILITY = 1e-8  # share of v_max by which an accepted solution may break a row
+_OPTIMALITY = 1e-6  # relative error allowed in its optimality conditions
 
 
 class Outcome(NamedTuple):
@@ -82,24 +85,25 @@ def _grown(
     members = _members(name, cluster)
     rows, outsider = _cluster_rows(members, around)
     speed_limit = around.safety.speed_limit
-    exact = np.empty(rows.count)
-    for r in range(rows.count):
+    exact = np.empty(rows.size)
+    for r in range(rows.size):
         exact[r] = rows.row[r, 2]
     wanted = np.empty((members.shape[0], 2))
     for k in range(members.shape[0]):
         wanted[k, 0], wanted[k, 1] = nominal[members[k], 0], nominal[members[k], 1]
     solution = nearest(wanted, rows, speed_limit)
-    for _ in range(_MOST_CONFLICTS):
+    for conflict in range(_MOST_CONFLICTS):
         if solution.status != CONFLICT:
             break
-        if _absorbed(name, cluster, members.shape[0], usable, rows.count, outsider, solution.weight):
+        if _absorbed(name, cluster, members.shape[0], usable, rows.size, outsider, solution.weight):
             return True
-        _give_way(rows, exact, solution, speed_limit)
+        _give_way(rows, exact, outsider, solution, conflict - _SEPARATE_CONFLICTS, speed_limit)
         solution = nearest(wanted, rows, speed_limit)
     sound = solution.status == OPTIMAL
-    sound = sound and optimality_error(wanted, rows, solution, speed_limit) <= _OPTIMALITY * speed_limit
+    sound = sound and violation(rows, solution.velocity, speed_limit) <= _FEASIBILITY * speed_limit
+    sound = sound and optimality_error(wanted, rows, solution, speed_limit) <= _OPTIMALITY
     if sound:
-        for r in range(rows.count):
+        for r in range(rows.size):
             rows.row[r, 2] = exact[r]
         _write(members, rows, solution, speed_limit, outcome)
     else:
@@ -146,7 +150,8 @@ def _absorbed(name: int, cluster: Ints, size: int, usable: Bools, count: int, ou
         robot = outsider[r]
         if robot == NO_ROBOT or weight[r] <= _PROOF or not usable[robot] or cluster[robot] == name:
             continue
-        joining = _members(cluster[robot], cluster) if cluster[robot] != NO_ROBOT else np.full(1, robot, np.int64)
+        known = int(cluster[robot])
+        joining = np.full(1, robot, np.int64) if known == NO_ROBOT else _members(known, cluster)
         if size + joining.shape[0] <= _MOST_MEMBERS:
             grown = True
             size += joining.shape[0]
@@ -167,36 +172,25 @@ def _members(name: int, cluster: Ints) -> Ints:
 
 
 @kernel
-def _give_way(rows: Rows, exact: Floats, solution: Solution, speed_limit: float) -> None:
-    """Relaxes the rows in conflict to the least equal level at which they no longer are; the speed limit never.
+def _give_way(rows: Rows, exact: Floats, outsider: Ints, solution: Solution, late: int, speed_limit: float) -> None:
+    """Relaxes the rows in conflict, or all of the members', to the least equal level that ends it; no speed limit.
 
-    The weights y make the left sides cancel, so that the rows agree once sum y (b + level) >= 0. Rows that gave way more
-    in an earlier conflict keep their level.
+    The weights y make the left sides cancel, so that the rows agree once sum y (b + level) >= 0. No level exceeds the
+    least violation of the cluster, since at that every conflict is resolved.
     """
     gap, total = 0.0, 0.0
-    for r in range(solution.count):
-        if r < rows.count:
+    for r in range(solution.size):
+        if r < rows.size:
             gap -= solution.weight[r] * exact[r]
             total += solution.weight[r]
         else:
             gap -= solution.weight[r] * rows.row[r, 2]
-    level = gap / total
-    for _ in range(rows.count):
-        rest, share = gap, 0.0
-        for r in range(rows.count):
-            given = rows.row[r, 2] - exact[r]
-            if given > level:
-                rest -= solution.weight[r] * given
-            else:
-                share += solution.weight[r]
-        if share == 0.0 or rest / share >= level:
-            break
-        level = rest / share
-    level = max(level, 0.0) + _LEEWAY * speed_limit
-    for r in range(rows.count):
-        if solution.weight[r] > _PROOF:
+    leeway = _LEEWAY * speed_limit * 2.0 ** max(late, 0)
+    level = max(gap / total, 0.0) + leeway
+    for r in range(rows.size):
+        if solution.weight[r] > _PROOF or (late >= 0 and outsider[r] == NO_ROBOT):
             raised = max(rows.row[r, 2], exact[r] + level)
-            rows.row[r, 2] = raised if raised > rows.row[r, 2] else raised + _LEEWAY * speed_limit
+            rows.row[r, 2] = raised if raised > rows.row[r, 2] else raised + leeway
 
 
 @kernel
@@ -207,7 +201,7 @@ def _write(members: Ints, rows: Rows, solution: Solution, speed_limit: float, ou
         outcome.velocity[robot, 0], outcome.velocity[robot, 1] = solution.velocity[k, 0], solution.velocity[k, 1]
         outcome.active_rows[robot] = 0
         outcome.infeasible[robot] = False
-    for r in range(rows.count):
+    for r in range(rows.size):
         broken = residual(rows, r, solution.velocity) > _VIOLATION * speed_limit
         for side in range(2):
             if rows.ends[r, side] >= 0:

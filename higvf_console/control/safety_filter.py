@@ -91,9 +91,9 @@ def blocked(
 ) -> bool:
     """Whether barrier rows, and nothing else, keep a robot from moving.
 
-    The filter's answer satisfies v - u = sum of lambda_k a_k over active rows, lambda >= 0. So a robot that should move
-    and does not (u = 0) has its nominal velocity v in the cone of the active normals, and a nominal velocity in the cone
-    of rows with b = 0 gives u = 0: the cone test needs no rows, only this.
+    The filter's answer satisfies v - u = sum of lambda_k a_k over active rows, lambda >= 0. So a robot that should
+    move and does not (u = 0) has its nominal velocity v in the cone of the active normals, and a nominal velocity in
+    the cone of rows with b = 0 gives u = 0: the cone test needs no rows, only this.
 
     Args:
         velocity_x: filtered velocity u [m/s].

@@ -164,7 +164,7 @@ def projection_by_enumeration(velocity: Floats, rows: Floats, speed_limit: float
             tried += [bound[k] * normal[k] + end, bound[k] * normal[k] - end]
         for j in range(k):
             if abs(np.linalg.det(normal[[k, j]])) > 1e-9:
-                tried.append(np.linalg.solve(normal[[k, j]], bound[[k, j]]))
+                tried.append(floats(np.linalg.solve(normal[[k, j]], bound[[k, j]])))
     points = np.array(tried)
     allowed = (points @ normal.T <= bound + 1e-9 * speed_limit).all(axis=1)
     allowed &= np.hypot(*points.T) <= speed_limit * (1.0 + 1e-9)

@@ -84,8 +84,8 @@ def test_a_bar_is_a_circle_round_the_nearest_point_of_its_spine() -> None:
 
 
 def test_a_wall_lets_nobody_out() -> None:
-    assert wall_row(12.0, 5.0, 1.0, 0.0, 0.0, SAFETY) == (-1.0, 0.0, 0.0)
-    inside, outside = wall_row(24.0, 5.0, 1.0, 0.0, 0.0, SAFETY), wall_row(6.0, 5.0, 1.0, 0.0, 0.0, SAFETY)
+    assert wall_row(52.0, 5.0, 1.0, 0.0, 40.0, SAFETY) == (-1.0, 0.0, 0.0)
+    inside, outside = wall_row(64.0, 5.0, 1.0, 0.0, 40.0, SAFETY), wall_row(46.0, 5.0, 1.0, 0.0, 40.0, SAFETY)
     assert inside[2] == SAFETY.obstacle_rate * SAFETY.obstacle_clearance
     assert outside[2] == max(-0.5 * SAFETY.obstacle_rate * SAFETY.obstacle_clearance, -SAFETY.speed_limit)
 

@@ -23,7 +23,7 @@ def projected(velocity: Floats, rows: Floats, limit: float) -> Floats | None:
     return np.array([ux, uy]) if feasible else None
 
 
-@pytest.mark.parametrize("lowest", [0.0, -0.1, -0.5, -1.0])
+@pytest.mark.parametrize("lowest", [0.0, -0.1, -0.5, -1.0, -1.5])
 def test_the_projection_is_exact_or_proven_impossible(lowest: float) -> None:
     rng = np.random.default_rng(2)
     impossible = 0

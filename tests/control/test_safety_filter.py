@@ -156,6 +156,8 @@ def test_extinguished_fires_have_no_rows() -> None:
     given = scene([[10.0, 0.0]], [[-60.0, 0.0]], fires=[[0.0, 0.0, 20.0, 1.0]])
     assert filtered(given)[0][0, 0] > 0.0
     assert filtered(given._replace(fire_burning=bools([False])))[0].tobytes() == given.nominal.tobytes()
+    two = scene([[10.0, 0.0]], [[-60.0, 0.0]], fires=[[30.0, 0.0, 20.0, 1.0], [0.0, 0.0, 20.0, 1.0]])
+    assert filtered(two._replace(fire_burning=bools([False, True])))[0].tobytes() == filtered(given)[0].tobytes()
 
 
 def test_an_empty_team_is_filtered_to_nothing() -> None:

@@ -135,9 +135,12 @@ def test_a_drawn_stroke_becomes_the_path_and_the_robot_follows_it(page: Page, ru
     wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
     length = np.hypot(*np.diff(hand, axis=0).T).sum()
     assert running.state.intent.path.length == pytest.approx(length, rel=0.02)
-    yellow = pixels(page, floats(hand[[30, 60, 90]]))
-    assert (yellow[:, :2].min(axis=1) > 150).all()
-    assert (yellow[:, 2] < 140).all()
+
+    def yellow() -> bool:
+        seen = pixels(page, floats(hand[[30, 60, 90]]))
+        return bool((seen[:, :2].min(axis=1) > 150).all() and (seen[:, 2] < 140).all())
+
+    wait_until(yellow)
     press(page, "Run clock")
     wait_until(lambda: running.state.motion.path_parameter > 0.2 * length, 60.0)
     screenshot(page, "console-stroke")

@@ -1,8 +1,8 @@
 """When the barriers hold in discrete time: the sampling condition, the culling distances and the least stand-off.
 
-A row only speaks for the instant. Over a control period it gives h_next >= h (1 - dt rate h^2), which keeps h >= 0 as long
-as `dt rate h^2 <= 1` wherever the robot could reach h = 0 in one period, that is below
-h_near = ((R + s dt)/R)^2 - 1 at the closing speed s. The smaller the clearance R, the stricter.
+A row only speaks for the instant. Over a control period it gives h_next >= h (1 - dt rate h^2), which keeps h >= 0 as
+long as `dt rate h^2 <= 1` wherever the robot could reach h = 0 in one period, that is below h_near = ((R + s dt)/R)^2
+- 1 at the closing speed s. The smaller the clearance R, the stricter.
 """
 
 import math
@@ -93,7 +93,7 @@ def check_sampling(world: World, fire_radius: Floats, safety: SafetyGains) -> No
 
 
 def least_stand_off(fire_radius: float, growth: float, safety: SafetyGains) -> float:
-    """Smallest stand-off [m] at which a robot can still hold at a fire: the row of the growing fire pushes it so far out.
+    """Smallest stand-off [m] at which a robot can hold at a fire: the row of the growing fire pushes it that far.
 
     R_o + R_k (sqrt(1 + (2 R'/(beta R_k))^(1/3)) - 1), R_k = radius + R_o
 

@@ -1,7 +1,7 @@
 """What every barrier shares: the class-K function, and the row that keeps a robot out of a disc.
 
-A row (ax, ay, b) means a.v <= b with a unit vector a, so b is the fastest [m/s] that the robot may move along a. Rows are
-made from h = d^2/R^2 - 1, dimensionless: zero at the clearance R, negative inside.
+A row (ax, ay, b) means a.v <= b with a unit vector a, so b is the fastest [m/s] that the robot may move along a. Rows
+are made from h = d^2/R^2 - 1, dimensionless: zero at the clearance R, negative inside.
 """
 
 import math
