@@ -21,7 +21,7 @@ from higvf_console.control.coupled_filter import CoupledFilter
 from higvf_console.control.gains import SafetyGains
 from higvf_console.control.projection import project
 from higvf_console.control.safety_filter import filter_velocities
-from higvf_console.lab.bench import Case, Suite, take_turns
+from higvf_console.lab.timing import Case, Suite, take_turns
 
 try:
     import daqp

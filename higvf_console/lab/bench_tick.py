@@ -8,7 +8,7 @@ session   one tick with its events and its tally, as a live run does it
 import math
 from collections.abc import Callable
 
-from higvf_console.lab.bench import Case, Suite, take_turns
+from higvf_console.lab.timing import Case, Suite, take_turns
 from higvf_console.session.run import Run
 from higvf_console.session.scenario import parse_scenario
 from higvf_console.sim.simulation import advance, roll

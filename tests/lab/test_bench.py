@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from higvf_console.errors import HigvfError
-from higvf_console.lab import bench, bench_filter, bench_tick
+from higvf_console.lab import bench, bench_filter, bench_tick, timing
 
 
 def quick(contenders: dict[str, Callable[[int], object]], _: object = None) -> dict[str, float]:
@@ -58,7 +58,7 @@ def test_the_tick_suite_prints_a_table(capsys: pytest.CaptureFixture[str]) -> No
 def test_contenders_take_turns_and_are_warmed_up_first() -> None:
     called: list[str] = []
     contenders: dict[str, Callable[[int], object]] = {name: lambda _, name=name: called.append(name) for name in "ab"}
-    medians = bench.take_turns(contenders, {"b": lambda _: called.append("before b")}, seconds=0.0)
+    medians = timing.take_turns(contenders, {"b": lambda _: called.append("before b")}, seconds=0.0)
     assert called[:5] == ["a", "b", "a", "before b", "b"]
     assert called.count("a") == 16
     assert set(medians) == {"a", "b"}
