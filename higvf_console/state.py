@@ -175,12 +175,8 @@ class Trace(NamedTuple):
 
     Attributes:
         fire_value: (N, M) observed fire values theta [rad], [10].
-        robot_intention: (N, 2) v_t, [13].
-        human_intention: (N, 2) v_h, zero but for the influenced robot, [9].
-        formation: (N, 2) v_f [m/s], [14].
+        terms: (N, 5, 2) the vectors that the five properties below name, in their order.
         blending: (N,) lambda, [19].
-        blended: (N, 2) lambda v_s + (1 - lambda) v_f [m/s], [18].
-        nominal: (N, 2) after the composite step and the speed clip; what the filter was given [m/s].
         active_rows: (N,) barrier rows that shaped the robot's velocity.
         infeasible: (N,) no velocity met all rows: the least violation was taken.
         deadlocked: (N,) the detector of stalls holds.
@@ -191,12 +187,8 @@ class Trace(NamedTuple):
     """
 
     fire_value: Floats
-    robot_intention: Floats
-    human_intention: Floats
-    formation: Floats
+    terms: Floats
     blending: Floats
-    blended: Floats
-    nominal: Floats
     active_rows: Ints
     infeasible: Bools
     deadlocked: Bools
@@ -204,3 +196,28 @@ class Trace(NamedTuple):
     links: Ints
     component: Ints
     crew: Ints
+
+    @property
+    def robot_intention(self) -> Floats:
+        """(N, 2) v_t, [13]."""
+        return self.terms[:, 0]
+
+    @property
+    def human_intention(self) -> Floats:
+        """(N, 2) v_h, zero but for the influenced robot, [9]."""
+        return self.terms[:, 1]
+
+    @property
+    def formation(self) -> Floats:
+        """(N, 2) v_f [m/s], [14]."""
+        return self.terms[:, 2]
+
+    @property
+    def blended(self) -> Floats:
+        """(N, 2) lambda v_s + (1 - lambda) v_f [m/s], [18]."""
+        return self.terms[:, 3]
+
+    @property
+    def nominal(self) -> Floats:
+        """(N, 2) after the composite step and the speed clip: what the filter was given [m/s]."""
+        return self.terms[:, 4]

@@ -9,12 +9,13 @@ import numpy as np
 from higvf_console.arrays import Ints
 from higvf_console.control.barriers.arena import wall_row
 from higvf_console.control.barriers.fire import fire_row
-from higvf_console.control.barriers.obstacle import bar_row, circle_row, spine_point
+from higvf_console.control.barriers.obstacle import bar_row, circle_row
 from higvf_console.control.barriers.robot_pair import pair_row, sensing_radius
 from higvf_console.control.barriers.surroundings import Surroundings
 from higvf_console.control.kernel import kernel
 from higvf_console.control.nearest_point import Rows, empty_rows
 from higvf_console.control.neighbours import within
+from higvf_console.control.obstacles import spine_point
 
 _PAIR, _CIRCLE, _BAR, _WALL, _FIRE = 0, 1, 2, 3, 4
 

@@ -41,8 +41,8 @@ def fire_ring(fire: int, world: World) -> int:
 
 
 @kernel
-def spine_point(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> tuple[float, float]:
-    """The point of segment a-b nearest to (x, y)."""
+def spine_point(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> tuple[float, float]:
+    """The point of the segment a-b [m] nearest to (x, y)."""
     dx, dy = bx - ax, by - ay
     square = dx * dx + dy * dy
     if square == 0.0:
@@ -54,7 +54,7 @@ def spine_point(ax: float, ay: float, bx: float, by: float, x: float, y: float) 
 @kernel
 def ring_at(table: Floats, k: int, x: float, y: float) -> tuple[float, float, float, float]:
     """Ring k from (x, y): distance to its spine [m], outward unit normal, radius [m]; +x at distance zero."""
-    ox, oy = spine_point(table[k, 0], table[k, 1], table[k, 2], table[k, 3], x, y)
+    ox, oy = spine_point(x, y, table[k, 0], table[k, 1], table[k, 2], table[k, 3])
     dx, dy = x - ox, y - oy
     distance = math.sqrt(dx * dx + dy * dy)
     if distance == 0.0:

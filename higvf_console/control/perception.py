@@ -61,7 +61,7 @@ def fire_value(
         count = _hide(hidden, count, bearing - half, bearing + half, beta)
     for k in range(bars.shape[0]):
         ax, ay, bx, by, r = bars[k, 0], bars[k, 1], bars[k, 2], bars[k, 3], bars[k, 4]
-        px, py = spine_point(ax, ay, bx, by, fx, fy)
+        px, py = spine_point(fx, fy, ax, ay, bx, by)
         to_fire = math.sqrt((fx - px) ** 2 + (fy - py) ** 2)
         depth = (
             (px - x) * ux + (py - y) * uy + (r * ((fx - px) * ux + (fy - py) * uy) / to_fire if to_fire > 0.0 else 0.0)

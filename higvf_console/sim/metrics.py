@@ -10,6 +10,7 @@ from higvf_console.control.gains import Gains
 from higvf_console.control.kernel import kernel
 from higvf_console.control.neighbours import within
 from higvf_console.control.obstacles import NO_RING, ring_at, ring_table
+from higvf_console.control.safety_filter import blocked
 from higvf_console.state import NOBODY, Motion, World
 
 
@@ -56,8 +57,8 @@ def stalls(
             dy = motion.position[i, 1] - world.fire_position[fire, 1]
             reach = motion.fire_radius[fire] + gains.fires.stand_off
             at_work = crew[fire] >= world.fire_needs[fire] or dx * dx + dy * dy <= reach * reach
-        wants = not at_work and math.hypot(plan.nominal[i, 0], plan.nominal[i, 1]) > slow
-        stands = math.hypot(velocity[i, 0], velocity[i, 1]) < slow
-        if wants and stands and active_rows[i] > 0:
+        if not at_work and blocked(
+            velocity[i, 0], velocity[i, 1], plan.nominal[i, 0], plan.nominal[i, 1], active_rows[i], slow
+        ):
             stalled[i] = motion.stalled[i] + gains.safety.control_period
     return stalled

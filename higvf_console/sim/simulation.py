@@ -119,9 +119,9 @@ def settle(
         radius, fire_progress, burning, plan.path_parameter, plan.path_status, plan.path_idle, plan.path_gap,
     )  # fmt: skip
     trace = Trace(
-        plan.fire_value, plan.robot_intention, plan.human_intention, plan.formation, plan.blending, plan.blended,
-        plan.nominal, active_rows, infeasible, moved.stalled >= gains.stall.stall_time,
-        clearances(moved, world, gains), _pairs(plan.link_start, plan.link_to), plan.component, crew,
+        plan.fire_value, _terms(plan), plan.blending, active_rows, infeasible,
+        moved.stalled >= gains.stall.stall_time, clearances(moved, world, gains),
+        _pairs(plan.link_start, plan.link_to), plan.component, crew,
     )  # fmt: skip
     return moved, trace
 
@@ -134,6 +134,20 @@ def _safety_gains(gains: PackedGains) -> SafetyGains:
         safety.robot_clearance, safety.obstacle_clearance, safety.pair_rate, safety.obstacle_rate, safety.speed_limit,
         safety.control_period,
     )  # fmt: skip
+
+
+@kernel
+def _terms(plan: Plan) -> Floats:
+    """(N, 5, 2) as `Trace` names them."""
+    terms = np.empty((plan.nominal.shape[0], 5, 2))
+    for i in range(terms.shape[0]):
+        for axis in range(2):
+            terms[i, 0, axis] = plan.robot_intention[i, axis]
+            terms[i, 1, axis] = plan.human_intention[i, axis]
+            terms[i, 2, axis] = plan.formation[i, axis]
+            terms[i, 3, axis] = plan.blended[i, axis]
+            terms[i, 4, axis] = plan.nominal[i, axis]
+    return terms
 
 
 @kernel

@@ -3,6 +3,7 @@
 from higvf_console.control.barriers.row import keep_out, reach
 from higvf_console.control.gains import SafetyGains
 from higvf_console.control.kernel import kernel
+from higvf_console.control.obstacles import spine_point
 
 
 @kernel
@@ -47,17 +48,6 @@ def bar_row(
     """
     near_x, near_y = spine_point(x, y, ax, ay, bx, by)
     return circle_row(x, y, near_x, near_y, half_width, safety)
-
-
-@kernel
-def spine_point(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> tuple[float, float]:
-    """The point of the segment a-b [m] nearest to (x, y)."""
-    along_x, along_y = bx - ax, by - ay
-    square = along_x * along_x + along_y * along_y
-    share = 0.0
-    if square > 0.0:
-        share = min(max(((x - ax) * along_x + (y - ay) * along_y) / square, 0.0), 1.0)
-    return ax + share * along_x, ay + share * along_y
 
 
 @kernel

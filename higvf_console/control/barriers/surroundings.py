@@ -7,11 +7,12 @@ import numpy as np
 from higvf_console.arrays import Bools, Floats, Ints
 from higvf_console.control.barriers.arena import wall_row
 from higvf_console.control.barriers.fire import fire_reach, fire_row
-from higvf_console.control.barriers.obstacle import bar_row, circle_row, obstacle_reach, spine_point
+from higvf_console.control.barriers.obstacle import bar_row, circle_row, obstacle_reach
 from higvf_console.control.barriers.robot_pair import pair_row, sensing_radius
 from higvf_console.control.gains import SafetyGains
 from higvf_console.control.kernel import kernel
 from higvf_console.control.neighbours import within
+from higvf_console.control.obstacles import spine_point
 
 NO_ROBOT = -1
 
