@@ -11,7 +11,20 @@ import viser
 from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import Freeze, InputSpec, OperatorCommand, Pause, Pick, ResetRun, Resume, SetSpeed, Step
+from higvf_console.commands import (
+    AskReset,
+    Freeze,
+    InputSpec,
+    OperatorCommand,
+    Pause,
+    Pick,
+    ResetRun,
+    ResetStop,
+    Resume,
+    SetSpeed,
+    Step,
+    Stop,
+)
 from higvf_console.session.channels import open_interface
 from higvf_console.session.scenario import load_scenario
 from higvf_console.session.session import Session
@@ -233,6 +246,31 @@ def test_space_stops_whatever_has_the_focus(page: Page, running: Running, widget
         page.wait_for_timeout(600)
         press_stop(page)
         page.locator(f"button.stop.{state}").wait_for()
+    close_notifications(page)
+
+
+def test_a_stop_from_the_page_stands_the_team_still_within_two_ticks_of_its_arrival(
+    page: Page, running: Running, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arrived: list[int] = []
+    push = running.session.pointer.push
+
+    def noted(command: OperatorCommand) -> None:
+        if isinstance(command, Stop):
+            arrived.append(running.state.motion.tick)
+        push(command)
+
+    monkeypatch.setattr(running.session.pointer, "push", noted)
+    press(page, "Run clock")
+    wait_until(lambda: bool(running.state.motion.velocity.any()))
+    page.keyboard.press("Space")
+    wait_until(lambda: running.state.intent.stopped)
+    period = running.session.setup.gains.safety.control_period
+    applied = next(a.time for a in running.session.commands if isinstance(a.command, Stop))
+    assert round(applied / period) - arrived[0] <= 1  # and the step of that tick has no velocity
+    assert not running.state.motion.velocity.any()
+    running.push(AskReset(), ResetStop())
+    wait_until(lambda: not running.state.intent.stopped)
     close_notifications(page)
 
 
