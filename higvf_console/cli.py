@@ -15,7 +15,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from threading import Event as Signal
 from threading import Thread
-from time import perf_counter
+from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from higvf_console.errors import HigvfError
@@ -244,7 +244,7 @@ def _serve(session: "Session", given: argparse.Namespace) -> int:
         if not given.no_browser and _has_display():
             webbrowser.open(login_url(server, token))
         while given.duration is None or session.snapshot.time < given.duration:
-            stopping.wait(0.2)
+            sleep(0.1)  # not stopping.wait: an interrupt there could leave its lock taken
     return 0
 
 

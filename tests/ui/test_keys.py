@@ -149,8 +149,9 @@ def test_stop_and_its_state_survive_a_reload_and_a_reconnection(page: Page, stag
     page.reload()
     wait_for_console(page)
     wait_for_stop(page, "stopped")
+    before = set(stage.server.get_clients())
     stage.server._websock_server.disconnect_all_clients()  # pyright: ignore[reportPrivateUsage]
-    wait_for_stop(page, "offline")
+    wait_until(lambda: set(stage.server.get_clients()) - before)
     wait_for_stop(page, "stopped")
     page.keyboard.press("Space")
     wait_until(lambda: stage.pressed == ["stop"])
