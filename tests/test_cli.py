@@ -143,14 +143,24 @@ def test_a_wrong_command_line_is_one_line_and_exit_2(
     assert told.err.count("\n") == 1
 
 
-def test_a_console_is_served_until_it_is_interrupted(tmp_path: Path) -> None:
+# A shell's background jobs, and so their children, are started deaf to Ctrl-C.
+_LISTENS_TO_CTRL_C = """
+import signal, sys
+from higvf_console.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize("interruption", [signal.SIGINT, signal.SIGTERM])
+def test_a_console_is_served_until_it_is_interrupted(tmp_path: Path, interruption: signal.Signals) -> None:
     file = tmp_path / "run.jsonl"
-    command = [sys.executable, "-m", "higvf_console", "run", "empty", "--port", "auto", "--no-browser"]
+    command = [sys.executable, "-c", _LISTENS_TO_CTRL_C, "run", "empty", "--port", "auto", "--no-browser"]
     process = subprocess.Popen([*command, "--record", str(file)], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     try:
         assert re.match(r"Console: http://127\.0\.0\.1:\d+/\?token=\S{20,}$", process.stdout.readline())
-        process.send_signal(signal.SIGINT)
+        process.send_signal(interruption)
         assert process.wait(timeout=30) == 0
     finally:
         process.kill()

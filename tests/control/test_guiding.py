@@ -87,6 +87,12 @@ def test_at_the_repulsive_boundary_the_robot_circulates_on_the_agreed_side_at_fu
     assert vy == pytest.approx(math.copysign(math.hypot(9.0, 0.5), side))
 
 
+@pytest.mark.parametrize("bearing", [0.3, 1.7, 3.0, -2.0])
+def test_the_side_is_counter_clockwise_for_plus_from_every_bearing(bearing: float) -> None:
+    cos, sin = math.cos(bearing), math.sin(bearing)
+    assert composite(-9.0 * cos, -9.0 * sin, 64.0 * cos, 64.0 * sin, 1) == pytest.approx((-9.0 * sin, 9.0 * cos))
+
+
 def test_a_robots_own_fire_is_no_obstacle_to_it() -> None:
     assert composite(-9.0, 0.5, 64.0, 0.0, 1, own=0) == (-9.0, 0.5)
 

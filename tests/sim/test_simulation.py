@@ -89,13 +89,16 @@ def test_a_paused_robot_yields_to_a_fire_that_grows_towards_it() -> None:
     assert nearest >= 0.0
 
 
-def test_a_stopped_team_does_not_move_at_all() -> None:
-    setup = team(fires=FIRES)
-    state = ran(setup, 50)
-    state = state._replace(intent=state.intent._replace(stopped=True))
-    later = ran(setup, 50, state)
-    assert (later.motion.position == state.motion.position).all()
-    assert not later.motion.velocity.any()
+def test_a_stopped_team_does_not_move_at_all_not_even_from_a_fire_that_reaches_it() -> None:
+    setup = team(robots=[(100.0, 100.0)], fires=[(150.0, 100.0, 30.0)], needs=2)
+    state = setup.start._replace(intent=setup.start.intent._replace(stopped=True))
+    nearest = 1e9
+    for _ in range(1000):
+        state, trace = advance(state, setup.world, setup.gains)
+        nearest = min(nearest, trace.clearance.min())
+    assert (state.motion.position == setup.start.motion.position).all()
+    assert not state.motion.velocity.any()
+    assert nearest < 0.0
 
 
 def test_an_idle_team_has_no_intention() -> None:
@@ -126,6 +129,16 @@ def test_the_influenced_robot_follows_a_stroke_and_then_the_team_is_released() -
     assert np.hypot(*(state.motion.position[0] - (520, 600))) <= setup.gains.path.end_radius
     resting = ran(setup, 300, state)
     assert np.hypot(*resting.motion.velocity.T).max() < 1.0
+
+
+def test_a_path_is_not_finished_before_its_end_even_within_the_end_radius() -> None:
+    setup = team(robots=[(470.0, 350.0)])
+    state = setup.start
+    for command in stroke([(100, 350), (300, 350), (500, 350)], robot=0):
+        state, _ = apply_command(state, command, setup)
+    state = state._replace(motion=state.motion._replace(path_parameter=370.0))
+    assert ran(setup, 5, state).motion.path_status == PathStatus.FOLLOWING
+    assert ran(setup, 200, state).motion.path_status == PathStatus.FINISHED
 
 
 def test_a_path_whose_end_cannot_be_reached_is_given_up_and_flagged() -> None:
