@@ -133,12 +133,16 @@ def pixels(page: Page, ground: Floats, size: int = 3) -> np.ndarray:
 def test_the_arena_is_shown_with_fires_and_robots_where_they_are(page: Page, running: Running) -> None:
     wait_until(shown(page, "FROZEN"))
     beside_number = running.state.motion.fire_radius[:3, None] * np.array([0.6, -0.45])
-    fires = pixels(page, running.session.setup.world.fire_position[:3] + beside_number)
-    robots = pixels(page, running.state.motion.position)
-    assert (fires[:, 0] > 180).all()
-    assert (fires[:, 2] < 100).all()
-    assert (np.abs(robots[1:] - [86, 180, 233]).max(axis=1) < 40).all()
-    assert np.abs(robots[0] - [240, 228, 66]).max() < 60
+
+    def as_painted() -> bool:
+        fires = pixels(page, running.session.setup.world.fire_position[:3] + beside_number)
+        robots = pixels(page, running.state.motion.position)
+        orange = (fires[:, 0] > 180).all() and (fires[:, 2] < 100).all()
+        blue = (np.abs(robots[1:] - [86, 180, 233]).max(axis=1) < 40).all()
+        yellow = np.abs(robots[0] - [240, 228, 66]).max() < 60
+        return bool(orange and blue and yellow)
+
+    wait_until(as_painted)
     screenshot(page, "console-start")
 
 
