@@ -33,6 +33,9 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
 
+_WORTH_SAYING = ("refused", "clipped", "failure")  # events that a headless run tells on standard error
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs one command and returns the exit status."""
     given = _parser().parse_args(arguments)
@@ -213,6 +216,9 @@ def _run_headless(session: "Session", given: argparse.Namespace) -> int:
     from higvf_console.session.headless import run_headless
 
     report = json.dumps(run_headless(session, given.duration), indent=2) + "\n"
+    for event in session.snapshot.events:
+        if event.kind in _WORTH_SAYING:
+            _tell(f"{event.time:.2f} s: {event.text}")
     if given.report in (None, "-"):
         sys.stdout.write(report)
         return 0
