@@ -122,8 +122,8 @@ def _polygon_gap(a: Floats, b: Floats) -> float:
     apart = max(_widest_strip(a, b), _widest_strip(b, a))
     if apart <= 0.0:
         return 0.0
-    ends = [_to_spine(p, q, other).min() for one, other in ((a, b), (b, a)) for p, q in zip(one, np.roll(one, -1, 0))]
-    return float(min(ends))
+    sides = [(one[k - 1], one[k], other) for one, other in ((a, b), (b, a)) for k in range(len(one))]
+    return float(min(_to_spine(start, end, other).min() for start, end, other in sides))
 
 
 def _widest_strip(a: Floats, b: Floats) -> float:
@@ -133,9 +133,11 @@ def _widest_strip(a: Floats, b: Floats) -> float:
 
 
 def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floats]:
-    """The way out of a hull: x, y of the first node, cell width [m], columns (4,), and unit vectors (rows * columns, 2).
+    """The way out of a hull, on a grid: none, with 0 columns, for a hull without room for a robot.
 
-    A hull without room for a robot has no grid: columns 0.
+    Returns:
+        (4,) x, y of the first node and cell width [m], number of columns.
+        (rows * columns, 2) unit vectors, row by row.
     """
     low, high = hull.min(axis=0), hull.max(axis=0)
     cell = max(_LEAST_CELL, float((high - low).max()) / _CELLS)

@@ -5,10 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from higvf_console.control.forms import name_of
 from higvf_console.session.run import TrajectoryDigest
 from higvf_console.session.session import Session
-
-FORMS = "corrected"  # of the equations, see the table of symbols
 
 
 def run_headless(session: Session, duration: float | None = None) -> dict[str, Any]:
@@ -38,7 +37,7 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
             break
     return {
         "scenario": session.scenario.name,
-        "forms": FORMS,
+        "forms": name_of(session.scenario.gains.forms),
         "seed": session.seed,
         "duration_s": round(done * dt, 9),
         "ticks": done,
