@@ -9,6 +9,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import label as label_regions
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 
@@ -146,7 +147,10 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
     nodes = np.stack([axis.ravel() for axis in np.meshgrid(xs, ys)], axis=1)
     depth = -_outside(hull, nodes)
     room = np.min([_to_spine(part[:2], part[2:4], nodes) - part[4] for part in parts], axis=0)
-    if not ((depth > 0.0) & (room >= clearance)).any():
+    free = (room >= clearance).reshape(rows, columns)
+    region = label_regions(free)[0].ravel()
+    open_regions = np.unique(region[free.ravel() & (depth <= 0.0)])
+    if not (np.isin(region, open_regions) & free.ravel() & (depth > 0.0)).any():
         return np.zeros(4), np.zeros((0, 2))
     way = _travel(room, depth <= 0.0, clearance, cell, rows, columns)
     down, across = np.gradient(-way.reshape(rows, columns))

@@ -8,6 +8,7 @@ import numpy as np
 from higvf_console.control.forms import name_of
 from higvf_console.session.run import TrajectoryDigest
 from higvf_console.session.session import Session
+from higvf_console.sim.certificates import certificates
 
 
 def run_headless(session: Session, duration: float | None = None) -> dict[str, Any]:
@@ -60,4 +61,8 @@ def _outcome(session: Session) -> dict[str, Any]:
         "min_clearance_m": now.min_clearance if math.isfinite(now.min_clearance) else None,
         "infeasible_ticks": now.infeasible_ticks,
         "deadlock_s": round(now.deadlock_s, 9),
+        "certificates": [
+            {**item._asdict(), "value": item.value if math.isfinite(item.value) else None, "met": item.met}
+            for item in certificates(session.setup, now.state, now.trace, now.worst)
+        ],
     }

@@ -13,9 +13,8 @@ from higvf_console.control.barriers.certificate import check_sampling, least_sta
 from higvf_console.control.gains import Gains
 from higvf_console.control.intention import map_radius
 from higvf_console.errors import FilterError, ScenarioError
+from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
 from higvf_console.state import World
-
-FORMATION_LIMIT = 2.0  # of dt k_form 2 deg: explicit Euler on the formation's springs is stable below
 
 
 def check_start(position: Floats, fire_radius: Floats, world: World, gains: Gains, place: str) -> None:
@@ -101,10 +100,7 @@ def intention_radius(
     robots = len(position)
     reach = min(gains.formation.communication_range, 1e9)
     edges = ints(links, -1, 2) if links is not None else KDTree(position).query_pairs(reach, output_type="ndarray")
-    laplacian = np.zeros((robots, robots))
-    for i, j in edges:
-        laplacian[[i, j], [j, i]] = -1.0
-    return map_radius(laplacian - np.diag(laplacian.sum(axis=1)), influenced, gains.intention)
+    return map_radius(laplacian(ints(edges, -1, 2), robots), influenced, gains.intention)
 
 
 def check_intention(radius: float, source: str) -> None:
