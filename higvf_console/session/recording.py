@@ -1,5 +1,7 @@
 """Recordings: the scenario's text, the seed and every command with its tick are enough to run a session again.
 
+The polygons that the scenario's masks came to are kept as well, so that a replay needs no image.
+
 JSON lines: a header; `{"tick": 120, "command": "Pick", ...}` for each command; `{"mark": 150, "digest": ...}` each
 second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`.
 """
@@ -45,7 +47,8 @@ class Recorder:
         self._mark_every = max(1, round(1.0 / scenario.gains.safety.control_period))
         self._flushed = time.monotonic()
         header = {"recording": FORMAT, "scenario": scenario.name, "source": scenario.source, "seed": seed}
-        self._write({**header, "versions": versions(), "text": scenario.text})
+        polygons = [chain.tolist() for chain in scenario.obstacles.polygons]
+        self._write({**header, "versions": versions(), "text": scenario.text, "polygons": polygons})
 
     def command(self, command: OperatorCommand) -> None:
         """A command was applied before the next tick."""
@@ -150,7 +153,8 @@ def read_recording(file: Path) -> Recording:
     header = _parsed(lines[0])
     if header is None or header.get("recording") != FORMAT:
         raise InputError(f"{file}: not a recording of version {FORMAT}: its first line is not a header")
-    scenario = parse_scenario(header["text"], header["source"])
+    polygons = tuple(floats(chain, -1, 2) for chain in header["polygons"]) if "polygons" in header else None
+    scenario = parse_scenario(header["text"], header["source"], polygons)
     recording = Recording(scenario, header["seed"], header["versions"], {}, [], False)
     for number, line in enumerate(lines[1:-1], 2):
         entry = _parsed(line)

@@ -7,7 +7,12 @@
     links: [[1, 2], ...]                     # else the communication range decides
     formation_m: [[0, 0], ...]               # the shape to keep, else the start positions
     fires: [{at_m: [500, 250], radius_m: 20, growth_m_per_s: 1, robots_needed: 2}, ...]
-    obstacles: {circles: [{at_m: ..., radius_m: 20}], bars: [{from_m: ..., to_m: ..., half_width_m: 6}]}
+    obstacles:
+      circles: [{at_m: ..., radius_m: 20}]
+      bars: [{from_m: ..., to_m: ..., half_width_m: 6}]
+      polygons: [{points_m: [[0, 0], [90, 0], [0, 60]]}]               # of any shape that does not cross itself
+      masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2}]    # dark pixels; at_m is its lower left corner;
+          # threshold: 128, obstacle: dark | bright, tolerance_m, least_area_m2; beside this file, or shipped
     path: {circle: {at_m: ..., radius_m: 250}, direction: forward}     # or line, ellipse, sketch
     influenced: 1                            # robots and fires count from 1
     strokes: [{name: Round the bar, robot: 1, points_m: [...]}]        # "show me" buttons
@@ -25,6 +30,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
+import numpy as np
+
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.control.gains import Gains
 from higvf_console.errors import ScenarioError
@@ -32,6 +39,7 @@ from higvf_console.quantity import Quantity
 from higvf_console.session.channels import unknown_settings
 from higvf_console.session.placement import (
     Network,
+    buried_fires,
     check_barriers,
     check_formation,
     check_start,
@@ -39,6 +47,7 @@ from higvf_console.session.placement import (
     link_table,
     start_network,
 )
+from higvf_console.session.polygons import edge_bars
 from higvf_console.session.reading import Node, closest, read_yaml
 from higvf_console.session.sections import (
     FilterKind,
@@ -87,7 +96,7 @@ class Scenario:
         links: given communication links as index pairs i < j; None = the communication range decides.
         formation: (N, 2) shape [m]; None = the start positions.
         fires: in the order of their numbers.
-        obstacles: circles and bars.
+        obstacles: circles, bars and polygons.
         path: desired path in force from the start, or NO_PATH.
         influenced: index of the robot that is influenced first.
         strokes: what the "show me" buttons draw.
@@ -130,10 +139,10 @@ class Scenario:
         position = self.robots.positions(seed)
         world = self._world(position)
         fire_radius = floats([fire.radius for fire in self.fires], -1)
-        check_start(position, fire_radius, world, self.gains, f"{self.source}: robots")
+        check_start(position, fire_radius, world, self.obstacles, self.gains, f"{self.source}: robots")
         start = initial_state(position, fire_radius, world)
         start = start._replace(intent=start.intent._replace(influenced=self.influenced))
-        return Setup(self.arena, world, self.gains, follow(start, self.path))
+        return Setup(self.arena, world, self.gains, follow(start, self.path), self.obstacles.polygons)
 
     def _world(self, position: Floats) -> World:
         sides = [(1, 0, self.arena.x_min), (-1, 0, -self.arena.x_max)]
@@ -143,7 +152,7 @@ class Scenario:
             link_start, link_to = link_table(self.links, len(position))
         return World(
             circles=floats(self.obstacles.circles),
-            bars=floats(self.obstacles.bars),
+            bars=np.concatenate([self.obstacles.bars, edge_bars(self.obstacles.polygons)]),
             walls=floats(sides if self.walls else [], -1, 3),
             fire_position=floats([fire.position for fire in self.fires], -1, 2),
             fire_growth=floats([fire.growth for fire in self.fires], -1),
@@ -192,12 +201,14 @@ def load_scenario(name_or_path: str | FilePath) -> Scenario:
     return parse_scenario(text, str(file))
 
 
-def parse_scenario(text: str, source: str) -> Scenario:
+def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None = None) -> Scenario:
     """The scenario that a YAML text describes.
 
     Args:
         text: the YAML.
-        source: where it comes from, for errors; its stem names a scenario that does not name itself.
+        source: where it comes from, for errors; its stem names a scenario that does not name itself, images are looked
+            for in its folder and then in `data_folder()`.
+        polygons: what its polygons and masks came to when they were read before; None = read them.
 
     Raises:
         ScenarioError: the text cannot be used.
@@ -232,7 +243,7 @@ def parse_scenario(text: str, source: str) -> Scenario:
         links=links,
         formation=read_formation(entries["formation_m"], count) if "formation_m" in entries else None,
         fires=read_fires(entry("fires", []), count),
-        obstacles=read_obstacles(entry("obstacles", {})),
+        obstacles=read_obstacles(entry("obstacles", {}), (FilePath(source).parent, data_folder()), polygons),
         path=read_path(entries["path"], gains.path.stroke_smoothing) if "path" in entries else NO_PATH,
         influenced=entry("influenced", 1).integer(1, count, "a robot's number") - 1,
         strokes=read_strokes(entry("strokes", []), count),
@@ -247,7 +258,8 @@ def parse_scenario(text: str, source: str) -> Scenario:
     fire_radius = start.start.motion.fire_radius
     check_barriers(start.world, fire_radius, gains, source)
     late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, gains)
-    return replace(scenario, warnings=(*scenario.warnings, *late))
+    buried = buried_fires(start.world.fire_position, fire_radius, scenario.obstacles)
+    return replace(scenario, warnings=(*scenario.warnings, *late, *buried))
 
 
 def _network_warnings(network: Network, linked: bool) -> tuple[str, ...]:
