@@ -16,9 +16,8 @@ from higvf_console.session.polygons import MOST_EDGES, crossing, oriented, signe
 Grey: TypeAlias = NDArray[np.uint8]
 
 MOST_PIXELS = 16_000_000
-_FINE = (
-    3  # a pixel becomes so many by so many: with a margin of one, shapes then overlap or keep apart, but never touch
-)
+# A pixel becomes so many by so many: given a margin of one, two shapes then overlap or keep apart, but never touch.
+_FINE = 3
 _PARENT = 3  # column of findContours' tree: the shape that a free area is in, -1 for a shape
 _HALVINGS = 12  # of the tolerance; the outline is then that of the pixels
 

@@ -73,7 +73,7 @@ def test_a_slanted_wall_becomes_few_edges() -> None:
 
 @pytest.mark.parametrize("tolerance", [0.0, 1.0, 5.0, 20.0])
 def test_no_outline_crosses_itself_or_its_free_areas_however_coarse(tolerance: float) -> None:
-    for seed in range(6):
+    for seed in range(4, 9):
         for chains in obstacles_of(trace(blobs(seed, 45), MaskPlace((0.0, 0.0), 1.0), tolerance, 4.0)):
             assert sum(len(chain) for chain in chains) < 500
             assert crossing(chains) is None

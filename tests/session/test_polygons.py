@@ -26,7 +26,7 @@ def test_a_chain_is_turned_the_way_that_is_asked_for() -> None:
 
 
 def test_a_chain_far_from_the_origin_keeps_its_area() -> None:
-    assert signed_area(0.01 * SQUARE + 1e6) == pytest.approx(1.0, rel=1e-6)
+    assert signed_area(0.01 * L_SHAPE + np.array([1e6 / 3, 1e6 / 7])) == pytest.approx(0.51, rel=1e-8)
 
 
 def test_repeated_points_and_a_last_one_that_is_the_first_are_dropped() -> None:
