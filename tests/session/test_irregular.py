@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from higvf_console.control.perception import fire_value, interval_room
 from higvf_console.errors import ScenarioError
 from higvf_console.session.headless import run_headless
 from higvf_console.session.polygons import signed_area, signed_distance
@@ -121,3 +122,21 @@ def test_a_recording_from_before_there_were_polygons_is_still_read(tmp_path: Pat
     assert ', "polygons": []' in text
     (tmp_path / "old.jsonl").write_text(text.replace(', "polygons": []', ""))
     assert read_recording(tmp_path / "old.jsonl").scenario.name == "empty"
+
+
+def test_a_polygon_hides_of_a_fire_what_lies_behind_it() -> None:
+    turn, radius = np.arange(10) * np.pi / 5, np.tile([36.0, 66.0], 5)
+    star = np.array([500.0, 300.0]) + radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    text = f"{BASE}fires: [{{at_m: [300, 300], radius_m: 40}}]\n"
+    setup = parse_scenario(f"{text}obstacles: {{polygons: [{{points_m: {star.tolist()}}}]}}", "t.yaml").setup()
+    world, reach = setup.world, setup.gains.perception.perception_range
+    room = interval_room(world.circles, world.bars)
+    seen: list[float] = []
+    for x, y in ((700.0, 300.0), (700.0, 260.0), (680.0, 420.0), (650.0, 150.0), (300.0, 600.0)):
+        half = np.arcsin(40 / np.hypot(300 - x, 300 - y))
+        to_corners = np.angle((star - [x, y]) @ [1, 1j] / complex(300 - x, 300 - y))  # from the bearing of the fire
+        low, high = np.clip([to_corners.min(), to_corners.max()], -half, half)
+        seen.append(fire_value(x, y, 300.0, 300.0, 40.0, reach, world.circles, world.bars, room))
+        assert seen[-1] == pytest.approx(2 * half - (high - low))
+    assert seen[0] == 0.0
+    assert 0.0 < seen[2] < seen[4]
