@@ -120,7 +120,7 @@ MISTAKES = {
     ),
     "more noise than the barriers bear": (
         "parameters: {robots: {position_noise: 4}}",
-        "parameters.robots.position_noise: 4 m exceeds 2.5 m, up to which the barriers keep the true clearances",
+        "parameters.robots.position_noise: 4 m exceeds 3.29 m, up to which the barriers keep the true clearances",
     ),
     "loss above one": ("parameters: {robots: {packet_loss: 1.5}}", "robots.packet_loss: 1.5 is out of range; give a"),
     "a seed of its own": ("parameters: {robots: {seed: 3}}", "parameters.robots.seed: unknown key"),
@@ -130,11 +130,11 @@ MISTAKES = {
     ),
     "a look-ahead point in a circle": (
         "parameters: {robots: {look_ahead: 6}}\nobstacles: {circles: [{at_m: [700, 270], radius_m: 14}]}",
-        "is 17.09 m from circle 1; obstacle_clearance is 12 m, enlarged to 18 m by look_ahead 6 m",
+        "is 16.59 m from circle 1; obstacle_clearance is 12 m, enlarged to 18 m by look_ahead 6 m",
     ),
     "stand-off inside the enlarged barrier": (
         "fires: [{at_m: [100, 100], radius_m: 32}]\nparameters: {robots: {look_ahead: 12}}",
-        "parameters.fires.stand_off: 25 m is too near to fire 1 (32 m, growing 1 m/s), whose barrier holds robots 26.",
+        "parameters.fires.stand_off: 25 m is too near to fire 1 (32 m, growing 1 m/s), whose barrier holds robots 27.",
     ),
     "stiff formation": (
         "parameters: {formation: {formation_rate: 25}}",

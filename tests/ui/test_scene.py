@@ -321,7 +321,7 @@ class _Node:
         self.at = self.segments = floats([], 0, 2)
         self.heading: Floats | None = None
 
-    def place(self, positions: Floats, heading: Floats | None = None, scale: Floats | None = None) -> None:
+    def place(self, positions: Floats, heading: Floats | None = None, **_: object) -> None:
         self.at, self.heading = positions, heading
 
     def draw(self, segments: Floats, *_: object) -> None:
