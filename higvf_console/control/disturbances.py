@@ -1,4 +1,4 @@
-"""What disturbs a team: errors of measured positions and lost messages; drawn without a state; what they leave safe.
+"""Disturbances: errors of measured positions and lost messages, drawn without a state, and what stays safe with them.
 
 Every draw is a hash of the run's seed, the tick, the purpose and the robots concerned (a counter-based generator, the
 finaliser of SplitMix64, Steele et al. 2014), so that live runs, rolls, replays and previews see the same errors.
@@ -10,15 +10,17 @@ where both robots err. Then a distance d >= R stays so, as long as no robot is f
     measured outside, d' >= R'. The filter keeps p' + u dt at R' or farther (`barriers.certificate`), and the robot ends
     up within E of that: d_next >= R' - E = R.
 
-    measured inside, d' < R'. The row asks for w dt >= c (R' - d') along the measured direction n, c = min(rate dt,
-    v_max dt / 2 E). Let q be the point of the (convex) danger nearest to p', and p - q = a n + b t. Then
-    d_next >= a + w dt, for the danger lies behind the line through q across n. If R - a = g > 0, then a^2 + b^2 >= R^2
-    gives b^2 >= g (R + a), and d' <= a + sqrt(E^2 - b^2) gives R' - d' >= g + b^2 / 2 E >= g (1 + (R + a) / 2 E).
-    With E <= c R and E <= R / 2 this is c (R' - d') >= g, hence d_next >= R.
+    measured inside, d' < R', and no nearer than R' - 2 E. The row asks for a speed w along the measured direction n,
+    w dt >= c (R' - d') with c = min(rate dt, v dt / 2 E), v = v_max for obstacles and 2 v_max for pairs. Let q be the
+    point of the (convex) danger nearest to p', and p - q = a n + b t. The danger lies behind the line through q across
+    n, so d_next >= a + w dt. If g = R - a > 0, then a^2 + b^2 >= d^2 >= R^2 gives b^2 >= g (R + a), and d' <= a +
+    sqrt(E^2 - b^2) gives R' - d' >= g + b^2 / 2 E >= g (1 + (R + a) / 2 E). With E <= R / 2 this is a >= R - E, and
+    with E <= c R then c (R' - d') >= g, hence d_next >= R.
 
-A fire's row adds its growth to both sides; walls have an exact direction and need no condition. `noise_limit` is the
-largest e that meets the conditions. A growing violation is ruled out, not rows that contradict each other: a robot that
-is measured inside two clearances at once may have no velocity that leaves both, and then takes the least violation.
+A fire's growth is added to both sides, and taken from v; walls have an exact direction and need no condition.
+`noise_limit` is the largest e that meets the conditions. Rows that contradict each other are not ruled out: a robot
+that is measured inside two clearances at once may have no velocity that leaves both. It then takes the least violation,
+and is flagged.
 
 Losses. A lost link carries nothing in either direction for one tick, as an exchange that is not acknowledged: the
 graph stays undirected, so formation forces cancel in pairs. Only shared intentions and formation use messages. Barriers

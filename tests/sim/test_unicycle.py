@@ -112,7 +112,7 @@ def test_a_roll_of_disturbed_unicycles_gives_the_states_of_repeated_advances_bit
 def test_the_centralised_filter_keeps_bodies_clear_too() -> None:
     setup, safety = unicycles(2), CoupledFilter()
     state, nearest = setup.start, math.inf
-    for _ in range(600):
+    for _ in range(200):
         state, trace = advance_coupled(state, setup.world, setup.gains, safety)
         nearest = min(nearest, trace.clearance.min())
     assert nearest >= 0.0
