@@ -115,6 +115,23 @@ def test_the_shared_intention_keeps_its_bound_whatever_is_lost() -> None:
         assert np.hypot(*state.motion.intention.T).max() <= bound * (1.0 + 1e-12)
 
 
+def test_a_robot_yields_where_it_measures_itself_not_where_it_is() -> None:
+    gains = Gains(robots=RobotGains(position_noise=1.0, seed=2.0))
+    setup = team(robots=[(100.0, 100.0)], circles=[(100.0, 100.0 + 20.0 + 13.0, 20.0)], gains=gains)
+    state = setup.start._replace(intent=setup.start.intent._replace(paused=True))
+    assert float(packed(gains)[0].safety.obstacle_clearance) == 13.0  # it stands where it would stay without errors
+    moved = 0
+    for _ in range(100):
+        before = state.motion
+        state, trace = advance(state, setup.world, gains)
+        step = gains.safety.control_period * state.motion.velocity
+        assert (state.motion.position == before.position + step).all()
+        assert trace.clearance[0] >= 0.0
+        moved += bool(state.motion.velocity.any())
+    assert moved > 0
+    assert state.motion.position[0, 1] < 100.0
+
+
 def one_step(robots: Floats, errors: Floats, nominal: Floats, safety: SafetyGains, **dangers: Floats) -> Floats:
     """True positions after one control period of robots that measure theirs with errors (all (N, 2))."""
     fire = dangers.get("fire", np.zeros((0, 4)))

@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 import numpy as np
 import pytest
 
+from higvf_console.errors import ScenarioError
 from higvf_console.session import scenario as scenario_module
 from higvf_console.session.scenario import load_scenario, parse_scenario, scenario_names
 from higvf_console.session.sections import FilterKind
@@ -148,6 +149,13 @@ def test_unicycles_start_with_their_bodies_at_the_given_points_and_in_the_given_
     motion = parse_scenario(re.sub("robots: .*", f"robots: {text}", BASE), "t.yaml").setup().start.motion
     assert motion.heading == pytest.approx(np.full(3, np.pi / 2))
     np.testing.assert_allclose(motion.position, [[700, 302], [670, 352], [730, 352]])
+
+
+def test_barriers_are_judged_at_the_speed_that_unicycles_can_go() -> None:
+    fast = BASE + "parameters: {blending: {cruise_speed: 400}, robots: {"
+    with pytest.raises(ScenarioError, match="pair barriers do not hold"):
+        parse_scenario(fast + "look_ahead: 0}}", "t.yaml")
+    parse_scenario(fast + "look_ahead: 0.5}}", "t.yaml")
 
 
 def test_the_seed_of_a_run_is_that_of_its_errors_and_losses() -> None:
