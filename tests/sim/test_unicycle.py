@@ -85,9 +85,8 @@ def test_bodies_stay_clear_and_within_their_limits_until_all_fires_are_out(seed:
         assert np.abs(state.motion.heading - heading).max() <= robots.turn_rate_limit * DT * (1.0 + 1e-9)
         assert np.hypot(*(body - was).T).max() <= safety.speed_limit * DT * (1.0 + 1e-9)
         middle = (heading + state.motion.heading) / 2.0  # the direction of an arc's chord
-        assert (
-            np.abs((body - was) @ [0.0, 1.0] * np.cos(middle) - (body - was) @ [1.0, 0.0] * np.sin(middle)).max() < 1e-9
-        )
+        across = np.cos(middle) * (body - was)[:, 1] - np.sin(middle) * (body - was)[:, 0]
+        assert np.abs(across).max() < 1e-9
         if not state.motion.fire_burning.any():
             break
     assert not state.motion.fire_burning.any()
