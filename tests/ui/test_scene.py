@@ -381,7 +381,7 @@ def test_a_click_picks_a_unicycle_by_its_body_not_by_its_look_ahead_point() -> N
     )
     hand = Hand(cast(Session, session), View(), cast(SteerPanel, None))
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
-    hand.click(0, floats([100.0, 75.0]))
-    hand.click(0, floats([100.0, 150.0]))
-    hand.click(0, floats([100.0, 225.0]))
+    hand.click(0, floats([100.0, 60.0]))
+    hand.click(0, floats([100.0, 100.0]))
+    hand.click(0, floats([100.0, 240.0]))
     assert given == [Pick(0), Pick(1)]
