@@ -19,6 +19,7 @@ import numpy as np
 from higvf_console.arrays import Bools, Floats, Ints
 from higvf_console.control.blending import blended_velocity
 from higvf_console.control.deadlock import climb, forgotten, receptivity
+from higvf_console.control.disturbances import heard
 from higvf_console.control.following import broken_away, destination, progress
 from higvf_console.control.formation import formation_velocity
 from higvf_console.control.forms import PRINTED
@@ -86,15 +87,16 @@ def compute(motion: Motion, intent: Intent, world: World, gains: Gains) -> Plan:
     leader = intent.influenced if human else NOBODY
     steered = has_human(component, intent.influenced, human)
     wanted, human_intention = sight.robot_intention, guide(leader, w, motion, intent, gains)
-    formation = keep_formation(motion.position, world, start, to, gains)
+    heard_start, heard_to = heard(start, to, motion.tick, gains.robots)
+    formation = keep_formation(motion.position, world, heard_start, heard_to, gains)
     if gains.forms.human == PRINTED:
         _fade(wanted, human_intention, formation, motion, world, gains)
     if intent.paused:
         intention = motion.intention.copy()
     else:
         awake = is_awake(sight.target, steered, component)
-        psi = receptivity(leader, rung, wanted, human_intention, motion.intention, start, to, gains)
-        intention = share(leader, psi, awake, wanted, human_intention, motion, start, to, gains)
+        psi = receptivity(leader, rung, wanted, human_intention, motion.intention, heard_start, heard_to, gains)
+        intention = share(leader, psi, awake, wanted, human_intention, motion, heard_start, heard_to, gains)
     blended, blending = blend(intention, formation, gains)
     rings = find_rings(motion, world, gains.safety.obstacle_clearance)
     side = agree_sides(blended, motion.position, motion.side, component, leader, flip, rings, gains.rings)

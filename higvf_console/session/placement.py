@@ -11,7 +11,8 @@ from scipy.spatial import KDTree
 
 from higvf_console.arrays import Floats, Ints, floats, ints
 from higvf_console.control.barriers.certificate import check_sampling, least_stand_off
-from higvf_console.control.gains import Gains
+from higvf_console.control.disturbances import noise_limit
+from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.intention import map_radius
 from higvf_console.errors import FilterError, ScenarioError
 from higvf_console.session.polygons import obstacles_of, segment_distance, signed_distance
@@ -23,32 +24,50 @@ from higvf_console.state import World
 def check_start(
     position: Floats, fire_radius: Floats, world: World, obstacles: Obstacles, gains: Gains, place: str
 ) -> None:
-    """Refuses start positions (N, 2) that already violate a safety barrier.
+    """Refuses starts that already violate a safety barrier.
+
+    Args:
+        position: (N, 2) controlled points [m].
+        fire_radius: (M,) [m].
+        world: fires and walls.
+        obstacles: circles, bars and polygons.
+        gains: those of the bodies.
+        place: what to call the section in errors.
 
     Raises:
         ScenarioError: two robots overlap, or a robot is too near to an obstacle, a fire or a wall, or inside it.
     """
-    _check_pairs(position, gains.safety.robot_clearance, place)
-    least = gains.safety.obstacle_clearance
+    body, point = gains.safety, controlled(gains).safety
+    _check_pairs(position, point.robot_clearance, _clearance("robot", body.robot_clearance, gains), place)
+    least = point.obstacle_clearance
     for what, gap in chain(_obstacle_gaps(position, obstacles), _other_gaps(position, fire_radius, world)):
         robot = int(np.argmin(gap))
         if gap[robot] < least:
             x, y = position[robot]
             raise ScenarioError(
                 f"{place}: robot {robot + 1} at ({x:g}, {y:g}) is {gap[robot]:.2f} m from {what}; "
-                f"obstacle_clearance is {least:g} m"
+                f"{_clearance('obstacle', body.obstacle_clearance, gains)}"
             )
 
 
-def _check_pairs(position: Floats, least: float, place: str) -> None:
+def _clearance(kind: str, clearance: float, gains: Gains) -> str:
+    """The clearance of bodies in words, and that of controlled points where it differs."""
+    look_ahead, noise = gains.robots.look_ahead, gains.robots.position_noise
+    causes = [f"look_ahead {look_ahead:g} m"] * (look_ahead > 0.0) + [f"position_noise {noise:g} m"] * (noise > 0.0)
+    said = f"{kind}_clearance is {clearance:g} m"
+    if not causes:
+        return said
+    enlarged = clearance + (2.0 if kind == "robot" else 1.0) * (look_ahead + noise)
+    return f"{said}, enlarged to {enlarged:g} m by {' and '.join(causes)}"
+
+
+def _check_pairs(position: Floats, least: float, clearance: str, place: str) -> None:
     pairs = KDTree(position).query_pairs(least, output_type="ndarray")
     gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
     if (gap < least).any():
         nearest = int(np.argmin(gap))
         first, second = pairs[nearest] + 1
-        raise ScenarioError(
-            f"{place}: robots {first} and {second} start {gap[nearest]:.2f} m apart; robot_clearance is {least:g} m"
-        )
+        raise ScenarioError(f"{place}: robots {first} and {second} start {gap[nearest]:.2f} m apart; {clearance}")
 
 
 def _obstacle_gaps(points: Floats, obstacles: Obstacles) -> Iterator[tuple[str, Floats]]:
@@ -133,19 +152,64 @@ def check_intention(radius: float, source: str) -> None:
         )
 
 
+def check_robots(gains: Gains, growth: float, source: str) -> None:
+    """Refuses unicycles that cannot move, and noise under which clearances are not kept.
+
+    Args:
+        gains: those of the bodies.
+        growth: of the fastest fire [m/s].
+        source: the scenario file.
+
+    Raises:
+        ScenarioError: with the value and the limit.
+    """
+    robots = gains.robots
+    if robots.look_ahead > 0.0 and robots.turn_rate_limit == 0.0:
+        raise ScenarioError(
+            f"{source}: parameters.robots.turn_rate_limit: unicycles that cannot turn cannot follow a velocity; "
+            "give more than 0 rad/s, or look_ahead 0 for single integrators"
+        )
+    limit = noise_limit(controlled(gains._replace(robots=robots._replace(position_noise=0.0))), growth)
+    if robots.position_noise > limit:
+        raise ScenarioError(
+            f"{source}: parameters.robots.position_noise: {robots.position_noise:g} m exceeds {limit:.3g} m, up to "
+            "which the barriers keep the true clearances; lower it, or raise the clearances, pair_rate, "
+            "obstacle_rate or speed_limit"
+        )
+
+
+def robot_warnings(gains: Gains) -> tuple[str, ...]:
+    """What the robots' model and noise make of other tunables without need to refuse them."""
+    robots, point, warnings = gains.robots, controlled(gains).safety, list[str]()
+    if robots.look_ahead == 0.0 and np.isfinite(robots.turn_rate_limit):
+        warnings.append("robots.turn_rate_limit has no effect on single integrators; unicycles have a look_ahead")
+    if point.speed_limit < gains.safety.speed_limit and point.speed_limit < gains.blending.cruise_speed:
+        warnings.append(
+            f"look_ahead and turn_rate_limit let unicycles go {point.speed_limit:.3g} m/s; "
+            f"cruise_speed is {gains.blending.cruise_speed:g} m/s"
+        )
+    if point != gains.safety and gains.rings.repulsive_margin <= point.obstacle_clearance:
+        warnings.append(
+            f"{_clearance('obstacle', gains.safety.obstacle_clearance, gains)}; it should stay below repulsive_margin "
+            f"({gains.rings.repulsive_margin:g} m), where robots circulate"
+        )
+    return tuple(warnings)
+
+
 def check_barriers(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:
     """Refuses gains with which the safety barriers do not hold in discrete time, or no robot could hold at a fire.
 
     Raises:
         ScenarioError: the sampling condition or the least stand-off is missed; the message gives limit and value.
     """
+    safety = controlled(gains).safety
     try:
-        check_sampling(world, fire_radius, gains.safety)
+        check_sampling(world, fire_radius, safety)
     except FilterError as error:
         raise ScenarioError(f"{source}: parameters.safety: {error}") from error
     stand_off = gains.fires.stand_off
     for number, (radius, growth) in enumerate(zip(fire_radius, world.fire_growth, strict=True), 1):
-        least = least_stand_off(float(radius), float(growth), gains.safety)
+        least = least_stand_off(float(radius), float(growth), safety)
         if stand_off < least:
             raise ScenarioError(
                 f"{source}: parameters.fires.stand_off: {stand_off:g} m is too near to fire {number} "
@@ -156,7 +220,8 @@ def check_barriers(world: World, fire_radius: Floats, gains: Gains, source: str)
 def late_stand_off(fire_radius: Floats, fire_growth: Floats, duration: float, gains: Gains) -> tuple[str, ...]:
     """A warning for each fire that grows, within `duration` [s], until no robot can hold at it."""
     grown = fire_radius + fire_growth * duration
-    least = [least_stand_off(float(r), float(g), gains.safety) for r, g in zip(grown, fire_growth, strict=True)]
+    safety = controlled(gains).safety
+    least = [least_stand_off(float(r), float(g), safety) for r, g in zip(grown, fire_growth, strict=True)]
     return tuple(
         f"fire {number} can grow to {radius:.0f} m, where its barrier holds robots {far:.1f} m off; "
         f"stand_off is {gains.fires.stand_off:g} m"

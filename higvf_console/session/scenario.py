@@ -2,7 +2,7 @@
 
     version: 1                               # these three are required
     arena: {size_m: [1200, 700]}             # or x_min, y_min, x_max, y_max; walls: false opens it
-    robots: {start_m: [[700, 300], ...]}     # or count, spacing_m, centre_m; jitter_m, as the seed decides
+    robots: {start_m: [[700, 300], ...]}     # or count, spacing_m, centre_m; jitter_m, as the seed decides; heading_deg
     title, description, name: text           # the name defaults to the file's
     links: [[1, 2], ...]                     # else the communication range decides
     formation_m: [[0, 0], ...]               # the shape to keep, else the start positions
@@ -27,13 +27,16 @@ A key that is not known, a number out of range or a start that is not safe raise
 key path, the value and the choices.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
+import numpy as np
+
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import Gains
+from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.world import NO_LINKS, make_world
 from higvf_console.errors import ScenarioError
 from higvf_console.quantity import Quantity
@@ -44,10 +47,12 @@ from higvf_console.session.placement import (
     check_barriers,
     check_formation,
     check_intention,
+    check_robots,
     check_start,
     intention_radius,
     late_stand_off,
     link_table,
+    robot_warnings,
     start_network,
 )
 from higvf_console.session.reading import Node, closest, read_yaml
@@ -82,6 +87,7 @@ KEYS = (
 )  # fmt: skip
 PRINTED_RADIUS = 0.9  # spectral radius to which the printed intention update is scaled
 _WEIGHTS = ("decay", "robot_weight", "neighbour_weight", "human_weight")
+_SEEDS = 2**53  # whole numbers that a float can tell apart
 _DURATION = Quantity("s", 0.001, 1e6, "", "How long a run lasts.")
 
 
@@ -142,12 +148,16 @@ class Scenario:
             ScenarioError: the seed's jitter puts a robot where it would violate a safety barrier.
         """
         position = self.robots.positions(seed)
+        if self.gains.robots.look_ahead > 0.0:
+            ahead = np.array([math.cos(self.robots.heading), math.sin(self.robots.heading)])
+            position = position + self.gains.robots.look_ahead * ahead
         world = self._world(position)
         fire_radius = floats([fire.radius for fire in self.fires], -1)
         check_start(position, fire_radius, world, self.obstacles, self.gains, f"{self.source}: robots")
-        start = initial_state(position, fire_radius, world)
+        start = initial_state(position, fire_radius, world, self.robots.heading)
         start = start._replace(intent=start.intent._replace(influenced=self.influenced))
-        return Setup(self.arena, world, self.gains, follow(start, self.path), self.obstacles.polygons)
+        gains = self.gains._replace(robots=self.gains.robots._replace(seed=float(seed % _SEEDS)))
+        return Setup(self.arena, world, gains, follow(start, self.path), self.obstacles.polygons)
 
     def with_forms(self, forms: Forms) -> "Scenario":
         """The same scenario with other forms of the equations.
@@ -174,7 +184,7 @@ class Scenario:
             self.obstacles.circles, self.obstacles.bars, floats(sides if self.walls else [], -1, 3),
             floats([fire.position for fire in self.fires], -1, 2), floats([fire.growth for fire in self.fires], -1),
             ints([fire.needs for fire in self.fires], -1), position if self.formation is None else self.formation,
-            self.gains.safety.obstacle_clearance,
+            controlled(self.gains).safety.obstacle_clearance,
             NO_LINKS if self.links is None else link_table(self.links, len(position)),
             self.obstacles.polygons,
         )  # fmt: skip
@@ -247,6 +257,8 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
     links = read_links(entries["links"], count) if "links" in entries else None
     network = start_network(robots.points, links, gains.formation.communication_range)
     check_formation(network.degree, gains, source)
+    fires = read_fires(entry("fires", []), count)
+    check_robots(gains, max((fire.growth for fire in fires), default=0.0), source)
     name = entry("name", FilePath(source).stem).text()
     scenario = Scenario(
         name=name,
@@ -259,7 +271,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         robots=robots,
         links=links,
         formation=read_formation(entries["formation_m"], count) if "formation_m" in entries else None,
-        fires=read_fires(entry("fires", []), count),
+        fires=fires,
         obstacles=read_obstacles(entry("obstacles", {}), (FilePath(source).parent, data_folder()), polygons),
         path=read_path(entries["path"], gains.path.stroke_smoothing) if "path" in entries else NO_PATH,
         influenced=entry("influenced", 1).integer(1, count, "a robot's number") - 1,
@@ -269,7 +281,11 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         inputs=inputs,
         demo=tuple(item.text() for item in entry("demo", []).items()),
         duration=entry("duration_s", 120.0).number(_DURATION),
-        warnings=(*_network_warnings(network, links is not None), *unknown_settings(inputs)),
+        warnings=(
+            *_network_warnings(network, links is not None),
+            *unknown_settings(inputs),
+            *robot_warnings(gains),
+        ),
     )
     start = scenario.setup(seed=0)
     fire_radius = start.start.motion.fire_radius

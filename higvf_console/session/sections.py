@@ -66,13 +66,20 @@ class Obstacles(NamedTuple):
 
 
 class Robots(NamedTuple):
-    """Where the team starts: `points` (N, 2) [m], each shifted by up to `jitter` [m] as the seed decides."""
+    """Where the team starts.
+
+    Attributes:
+        points: (N, 2) centres [m].
+        jitter: by how much each is shifted at most along x and along y, as the seed decides [m].
+        heading: of all unicycles [rad].
+    """
 
     points: Floats
     jitter: float
+    heading: float
 
     def positions(self, seed: int) -> Floats:
-        """Start positions (N, 2) [m]; the same seed gives the same bytes."""
+        """Centres (N, 2) [m] at the start; the same seed gives the same bytes."""
         if self.jitter == 0.0:
             return floats(self.points)
         return self.points + np.random.default_rng(seed).uniform(-self.jitter, self.jitter, self.points.shape)
@@ -111,17 +118,18 @@ def read_arena(node: Node) -> tuple[Arena, bool]:
 
 def read_robots(node: Node, arena: Arena) -> Robots:
     """Given start points, or a square grid round a centre."""
-    entries = node.section(("start_m", "count", "spacing_m", "centre_m", "jitter_m"))
+    entries = node.section(("start_m", "count", "spacing_m", "centre_m", "jitter_m", "heading_deg"))
     jitter = entries["jitter_m"].number(_JITTER) if "jitter_m" in entries else 0.0
+    heading = math.radians(entries["heading_deg"].number(_ANGLE)) if "heading_deg" in entries else 0.0
     if "start_m" in entries:
         if {"count", "spacing_m", "centre_m"} & set(entries):
             raise node.error("give start_m, or count and spacing_m, not both")
-        return Robots(entries["start_m"].points(least=1), jitter)
+        return Robots(entries["start_m"].points(least=1), jitter, heading)
     entries = node.section(tuple(entries), ("count", "spacing_m"))
     count = entries["count"].integer(1, MOST_ROBOTS, "a number of robots")
     centre = ((arena.x_min + arena.x_max) / 2, (arena.y_min + arena.y_max) / 2)
     centre = entries["centre_m"].point() if "centre_m" in entries else centre
-    return Robots(_grid(count, entries["spacing_m"].number(_LENGTH), centre), jitter)
+    return Robots(_grid(count, entries["spacing_m"].number(_LENGTH), centre), jitter, heading)
 
 
 def _grid(count: int, spacing: float, centre: tuple[float, float]) -> Floats:

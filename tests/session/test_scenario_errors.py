@@ -164,6 +164,28 @@ MISTAKES = {
         "fires: [{at_m: [100, 100], radius_m: 32}]\nparameters: {fires: {stand_off: 13}}",
         "parameters.fires.stand_off: 13 m is too near to fire 1 (32 m, growing 1 m/s), whose barrier holds robots 14.",
     ),
+    "unicycles that cannot turn": (
+        "parameters: {robots: {look_ahead: 2, turn_rate_limit: 0}}",
+        "parameters.robots.turn_rate_limit: unicycles that cannot turn cannot follow a velocity; give more than 0",
+    ),
+    "more noise than the barriers bear": (
+        "parameters: {robots: {position_noise: 4}}",
+        "parameters.robots.position_noise: 4 m exceeds 3.29 m, up to which the barriers keep the true clearances",
+    ),
+    "loss above one": ("parameters: {robots: {packet_loss: 1.5}}", "robots.packet_loss: 1.5 is out of range; give a"),
+    "a seed of its own": ("parameters: {robots: {seed: 3}}", "parameters.robots.seed: unknown key"),
+    "unicycles that overlap": (
+        "parameters: {robots: {look_ahead: 20, position_noise: 1}}",
+        "start 58.31 m apart; robot_clearance is 25 m, enlarged to 67 m by look_ahead 20 m and position_noise 1 m",
+    ),
+    "a look-ahead point in a circle": (
+        "parameters: {robots: {look_ahead: 6}}\nobstacles: {circles: [{at_m: [700, 270], radius_m: 14}]}",
+        "is 16.59 m from circle 1; obstacle_clearance is 12 m, enlarged to 18 m by look_ahead 6 m",
+    ),
+    "stand-off inside the enlarged barrier": (
+        "fires: [{at_m: [100, 100], radius_m: 32}]\nparameters: {robots: {look_ahead: 12}}",
+        "parameters.fires.stand_off: 25 m is too near to fire 1 (32 m, growing 1 m/s), whose barrier holds robots 27.",
+    ),
     "stiff formation": (
         "parameters: {formation: {formation_rate: 25}}",
         "control_period x formation_rate x 2 x 2 links of one robot is 2 and must stay below 2",
