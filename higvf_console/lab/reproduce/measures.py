@@ -36,11 +36,19 @@ def laps(path: Path, points: Floats) -> float:
 
 def formation_error(run: Run) -> Floats:
     """(T + 1,) root mean square over all pairs of |p_i - p_j| - d_ij [m]."""
-    first, second = np.triu_indices(run.position.shape[1], 1)
-    shape = run.setup.world.formation
-    wanted = np.hypot(*(shape[first] - shape[second]).T)
-    gap = run.position[:, first] - run.position[:, second]
-    return np.sqrt(np.mean((np.hypot(gap[..., 0], gap[..., 1]) - wanted) ** 2, axis=1))
+    return np.sqrt(np.mean((pair_distances(run.position) - pair_distances(run.setup.world.formation)) ** 2, axis=-1))
+
+
+def formation_size(run: Run) -> float:
+    """Mean of the desired distances d_ij [m]."""
+    return float(pair_distances(run.setup.world.formation).mean())
+
+
+def pair_distances(position: Floats) -> Floats:
+    """Distances (..., pairs) between all pairs of robots at (..., N, 2) [m]."""
+    first, second = np.triu_indices(position.shape[-2], 1)
+    gap = position[..., first, :] - position[..., second, :]
+    return np.hypot(gap[..., 0], gap[..., 1])
 
 
 def extinguished_at(run: Run) -> Floats:
@@ -66,4 +74,6 @@ def intervals(flags: Ints) -> list[tuple[int, int]]:
 
 def smallest_clearance(run: Run) -> float:
     """Smallest distance to anything beyond the safe one, over the run [m]; negative = violation."""
-    return float(run.clearance.min())
+    pairs = pair_distances(run.position)
+    apart = float(pairs.min()) - run.setup.gains.safety.robot_clearance if pairs.size else math.inf
+    return min(float(run.clearance.min()), apart)

@@ -10,13 +10,13 @@ from higvf_console.arrays import Floats
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
 from higvf_console.lab.reproduce.figures import maps
-from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, arena_figure, new_figure, robot_ink
+from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, map_figure, new_figure, robot_ink
 from higvf_console.lab.reproduce.figures.charts import over_time
 from higvf_console.lab.reproduce.runs import Run, Runs, RunSpec
 from higvf_console.session.scenario import scenario_names
 
 BAND = 5.0  # a robot this close to the path is on it [m]
-FORMATION_BAND = 12.0  # root mean square of the pairwise distances' errors [m]
+FORMATION_SHARE = 0.25  # of the mean distance, by which the distances may be off (root mean square)
 INSIDE = RunSpec("circle-inside-corrected")
 OUTSIDE = (RunSpec("circle-outside-corrected"), RunSpec("circle-outside"), RunSpec("circle-inside"))
 CHANGE = RunSpec("circle-inside-corrected", "change-robot")
@@ -139,8 +139,9 @@ def _following(run: Run) -> tuple[Measurement, ...]:
 
 def _formation_measure(run: Run) -> Measurement:
     later = measures.formation_error(run)[run.time >= run.time[-1] / 2]
-    return within("Formation: root mean square error of the distances, second half", float(np.sqrt(np.mean(later**2))),
-                  "m", 0.0, FORMATION_BAND, "the others keep moving in formation")  # fmt: skip
+    share = float(np.sqrt(np.mean(later**2))) / measures.formation_size(run)
+    return within("Formation: error of the distances, second half, as a share of their mean (root mean square)", share,
+                  "", 0.0, FORMATION_SHARE, "the others keep moving in formation")  # fmt: skip
 
 
 def _clearance_measure(run: Run) -> Measurement:
@@ -164,7 +165,7 @@ def draw_following(run: Run, times: Sequence[float] | None = None, also: Callabl
         times: of the instants [s]; None = round ones of the first lap.
         also: draws more on the axes.
     """
-    figure, axes = arena_figure(run.setup.arena, PAGE if run.setup.arena.width > 900 else 5.2, extra=0.2)
+    figure, axes = map_figure(maps.frame_of(run))
     for given in run.paths:
         maps.draw_path(axes, given.path, "desired path")
     maps.draw_obstacles(axes, run.setup.world)

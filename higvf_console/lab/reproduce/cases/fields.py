@@ -157,7 +157,7 @@ def _draw_bumps() -> Figure:
         axes.set_xlabel("distance from the surface [m]")
         axes.grid(visible=True, axis="y")
     panels[0].set_ylabel("bump")
-    panels[0].legend(loc="center left")
+    panels[0].legend(loc="lower center")
     return figure
 
 
@@ -228,7 +228,8 @@ class _Panels:
         ])  # fmt: skip
         self.outside = np.hypot(*away.T) > circle[2]
         self.sum = self.bump[:, None] * self.path + (1.0 - self.bump)[:, None] * self.around
-        self.engine = field_at(FieldKind.COMPOSITE, self.points, state, world, gains) / speed
+        agreed = state._replace(motion=state.motion._replace(side=side))
+        self.engine = field_at(FieldKind.COMPOSITE, self.points, agreed, world, gains) / speed
 
 
 def run_composite(_: Runs) -> Findings:
@@ -253,7 +254,8 @@ def run_composite(_: Runs) -> Findings:
                     lambda: _draw_engine(setup)),
         ),
         notes=("The engine applies the composite step once, to the blended velocity of each robot, and only to what"
-               " heads into a ring; the first five panels are the printed sum, the sixth is the engine's.",),
+               " heads into a ring; the first five panels are the printed sum, the last one is the engine's. X_R here circulates"
+               " at right angles to the surface's normal; that the team does not enter Q is the safety filter's task.",),
     )  # fmt: skip
 
 
@@ -272,11 +274,11 @@ def _draw_composite(setup: Setup) -> Figure:
         for s, inner in zip(panels.bump.tolist(), _inside_q(panels, setup).tolist(), strict=True)
     ]
     shown: list[tuple[tuple[int, slice], str, Floats, str | list[str]]] = [
-        ((0, slice(0, 2)), "(a) X_P: the desired path", panels.path, INK.fire),
-        ((0, slice(2, 4)), "(b) X_R: round the obstacle", panels.around, INK.reactive),
-        ((1, slice(0, 2)), "(c) S X_P: zero-in", panels.bump[:, None] * panels.path, INK.fire),
-        ((1, slice(2, 4)), "(d) Z X_R: zero-out", zero_out * panels.around, INK.reactive),
-        ((2, slice(1, 3)), "(e) S X_P + Z X_R: composite", panels.sum, zone),
+        ((0, slice(0, 2)), r"(a) $\hat{X}_P$: the desired path", panels.path, INK.fire),
+        ((0, slice(2, 4)), r"(b) $\hat{X}_R$: round the obstacle", panels.around, INK.reactive),
+        ((1, slice(0, 2)), r"(c) $S\,\hat{X}_P$: zero-in", panels.bump[:, None] * panels.path, INK.fire),
+        ((1, slice(2, 4)), r"(d) $Z\,\hat{X}_R$: zero-out", zero_out * panels.around, INK.reactive),
+        ((2, slice(1, 3)), r"(e) $S\,\hat{X}_P + Z\,\hat{X}_R$: composite", panels.sum, zone),
     ]
     for (row, columns), title, field, ink in shown:
         axes = figure.add_subplot(grid[row, columns])

@@ -36,6 +36,7 @@ class Inks(NamedTuple):
 INK = Inks()
 ROBOTS = ("#0072b2", "#e69f00", "#009e73", "#56b4e9", "#8c510a", "#332288")
 PAGE = 6.9  # width of a figure over the whole page [in]
+_HIGHEST = 4.6  # height of a map [in]
 _STYLE = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
@@ -83,11 +84,12 @@ def new_figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height))
 
 
-def arena_figure(arena: Arena, width: float = PAGE, extra: float = 0.0) -> tuple[Figure, Axes]:
-    """A figure of one map, as high as the arena asks for and `extra` [in]."""
-    figure = new_figure(width, (width - 0.55) * arena.height / arena.width + 0.5 + extra)
+def map_figure(frame: Arena, width: float = PAGE) -> tuple[Figure, Axes]:
+    """A figure of one map and its legend, as high as the frame asks for; a high one is made narrower [in]."""
+    width = min(width, 0.55 + _HIGHEST * frame.width / frame.height)
+    figure = new_figure(width, (width - 0.55) * frame.height / frame.width + 0.75)
     axes = figure.subplots()
-    dress_map(axes, arena)
+    dress_map(axes, frame)
     return figure, axes
 
 

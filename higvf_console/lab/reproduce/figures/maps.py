@@ -14,8 +14,24 @@ from higvf_console.control.paths import path_points
 from higvf_console.lab.reproduce.figures.canvas import INK, nice_step, robot_ink
 from higvf_console.lab.reproduce.runs import Run
 from higvf_console.state import Path, PathKind, World
+from higvf_console.viewport import Arena
 
 _CORNER = 24  # points on each end of a bar
+
+
+def frame_of(run: Run, margin: float = 40.0) -> Arena:
+    """The part of the plane where something happens: tracks, desired paths, fires and obstacles [m]."""
+    world = run.setup.world
+    parts = [run.position.reshape(-1, 2), world.bars[:, 0:2], world.bars[:, 2:4]]
+    for at, radius in ((world.circles[:, :2], world.circles[:, 2:]), (world.fire_position, run.fire_radius[-1][:, None])):
+        parts += [at - radius, at + radius]
+    parts += [path_points(given.path, np.linspace(0.0, given.path.length, 100)) for given in run.paths]
+    points = np.vstack(parts)
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+    if run.scenario.walls:
+        arena = run.setup.arena
+        low, high = np.maximum(low, (arena.x_min, arena.y_min)), np.minimum(high, (arena.x_max, arena.y_max))
+    return Arena(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
 
 
 def draw_obstacles(axes: Axes, world: World) -> None:
@@ -121,7 +137,7 @@ def draw_times(axes: Axes, run: Run, times: Sequence[float], taken: Sequence[Seq
         owner = team[int(np.argmin(np.hypot(*(team - spot).T)))]
         axes.plot(*np.array([owner, spot]).T, color=INK.quiet, linewidth=0.5, zorder=3)
         axes.text(
-            *spot, f"{time:g} s", ha="center", va="center", fontsize=6.5, color=INK.quiet, zorder=8,
+            *spot, f"{time:.0f} s", ha="center", va="center", fontsize=6.5, color=INK.quiet, zorder=8,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
         )  # fmt: skip
         words = spot + np.array([(dx, 0.0) for dx in (-0.8 * reach, 0.0, 0.8 * reach)])
