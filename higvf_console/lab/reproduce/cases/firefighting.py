@@ -111,7 +111,7 @@ def draw_fight_on(axes: Axes, run: Run) -> None:
     maps.draw_tracks(axes, run)
     times = [float(t) for t in sorted(measures.extinguished_at(run)) if np.isfinite(t)]
     maps.draw_formations(axes, run, [0.0, *times])
-    maps.draw_times(axes, run, times, run.setup.world.fire_position.tolist())
+    maps.draw_times(axes, run, times)
 
 
 def _draw_loss(run: Run, column: Column) -> Figure:

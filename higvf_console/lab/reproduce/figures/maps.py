@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, PathPatch, Polygon
 from matplotlib.path import Path as Outline
+from matplotlib.patheffects import withStroke
 
 from higvf_console.arrays import Floats
 from higvf_console.control.paths import path_points
@@ -17,6 +18,7 @@ from higvf_console.state import Path, PathKind, World
 from higvf_console.viewport import Arena
 
 _CORNER = 24  # points on each end of a bar
+_ROOMY = 38.0  # a fire of this radius has room for its words [m]
 
 
 def frame_of(run: Run, margin: float = 40.0) -> Arena:
@@ -92,19 +94,29 @@ def draw_fires(axes: Axes, run: Run, order: Sequence[int]) -> None:
     """Fires at their largest radius, their radius at the start dotted, with number and place in the order."""
     final, start = run.fire_radius[-1], run.fire_radius[0]
     for fire, (x, y) in enumerate(run.setup.world.fire_position.tolist()):
-        axes.add_patch(
-            Circle((x, y), final[fire], facecolor=INK.fire, alpha=0.16, edgecolor="none", zorder=1)
-        )
-        axes.add_patch(Circle((x, y), final[fire], fill=False, edgecolor=INK.fire, linewidth=0.8, zorder=2.5))
+        radius = float(final[fire])
+        axes.add_patch(Circle((x, y), radius, facecolor=INK.fire, alpha=0.16, edgecolor="none", zorder=1))
+        axes.add_patch(Circle((x, y), radius, fill=False, edgecolor=INK.fire, linewidth=0.8, zorder=2.5))
         axes.add_patch(
             Circle((x, y), start[fire], fill=False, edgecolor=INK.fire, linewidth=0.7, linestyle=":", zorder=2.5)
         )
-        place = order.index(fire + 1) + 1 if fire + 1 in order else None
-        axes.text(x, y, f"fire {fire + 1}", ha="center", va="bottom", fontsize=7, color="#8a3d00", zorder=7)
+        place = _ordinal(order.index(fire + 1) + 1) if fire + 1 in order else "burning"
+        at = (x, y) if radius >= _ROOMY else _beside(axes, run, np.array([x, y]), radius)
         axes.text(
-            x, y - 4, _ordinal(place) if place else "burning", ha="center", va="top", fontsize=7, color="#8a3d00",
-            fontweight="bold", zorder=7,
+            *at, f"fire {fire + 1}\n{place}", ha="center", va="center", fontsize=7, color="#8a3d00", zorder=7,
+            linespacing=1.1, path_effects=[withStroke(linewidth=2.2, foreground="white", alpha=0.85)],
         )  # fmt: skip
+
+
+def _beside(axes: Axes, run: Run, centre: Floats, radius: float) -> tuple[float, float]:
+    """Where a small fire's words go: next to it, far from all tracks."""
+    width = axes.get_xlim()[1] - axes.get_xlim()[0]
+    angles = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
+    spots = centre + (radius + 0.03 * width) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    busy = run.position[::10].reshape(-1, 2)
+    gaps = [float(np.hypot(*((busy - spot) / (1.4, 1.0)).T).min()) for spot in spots]
+    x, y = spots[int(np.argmax(gaps))].tolist()
+    return x, y
 
 
 def _ordinal(place: int) -> str:
@@ -118,9 +130,9 @@ def time_marks(run: Run, most: int = 8, start: float = 0.0) -> list[float]:
     return [t for t in np.arange(math.ceil(start / step) * step, end - 0.3 * step, step).tolist() if t > 0.0]
 
 
-def draw_times(axes: Axes, run: Run, times: Sequence[float], taken: Sequence[Sequence[float]] = ()) -> None:
-    """Writes times beside the team, each where the fewest tracks and other texts are."""
-    busy = np.vstack([run.position[::10].reshape(-1, 2), *[np.atleast_2d(point) for point in taken]])
+def draw_times(axes: Axes, run: Run, times: Sequence[float]) -> None:
+    """Writes times beside the team, each where the fewest tracks, fires and other texts are."""
+    busy = np.vstack([run.position[::10].reshape(-1, 2), *_discs(run)])
     low, high = np.array([axes.get_xlim()[0], axes.get_ylim()[0]]), np.array([axes.get_xlim()[1], axes.get_ylim()[1]])
     reach = 0.035 * float((high - low).max())
     angles = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
@@ -142,6 +154,15 @@ def draw_times(axes: Axes, run: Run, times: Sequence[float], taken: Sequence[Seq
         )  # fmt: skip
         words = spot + np.array([(dx, 0.0) for dx in (-0.8 * reach, 0.0, 0.8 * reach)])
         busy = np.vstack([busy, words])
+
+
+def _discs(run: Run) -> list[Floats]:
+    """Points (n, 2) all over each fire and circle, where no words shall stand."""
+    world = run.setup.world
+    discs = [*np.c_[world.fire_position, run.fire_radius[-1]].tolist(), *world.circles.tolist()]
+    turn = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
+    unit = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return [np.vstack([np.array([x, y]) + share * radius * unit for share in (0.3, 0.65, 1.0)]) for x, y, radius in discs]
 
 
 def legend_below(axes: Axes, columns: int = 6) -> None:
