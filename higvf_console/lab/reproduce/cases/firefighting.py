@@ -1,7 +1,6 @@
 """Firefighting, Table I: without a human, with a changed priority, with a hidden fire found."""
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from higvf_console.lab.reproduce import measures
@@ -94,17 +93,9 @@ def _loss_table(run: Run, column: Column) -> Table:
 
 
 def draw_fight(run: Run) -> Figure:
-    """The map of a firefighting run."""
+    """The map of a firefighting run: fires, obstacles, strokes, tracks, the formation at each fire that went out."""
     figure, axes = map_figure(maps.frame_of(run), PAGE)
-    draw_fight_on(axes, run)
-    maps.legend_below(axes)
-    return figure
-
-
-def draw_fight_on(axes: Axes, run: Run) -> None:
-    """Fires, obstacles, strokes, tracks, the formation at each fire that went out."""
-    order = measures.order(run)
-    maps.draw_fires(axes, run, order)
+    maps.draw_fires(axes, run, measures.order(run))
     maps.draw_obstacles(axes, run.setup.world)
     for given in run.paths:
         maps.draw_path(axes, given.path, "operator's stroke")
@@ -112,6 +103,8 @@ def draw_fight_on(axes: Axes, run: Run) -> None:
     times = [float(t) for t in sorted(measures.extinguished_at(run)) if np.isfinite(t)]
     maps.draw_formations(axes, run, [0.0, *times])
     maps.draw_times(axes, run, times)
+    maps.legend_below(axes)
+    return figure
 
 
 def _draw_loss(run: Run, column: Column) -> Figure:

@@ -6,9 +6,7 @@ from matplotlib.figure import Figure
 
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, Table
-from higvf_console.lab.reproduce.cases.firefighting import SPECS, draw_fight_on
-from higvf_console.lab.reproduce.figures import maps
-from higvf_console.lab.reproduce.figures.canvas import PAGE, dress_map, new_figure
+from higvf_console.lab.reproduce.cases.firefighting import SPECS
 from higvf_console.lab.reproduce.figures.charts import table_2_bars
 from higvf_console.lab.reproduce.paper import COLUMNS
 from higvf_console.lab.reproduce.runs import Run, Runs
@@ -49,10 +47,7 @@ def run_table_2(runs: Runs) -> Findings:
     ours = compare(runs)
     return Findings(
         _measured(ours),
-        (
-            Picture("table2", "Loss area of each fire in the three situations of Table II.", lambda: _draw(ours)),
-            Picture("table2-maps", "The three runs beside each other (paper, Fig. 8).", lambda: _draw_maps(ours)),
-        ),
+        (Picture("table2", "Loss area of each fire in the three situations of Table II.", lambda: _draw(ours)),),
         ours.runs,
         (_table(ours), *ours.tables),
         ours.notes,
@@ -104,22 +99,6 @@ def _draw(ours: Comparison) -> Figure:
     return table_2_bars({
         COLUMNS[name].title: (column["loss_area_m2"], COLUMNS[name].loss_area) for name, column in ours.columns.items()
     })
-
-
-def _draw_maps(ours: Comparison) -> Figure:
-    frame = maps.frame_of(ours.runs[0])
-    figure = new_figure(PAGE, 3 * (0.5 * PAGE - 0.5) * frame.height / frame.width + 1.4)
-    figure.set_size_inches(PAGE, 0.5 + 2 * (PAGE / 2 - 0.4) * frame.height / frame.width + 0.6)
-    panels = figure.subplots(2, 2).ravel()
-    for axes, run, column in zip(panels, ours.runs, COLUMNS.values(), strict=False):
-        dress_map(axes, frame, 200.0)
-        axes.set_title(column.title)
-        draw_fight_on(axes, run)
-    handles, labels = panels[1].get_legend_handles_labels()
-    panels[3].set_axis_off()
-    once = dict(zip(labels, handles, strict=True))
-    panels[3].legend(once.values(), once.keys(), loc="center")
-    return figure
 
 
 CASES = (
