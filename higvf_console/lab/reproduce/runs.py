@@ -60,6 +60,7 @@ class Run(NamedTuple):
         influenced: (T + 1,) robot index.
         paused: (T + 1,).
         clearance: (T + 1,) smallest of the team [m].
+        barrier: (T + 1,) smallest barrier function h, dimensionless.
         connectivity: (T + 1,) lambda_2 of the links' Laplacian.
         links: (T + 1) arrays (E, 2) of robot pairs.
         paths: the desired paths, in order.
@@ -84,6 +85,7 @@ class Run(NamedTuple):
     influenced: Ints
     paused: Bools
     clearance: Floats
+    barrier: Floats
     connectivity: Floats
     links: tuple[Ints, ...]
     paths: tuple[GivenPath, ...]
@@ -142,7 +144,7 @@ class _History:
             now.time, motion.position, motion.velocity, motion.intention, _longest(trace.robot_intention),
             _longest(trace.human_intention), motion.target, motion.fire_radius, motion.fire_burning,
             int(motion.path_status), motion.path_parameter, intent.influenced, intent.paused,
-            float(trace.clearance.min()), self._lambda_2(trace.links, len(motion.position)),
+            float(trace.clearance.min()), float(trace.barrier.min()), self._lambda_2(trace.links, len(motion.position)),
         ))  # fmt: skip
 
     def _lambda_2(self, links: Ints, robots: int) -> float:

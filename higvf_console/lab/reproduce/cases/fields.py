@@ -10,7 +10,9 @@ from higvf_console.arrays import Floats, floats, ints
 from higvf_console.control.bump import zero_in
 from higvf_console.control.field import FieldKind, field_at
 from higvf_console.control.gains import Gains
-from higvf_console.control.guiding import composite_velocity, guiding_vector
+from higvf_console.control.forms import PRINTED, Forms
+from higvf_console.control.guiding import guiding_vector
+from higvf_console.control.obstacles import part_at
 from higvf_console.control.paths import EVERYWHERE, circle_path
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, dress_map, new_figure
@@ -19,10 +21,11 @@ from higvf_console.lab.reproduce.figures.maps import capsule, draw_obstacles, dr
 from higvf_console.lab.reproduce.runs import Runs
 from higvf_console.session.scenario import parse_scenario
 from higvf_console.sim.setup import Setup
-from higvf_console.state import NOBODY, World
+from higvf_console.state import World
 from higvf_console.viewport import Arena
 
 GAINS = Gains()
+CORRECTED, PIXELS = Forms(), Forms(bump=PRINTED)
 ARENA = Arena(-200.0, -200.0, 200.0, 200.0)
 CIRCLE = circle_path(0.0, 0.0, 120.0)
 RING_RADIUS = 20.0  # of the obstacle of the bump functions [m]
@@ -93,23 +96,14 @@ def _draw_gvf() -> Figure:
     return figure
 
 
-def pixel_zero_in(distance: float, radius: float, rings: tuple[float, float], l_1: float, l_2: float) -> float:
-    """S as printed, [29]-[31] with varphi in squared pixels, between margins (repulsive, reactive)."""
-    repulsive, reactive = radius + rings[0], radius + rings[1]
-    varphi, c = distance**2 - reactive**2, repulsive**2 - reactive**2
-    if varphi >= 0.0:
-        return 1.0
-    return 0.0 if varphi <= c else 1.0 / (1.0 + math.exp(min(l_2 / varphi - l_1 / (c - varphi), 700.0)))
-
-
 def run_bumps(_: Runs) -> Findings:
     """S and Z over the ring, smooth in the dimensionless form, a jump in the printed one."""
     rings = GAINS.rings
     start = RING_RADIUS + rings.repulsive_margin
     printed = _printed(start + 0.01)
-    smooth = zero_in(start + 0.01, RING_RADIUS, rings)
+    smooth = zero_in(start + 0.01, RING_RADIUS, rings, CORRECTED)
     distance = np.linspace(start, RING_RADIUS + rings.reactive_margin, 20001)
-    bump = np.array([zero_in(d, RING_RADIUS, rings) for d in distance.tolist()])
+    bump = np.array([zero_in(d, RING_RADIUS, rings, CORRECTED) for d in distance.tolist()])
     rise = distance[np.searchsorted(bump, 0.99)] - distance[np.searchsorted(bump, 0.01)]
     return Findings(
         (
@@ -128,9 +122,7 @@ def run_bumps(_: Runs) -> Findings:
 
 
 def _printed(distance: float) -> float:
-    rings = GAINS.rings
-    margins = (rings.repulsive_margin, rings.reactive_margin)
-    return pixel_zero_in(distance, RING_RADIUS, margins, rings.bump_in, rings.bump_out)
+    return zero_in(distance, RING_RADIUS, GAINS.rings, PIXELS)
 
 
 def _draw_bumps() -> Figure:
@@ -139,7 +131,7 @@ def _draw_bumps() -> Figure:
     panels = figure.subplots(1, 2, sharey=True)
     distance = np.linspace(RING_RADIUS + 10.0, RING_RADIUS + 29.0, 1901)
     shapes = (
-        ("Dimensionless, as run", [zero_in(d, RING_RADIUS, rings) for d in distance.tolist()]),
+        ("Dimensionless, as run", [zero_in(d, RING_RADIUS, rings, CORRECTED) for d in distance.tolist()]),
         ("Squared pixels, as printed", [_printed(d) for d in distance.tolist()]),
     )
     for axes, (title, values) in zip(panels, shapes, strict=True):
@@ -216,16 +208,11 @@ class _Panels:
         self.points = grid_points(setup.arena, columns)
         self.path = field_at(FieldKind.PATH, self.points, state, world, gains) / speed
         circle = world.circles[0]
-        table = floats([[circle[0], circle[1], circle[0], circle[1], circle[2]]])
         away = self.points - circle[:2]
-        inward = -away / np.hypot(*away.T)[:, None]
-        self.bump = np.array([zero_in(float(np.hypot(*p)), float(circle[2]), gains.rings) for p in away])
-        deep = gains.rings._replace(repulsive_margin=1e4, reactive_margin=2e4)  # all circulation, everywhere
+        self.bump = np.array([zero_in(float(np.hypot(*p)), float(circle[2]), gains.rings, gains.forms) for p in away])
+        normal = np.array([part_at(0, x, y, world)[1:] for x, y in self.points.tolist()])
+        self.around = floats(np.stack([normal[:, 1], -normal[:, 0]], axis=1))  # side E n, clockwise
         side = ints([[-1]])
-        self.around = floats([
-            composite_velocity(u[0], u[1], p[0], p[1], 0, side, NOBODY, table, deep)
-            for u, p in zip(inward.tolist(), self.points.tolist(), strict=True)
-        ])  # fmt: skip
         self.outside = np.hypot(*away.T) > circle[2]
         self.sum = self.bump[:, None] * self.path + (1.0 - self.bump)[:, None] * self.around
         agreed = state._replace(motion=state.motion._replace(side=side))

@@ -17,7 +17,7 @@ from higvf_console.state import PathStatus
 PATROL = RunSpec("physical-1")
 GAZE = RunSpec("barrier-gaze", demo=True)
 GAZE_ALONE = RunSpec("barrier-gaze")
-SIGHT = 1.0  # m/s, slower is standing
+SPECS = (PATROL, GAZE, GAZE_ALONE)
 _BAND = 10.0  # a robot this close to a sketched path is on it [m]
 
 
