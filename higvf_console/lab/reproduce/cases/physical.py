@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from higvf_console.control.paths import WINDOW
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
 from higvf_console.lab.reproduce.figures import maps
@@ -25,18 +26,21 @@ def run_patrol(runs: Runs) -> Findings:
     """Case 1: a given path, targets found on the way, back to the path where it was left."""
     run = runs.get(PATROL)
     away = measures.intervals(run.path_status == PathStatus.BREAK_AWAY)
-    jumps = [abs(float(run.path_parameter[min(b + 1, len(run.time) - 1)] - run.path_parameter[a])) for a, b in away]
-    step = run.setup.gains.safety.speed_limit * run.setup.gains.safety.control_period
+    w, last = run.path_parameter, len(run.time) - 1
+    kept = [float(np.ptp(w[a : b + 1])) for a, b in away]
+    joined = [abs(float(w[min(b + 1, last)] - w[b])) for _, b in away]
     back = [_time_back(run, b) for _, b in away]
     finished = bool((run.path_status == PathStatus.FINISHED).any())
-    fires = len(run.setup.world.fire_position)
     return Findings(
         (
-            Measurement("Targets reached and put out", len(measures.order(run)), "", f"{fires}: all that the path passes",
-                        len(measures.order(run)) == fires),
-            Measurement("Times the team broke away from the path", len(away), "", "once a target", len(away) == fires),
-            within("Largest jump of the path parameter w over a break-away", max(jumps, default=math.nan), "m", 0.0,
-                   step, "0: w is kept"),
+            Measurement("Order of the targets", _words(run), "", "1-2-3: two found on the way, one at the path's end",
+                        _words(run) == "1-2-3"),
+            Measurement("Times the team broke away from the path", len(away), "", "twice: the third is too small for it",
+                        len(away) == 2),
+            within("Largest change of the path parameter w while away", max(kept, default=math.nan), "m", 0.0, 0.0,
+                   "0: w is kept"),
+            within("Largest distance along the path between the kept w and where it is joined again",
+                   max(joined, default=math.nan), "m", 0.0, WINDOW, "within the search window: no branch is skipped"),
             within("Longest time until the influenced robot is back on the path", max(back, default=math.nan), "s", 0.0,
                    20.0, "the robots are guided back to the given path"),
             Measurement("The path is finished", "yes" if finished else "no", "", "yes", finished),
