@@ -9,7 +9,10 @@ from higvf_console.control.kernel import kernel
 
 @kernel
 def blending_weight(a: float, b: float, gains: BlendingGains, forms: Forms) -> float:
-    """Lambda, [19] made continuous at (0, 0): k_s a / (k_s a + k_f b + delta), a = |v_s|, b = |v_f|; printed: delta = 0."""
+    """Lambda, [19] made continuous at (0, 0): k_s a / (k_s a + k_f b + delta), a = |v_s|, b = |v_f|.
+
+    As printed, delta is 0.
+    """
     pull = gains.intention_gain * a
     floor = 0.0 if forms.blending == PRINTED else gains.intention_floor
     return pull / (pull + gains.formation_gain * b + floor)

@@ -19,9 +19,7 @@ def following(motion: Motion, intent: Intent) -> bool:
 
 
 @kernel
-def broken_away(
-    motion: Motion, intent: Intent, value: Floats, target: Ints, component: Ints, gains: Gains
-) -> int:
+def broken_away(motion: Motion, intent: Intent, value: Floats, target: Ints, component: Ints, gains: Gains) -> int:
     """Path status (a `PathStatus`) after a look at the fires: a great one makes the team leave its path for the time.
 
     A fire that looks larger than `break_away` to a robot of the influenced one's component starts it; it ends, with w
@@ -47,9 +45,7 @@ def broken_away(
 
 
 @kernel
-def progress(
-    motion: Motion, intent: Intent, status: int, rung: int, gains: Gains
-) -> tuple[float, int, float, float]:
+def progress(motion: Motion, intent: Intent, status: int, rung: int, gains: Gains) -> tuple[float, int, float, float]:
     """Path parameter w [m], status, idle time [s] and least travel left [m] after one control period from `status`.
 
     An open path is finished when w is at its end and the robot within the end radius of it. Without progress (no new

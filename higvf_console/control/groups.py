@@ -9,6 +9,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import label as label_regions
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 
@@ -122,8 +123,8 @@ def _polygon_gap(a: Floats, b: Floats) -> float:
     apart = max(_widest_strip(a, b), _widest_strip(b, a))
     if apart <= 0.0:
         return 0.0
-    ends = [_to_spine(p, q, other).min() for one, other in ((a, b), (b, a)) for p, q in zip(one, np.roll(one, -1, 0))]
-    return float(min(ends))
+    sides = [(one[k - 1], one[k], other) for one, other in ((a, b), (b, a)) for k in range(len(one))]
+    return float(min(_to_spine(start, end, other).min() for start, end, other in sides))
 
 
 def _widest_strip(a: Floats, b: Floats) -> float:
@@ -133,9 +134,11 @@ def _widest_strip(a: Floats, b: Floats) -> float:
 
 
 def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floats]:
-    """The way out of a hull: x, y of the first node, cell width [m], columns (4,), and unit vectors (rows * columns, 2).
+    """The way out of a hull, on a grid: none, with 0 columns, for a hull without room for a robot.
 
-    A hull without room for a robot has no grid: columns 0.
+    Returns:
+        (4,) x, y of the first node and cell width [m], number of columns.
+        (rows * columns, 2) unit vectors, row by row.
     """
     low, high = hull.min(axis=0), hull.max(axis=0)
     cell = max(_LEAST_CELL, float((high - low).max()) / _CELLS)
@@ -144,7 +147,10 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
     nodes = np.stack([axis.ravel() for axis in np.meshgrid(xs, ys)], axis=1)
     depth = -_outside(hull, nodes)
     room = np.min([_to_spine(part[:2], part[2:4], nodes) - part[4] for part in parts], axis=0)
-    if not ((depth > 0.0) & (room >= clearance)).any():
+    free = (room >= clearance).reshape(rows, columns)
+    region = label_regions(free)[0].ravel()
+    open_regions = np.unique(region[free.ravel() & (depth <= 0.0)])
+    if not (np.isin(region, open_regions) & free.ravel() & (depth > 0.0)).any():
         return np.zeros(4), np.zeros((0, 2))
     way = _travel(room, depth <= 0.0, clearance, cell, rows, columns)
     down, across = np.gradient(-way.reshape(rows, columns))

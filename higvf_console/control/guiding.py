@@ -194,7 +194,8 @@ def agree_sides(
         for k in range(count):
             if rings.cluster[k] != k:
                 continue
-            gap, nx, ny = ring_at(rings, TOGETHER if has_hull(rings, TOGETHER, k) else ALONE, k, position[i, 0], position[i, 1])
+            row = TOGETHER if has_hull(rings, TOGETHER, k) else ALONE
+            gap, nx, ny = ring_at(rings, row, k, position[i, 0], position[i, 1])
             if gap >= margins.reactive_margin:
                 continue
             occupied[c, k] = True

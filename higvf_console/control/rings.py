@@ -211,7 +211,7 @@ def has_hull(rings: Rings, row: int, k: int) -> bool:
 @kernel
 def opened(rings: Rings, row: int, k: int, goal_x: float, goal_y: float) -> bool:
     """Whether a hull holds the goal, so that a robot must be let in; never for a goal that is not a number."""
-    return has_hull(rings, row, k) and ring_at(rings, row, k, goal_x, goal_y)[0] < 0.0
+    return math.isfinite(goal_x) and has_hull(rings, row, k) and ring_at(rings, row, k, goal_x, goal_y)[0] < 0.0
 
 
 @kernel
