@@ -27,7 +27,8 @@ _TEAM = (
     _HEAD + "robots: {start_m: [[-200, 0], [-240, 30], [-240, -30]]}\npath: {line: {at_m: [-200, 0], angle_deg: 0}}\n"
 )
 _BESIDE_FIRE = (
-    _HEAD + "robots: {start_m: [[-40, 0]]}\nfires: [{at_m: [0, 0], radius_m: 25, growth_m_per_s: 1, robots_needed: 1}]\n"
+    _HEAD
+    + "robots: {start_m: [[-40, 0]]}\nfires: [{at_m: [0, 0], radius_m: 25, growth_m_per_s: 1, robots_needed: 1}]\n"
 )
 _TWO_CIRCLES = (
     _HEAD + "robots: {start_m: [[-200, 1]]}\n"

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from higvf_console.arrays import Floats, Ints
+from higvf_console.arrays import Bools, Floats
 from higvf_console.control.paths import EVERYWHERE, nearest
 from higvf_console.lab.reproduce.runs import Run
 from higvf_console.state import Path
@@ -66,9 +66,9 @@ def order(run: Run) -> tuple[int, ...]:
     return tuple(run.report["extinguished"])
 
 
-def intervals(flags: Ints) -> list[tuple[int, int]]:
+def intervals(flags: Bools) -> list[tuple[int, int]]:
     """First and last index of each stretch of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags.astype(bool), [False]]).astype(int)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int64)))
     return [(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2)]
 
 

@@ -20,9 +20,7 @@ class Column(NamedTuple):
 
 
 COLUMNS = {
-    "without_human": Column(
-        "Without human", (1, 2, 3, 4, 5), (3512.61, 7026.29, 16203.8, 4646.9, 20157.5), 51547.1
-    ),
+    "without_human": Column("Without human", (1, 2, 3, 4, 5), (3512.61, 7026.29, 16203.8, 4646.9, 20157.5), 51547.1),
     "change_priority": Column(
         "Change target priority", (1, 3, 2, 4, 5), (3512.61, 8639.3, 14491.39, 4273.0, 17335.6), 48253.9
     ),

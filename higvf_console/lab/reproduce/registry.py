@@ -4,10 +4,19 @@ from collections.abc import Sequence
 
 from higvf_console.errors import HigvfError
 from higvf_console.lab.reproduce.case import Case
-from higvf_console.lab.reproduce.cases import certificates, circles, fields, firefighting, forms, physical, table2
+from higvf_console.lab.reproduce.cases import (
+    certificates,
+    circles,
+    composite,
+    fields,
+    firefighting,
+    forms,
+    physical,
+    table2,
+)
 from higvf_console.session.reading import closest
 
-_PARTS = (fields, circles, firefighting, table2, physical, forms, certificates)
+_PARTS = (fields, composite, circles, firefighting, table2, physical, forms, certificates)
 CASES: dict[str, Case] = {case.name: case for part in _PARTS for case in part.CASES}
 
 

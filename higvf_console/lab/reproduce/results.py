@@ -100,6 +100,7 @@ def plain_run(run: Run) -> dict[str, Any]:
         "min_clearance_m": report["min_clearance_m"],
         "infeasible_ticks": report["infeasible_ticks"],
         "deadlock_s": report["deadlock_s"],
+        "certificates": report["certificates"],
         "digest": report["digest"],
     }
 

@@ -12,6 +12,7 @@ from higvf_console.session.headless import run_headless
 from higvf_console.session.inputs import demo_specs
 from higvf_console.session.scenario import Scenario, data_folder, load_scenario
 from higvf_console.session.session import Session, Snapshot
+from higvf_console.sim.certificates import connectivity
 from higvf_console.sim.setup import Event, Setup
 from higvf_console.state import Path, PathKind
 
@@ -49,9 +50,6 @@ class Run(NamedTuple):
         time: (T + 1,) [s].
         position: (T + 1, N, 2) [m].
         velocity: (T + 1, N, 2) behind the safety filter [m/s].
-        intention: (T + 1, N, 2) shared intention v_s.
-        robot_intention: (T + 1,) largest |v_t| of the team.
-        human_intention: (T + 1,) largest |v_h| of the team.
         target: (T + 1, N) fire index or NOBODY.
         fire_radius: (T + 1, M) [m].
         burning: (T + 1, M).
@@ -60,7 +58,6 @@ class Run(NamedTuple):
         influenced: (T + 1,) robot index.
         paused: (T + 1,).
         clearance: (T + 1,) smallest of the team [m].
-        barrier: (T + 1,) smallest barrier function h, dimensionless.
         connectivity: (T + 1,) lambda_2 of the links' Laplacian.
         links: (T + 1) arrays (E, 2) of robot pairs.
         paths: the desired paths, in order.
@@ -74,9 +71,6 @@ class Run(NamedTuple):
     time: Floats
     position: Floats
     velocity: Floats
-    intention: Floats
-    robot_intention: Floats
-    human_intention: Floats
     target: Ints
     fire_radius: Floats
     burning: Bools
@@ -85,7 +79,6 @@ class Run(NamedTuple):
     influenced: Ints
     paused: Bools
     clearance: Floats
-    barrier: Floats
     connectivity: Floats
     links: tuple[Ints, ...]
     paths: tuple[GivenPath, ...]
@@ -132,7 +125,6 @@ class _History:
         self.rows: list[tuple[Any, ...]] = []
         self.links: list[Ints] = []
         self.paths: list[GivenPath] = []
-        self._connectivity: dict[bytes, float] = {}
         self.add(first)
 
     def add(self, now: Snapshot) -> None:
@@ -141,17 +133,10 @@ class _History:
             self.paths.append(GivenPath(now.time, intent.path))
         self.links.append(trace.links)
         self.rows.append((
-            now.time, motion.position, motion.velocity, motion.intention, _longest(trace.robot_intention),
-            _longest(trace.human_intention), motion.target, motion.fire_radius, motion.fire_burning,
+            now.time, motion.position, motion.velocity, motion.target, motion.fire_radius, motion.fire_burning,
             int(motion.path_status), motion.path_parameter, intent.influenced, intent.paused,
-            float(trace.clearance.min()), float(trace.barrier.min()), self._lambda_2(trace.links, len(motion.position)),
+            float(trace.clearance.min()), connectivity(trace.links, len(motion.position)),
         ))  # fmt: skip
-
-    def _lambda_2(self, links: Ints, robots: int) -> float:
-        key = links.tobytes()
-        if key not in self._connectivity:
-            self._connectivity[key] = algebraic_connectivity(links, robots)
-        return self._connectivity[key]
 
 
 def run_with_history(spec: RunSpec) -> Run:
@@ -177,18 +162,3 @@ def run_with_history(spec: RunSpec) -> Run:
         spec, scenario, session.setup, report, *columns, links=tuple(history.links), paths=tuple(history.paths),
         events=session.snapshot.events,
     )  # fmt: skip
-
-
-def algebraic_connectivity(links: Ints, robots: int) -> float:
-    """lambda_2 of the Laplacian of links (E, 2): above 0 exactly if the team is connected; inf for one robot."""
-    if robots < 2:
-        return float("inf")
-    laplacian = np.zeros((robots, robots))
-    for i, j in links:
-        laplacian[[i, j], [i, j]] += 1.0
-        laplacian[[i, j], [j, i]] -= 1.0
-    return float(np.linalg.eigvalsh(laplacian)[1])
-
-
-def _longest(vectors: Floats) -> float:
-    return float(np.hypot(vectors[:, 0], vectors[:, 1]).max())

@@ -4,9 +4,10 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from higvf_console.arrays import Floats
+from higvf_console.arrays import Bools, Floats
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
 from higvf_console.lab.reproduce.figures import maps
@@ -40,16 +41,21 @@ def run_outside(runs: Runs) -> Findings:
     """From outside: the corrected centre, and the published one with both starts."""
     made = [runs.get(spec) for spec in OUTSIDE]
     names = ("corrected centre", "published centre, second start", "published centre, first start")
-    measured = [m._replace(what=f"{name}: {m.what}") for run, name in zip(made, names, strict=True)
-                for m in _following(run)]  # fmt: skip
+    measured = [
+        m._replace(what=f"{name}: {m.what}") for run, name in zip(made, names, strict=True) for m in _following(run)
+    ]
     return Findings(
         tuple(measured),
-        tuple(_picture(run, f"circle-outside-{k + 1}", name)
-              for k, (run, name) in enumerate(zip(made, names, strict=True))),
+        tuple(
+            _picture(run, f"circle-outside-{k + 1}", name)
+            for k, (run, name) in enumerate(zip(made, names, strict=True))
+        ),
         tuple(made),
-        notes=("The published centre (250, 300) contains none of the six starts, though the text says that three are"
-               " inside: both centres are run.",),
-    )  # fmt: skip
+        notes=(
+            "The published centre (250, 300) contains none of the six starts, though the text says that three are"
+            " inside: both centres are run.",
+        ),
+    )
 
 
 def run_change(runs: Runs) -> Findings:
@@ -62,25 +68,46 @@ def run_change(runs: Runs) -> Findings:
     for change, end in zip(changes.tolist(), ends, strict=True):
         took = measures.settled_at(run.time[change:end], error[change:end], BAND) - float(run.time[change])
         robot = int(run.influenced[change]) + 1
-        measured.append(within(f"Time until robot {robot} is within {BAND:g} m of the path to stay", took, "s", 0.0, 10.0,
-                               "quickly: the whole team responds"))  # fmt: skip
+        measured.append(
+            within(
+                f"Time until robot {robot} is within {BAND:g} m of the path to stay",
+                took,
+                "s",
+                0.0,
+                10.0,
+                "quickly: the whole team responds",
+            )
+        )
     measured += [
-        within("Laps of the team's centre", measures.laps(path, run.position.mean(axis=1)), "", 2.0, math.inf,
-               "it keeps following"),
-        _formation_measure(run), _clearance_measure(run),
-    ]  # fmt: skip
+        within(
+            "Laps of the team's centre",
+            measures.laps(path, run.position.mean(axis=1)),
+            "",
+            2.0,
+            math.inf,
+            "it keeps following",
+        ),
+        _formation_measure(run),
+        _clearance_measure(run),
+    ]
     switched = [float(run.time[k]) for k in changes]
     return Findings(
         tuple(measured),
         (
-            Picture("circle-change", "The influenced robot is changed twice (paper, Fig. 7b); larger marks show where.",
-                    lambda: _draw_change(run, switched)),
-            Picture("circle-change-error", "Each robot's distance from the path; the influenced one in full colour. The"
-                                           " picked robot comes onto the path and the team shifts with it.",
-                    lambda: _draw_errors(run, switched)),
+            Picture(
+                "circle-change",
+                "The influenced robot is changed twice (paper, Fig. 9b); larger marks show where.",
+                lambda: _draw_change(run, switched),
+            ),
+            Picture(
+                "circle-change-error",
+                "Each robot's distance from the path; the influenced one in full colour. The"
+                " picked robot comes onto the path and the team shifts with it.",
+                lambda: _draw_errors(run, switched),
+            ),
         ),
         (run,),
-    )  # fmt: skip
+    )
 
 
 def run_obstacles(runs: Runs) -> Findings:
@@ -102,21 +129,43 @@ def _past_obstacles(run: Run, name: str) -> Findings:
     return Findings(
         (
             _clearance_measure(run),
-            within("Laps of the team's centre", measures.laps(path, run.position.mean(axis=1)), "", 2.0, math.inf,
-                   "the team goes on round"),
-            Measurement("Times the influenced robot left the path by more than 5 m, and came back", len(away), "",
-                        "temporarily deviates, then returns", bool(away) and bool(error[arrived:].min() < BAND)),
+            within(
+                "Laps of the team's centre",
+                measures.laps(path, run.position.mean(axis=1)),
+                "",
+                2.0,
+                math.inf,
+                "the team goes on round",
+            ),
+            Measurement(
+                "Times the influenced robot left the path by more than 5 m, and came back",
+                len(away),
+                "",
+                "temporarily deviates, then returns",
+                bool(away) and bool(error[arrived:].min() < BAND),
+            ),
             within("The longest of them", float(longest), "s", 0.0, 10.0, "temporarily"),
-            within("Share of the time on the path, once there", float((error[arrived:] <= BAND).mean()), "", 0.5, 1.0,
-                   "most of the way"),
+            within(
+                "Share of the time on the path, once there",
+                float((error[arrived:] <= BAND).mean()),
+                "",
+                0.5,
+                1.0,
+                "most of the way",
+            ),
             _deadlock_measure(run),
         ),
-        (_picture(run, name, "past obstacles"),
-         Picture(f"{name}-error", "Distance of the influenced robot from the path: off it at each obstacle, back behind"
-                                  " it.", lambda: _draw_errors(run, []))),
+        (
+            _picture(run, name, "past obstacles"),
+            Picture(
+                f"{name}-error",
+                "Distance of the influenced robot from the path: off it at each obstacle, back behind it.",
+                lambda: _draw_errors(run, []),
+            ),
+        ),
         (run,),
         notes=("The paper does not say where its obstacles are; these are the project's own.",),
-    )  # fmt: skip
+    )
 
 
 def _following(run: Run) -> tuple[Measurement, ...]:
@@ -126,22 +175,46 @@ def _following(run: Run) -> tuple[Measurement, ...]:
     settled = measures.settled_at(run.time, error, BAND)
     stays = error[run.time >= settled + 5.0]
     return (
-        within(f"Time until the influenced robot is within {BAND:g} m of the path to stay", settled, "s", 0.0, 40.0,
-               "it reaches the path"),
-        within("Its largest distance from the path from 5 s later on", float(stays.max()) if len(stays) else math.inf,
-               "m", 0.0, BAND, "it follows the path"),
-        within("Laps of the team's centre", measures.laps(path, run.position.mean(axis=1)), "", 1.0, math.inf,
-               "along the path's direction"),
+        within(
+            f"Time until the influenced robot is within {BAND:g} m of the path to stay",
+            settled,
+            "s",
+            0.0,
+            40.0,
+            "it reaches the path",
+        ),
+        within(
+            "Its largest distance from the path from 5 s later on",
+            float(stays.max()) if len(stays) else math.inf,
+            "m",
+            0.0,
+            BAND,
+            "it follows the path",
+        ),
+        within(
+            "Laps of the team's centre",
+            measures.laps(path, run.position.mean(axis=1)),
+            "",
+            1.0,
+            math.inf,
+            "along the path's direction",
+        ),
         _formation_measure(run),
         _clearance_measure(run),
-    )  # fmt: skip
+    )
 
 
 def _formation_measure(run: Run) -> Measurement:
     later = measures.formation_error(run)[run.time >= run.time[-1] / 2]
     share = float(np.sqrt(np.mean(later**2))) / measures.formation_size(run)
-    return within("Formation: error of the distances, second half, as a share of their mean (root mean square)", share,
-                  "", 0.0, FORMATION_SHARE, "the others keep moving in formation")  # fmt: skip
+    return within(
+        "Formation: error of the distances, second half, as a share of their mean (root mean square)",
+        share,
+        "",
+        0.0,
+        FORMATION_SHARE,
+        "the others keep moving in formation",
+    )
 
 
 def _clearance_measure(run: Run) -> Measurement:
@@ -153,11 +226,13 @@ def _deadlock_measure(run: Run) -> Measurement:
 
 
 def _picture(run: Run, name: str, words: str) -> Picture:
-    caption = f"Tracks {words} (paper, Fig. 7). Open marks: start; filled marks: end; thin lines: links at the instants"
+    caption = f"Tracks {words} (paper, Fig. 9). Open marks: start; filled marks: end; thin lines: links at the instants"
     return Picture(name, f"{caption} that the times name.", lambda: draw_following(run))
 
 
-def draw_following(run: Run, times: Sequence[float] | None = None, also: Callable[..., None] | None = None) -> Figure:
+def draw_following(
+    run: Run, times: Sequence[float] | None = None, also: Callable[[Axes], None] | None = None
+) -> Figure:
     """The map of a run with desired paths, tracks and the formation at a few instants.
 
     Args:
@@ -181,12 +256,13 @@ def draw_following(run: Run, times: Sequence[float] | None = None, also: Callabl
 
 
 def _draw_change(run: Run, switched: Sequence[float]) -> Figure:
-    def mark(axes: "maps.Axes") -> None:
+    def mark(axes: Axes) -> None:
         for time in switched:
             k = run.moment(time)
             robot = int(run.influenced[k])
-            axes.plot(*run.position[k, robot], "D", color=robot_ink(robot), markeredgecolor="white", markersize=7.5,
-                      zorder=9)  # fmt: skip
+            axes.plot(
+                *run.position[k, robot], "D", color=robot_ink(robot), markeredgecolor="white", markersize=7.5, zorder=9
+            )
 
     return draw_following(run, [*switched, *[time + 3.0 for time in switched]], mark)
 
@@ -207,24 +283,46 @@ def _draw_errors(run: Run, switched: Sequence[float]) -> Figure:
     return figure
 
 
-def _masked(values: Floats, shown: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> Floats:
+def _masked(values: Floats, shown: Bools) -> Floats:
     return np.where(shown, values, np.nan)
 
 
-_PAPER = "Simulation 1, Fig. 7"
+_PAPER = "Simulation 1, Fig. 9"
+_IRREGULAR_CASE = Case(
+    "circle-irregular",
+    "Following a circle past irregular obstacles",
+    f"{_PAPER}(c): obstacles can be irregularly shaped.",
+    "Scenario circle-irregular: polygons on the path.",
+    run_irregular,
+)
 CASES = (
-    Case("circle-inside", "Following a circle from inside", f"{_PAPER}(a): the influenced robot follows the circle, the"
-         " others keep moving in formation.", "Scenario circle-inside-corrected, 90 s.", run_inside),
-    Case("circle-outside", "Following a circle from outside", f"{_PAPER}(a): the same from outside.",
-         "Scenarios circle-outside-corrected, circle-outside and circle-inside (published centre), 90 s each.",
-         run_outside),
-    Case("circle-change", "Changing the influenced robot", f"{_PAPER}(b): any robot can be picked, and the team keeps"
-         " following.", "Scenario circle-inside-corrected with the script change-robot: two picks on the way.",
-         run_change),
-    Case("circle-obstacles", "Following a circle past obstacles", f"{_PAPER}(c): robots leave the path at obstacles and"
-         " return to it.", "Scenario circle-obstacles: two circles and a bar on the path, 120 s.", run_obstacles),
-)  # fmt: skip
-IRREGULAR_CASE = Case(
-    "circle-irregular", "Following a circle past irregular obstacles", f"{_PAPER}(c): obstacles can be irregularly"
-    " shaped.", "Scenario circle-irregular: polygons on the path.", run_irregular,
-)  # fmt: skip
+    Case(
+        "circle-inside",
+        "Following a circle from inside",
+        f"{_PAPER}(a): the influenced robot follows the circle, the others keep moving in formation.",
+        "Scenario circle-inside-corrected, 90 s.",
+        run_inside,
+    ),
+    Case(
+        "circle-outside",
+        "Following a circle from outside",
+        f"{_PAPER}(a): the same from outside.",
+        "Scenarios circle-outside-corrected, circle-outside and circle-inside (published centre), 90 s each.",
+        run_outside,
+    ),
+    Case(
+        "circle-change",
+        "Changing the influenced robot",
+        f"{_PAPER}(b): any robot can be picked, and the team keeps following.",
+        "Scenario circle-inside-corrected with the script change-robot: two picks on the way.",
+        run_change,
+    ),
+    Case(
+        "circle-obstacles",
+        "Following a circle past obstacles",
+        f"{_PAPER}(c): robots leave the path at obstacles and return to it.",
+        "Scenario circle-obstacles: two circles and a bar on the path, 120 s.",
+        run_obstacles,
+    ),
+    *((_IRREGULAR_CASE,) if IRREGULAR.scenario in scenario_names() else ()),
+)

@@ -36,14 +36,20 @@ def run_hidden(runs: Runs) -> Findings:
 def _fight(runs: Runs, name: str) -> Findings:
     run, column = runs.get(SPECS[name]), COLUMNS[name]
     measured = [
-        Measurement("Order in which the fires go out", _words(measures.order(run)), "", _words(column.order),
-                    measures.order(run) == column.order),
-        Measurement("Total loss area", round(sum(run.report["loss_area_m2"]), 1), "m²",
-                    f"{column.total:,.1f} (paper)", None),
+        Measurement(
+            "Order in which the fires go out",
+            _words(measures.order(run)),
+            "",
+            _words(column.order),
+            measures.order(run) == column.order,
+        ),
+        Measurement(
+            "Total loss area", round(sum(run.report["loss_area_m2"]), 1), "m²", f"{column.total:,.1f} (paper)", None
+        ),
         within("Smallest clearance", measures.smallest_clearance(run), "m", 0.0, np.inf, "never negative"),
         within("Time in deadlock", run.report["deadlock_s"], "s", 0.0, 0.0, "0"),
         Measurement("Time until the last fire is out", run.report["duration_s"], "s", "not given", None),
-    ]  # fmt: skip
+    ]
     made = [run]
     if name != "without_human":
         alone = runs.get(SPECS["without_human"])
@@ -52,13 +58,17 @@ def _fight(runs: Runs, name: str) -> Findings:
     return Findings(
         tuple(measured),
         (
-            Picture(f"fire-{name}", f"{column.title} (paper, Fig. 8). Fires at their largest radius, dotted at the"
-                                    " start, with the order in which they went out.", lambda: draw_fight(run)),
+            Picture(
+                f"fire-{name}",
+                f"{column.title} (paper, Fig. 10). Fires at their largest radius, dotted at the"
+                " start, with the order in which they went out.",
+                lambda: draw_fight(run),
+            ),
             Picture(f"fire-{name}-loss", "Loss area of each fire beside the paper's.", lambda: _draw_loss(run, column)),
         ),
         tuple(made[:1]),
         (_loss_table(run, column),),
-    )  # fmt: skip
+    )
 
 
 def _against(run: Run, alone: Run, column: Column) -> list[Measurement]:
@@ -66,9 +76,14 @@ def _against(run: Run, alone: Run, column: Column) -> list[Measurement]:
     paper, paper_base = np.array(column.loss_area), np.array(COLUMNS["without_human"].loss_area)
     change = 100.0 * (ours.sum() / base.sum() - 1.0)
     measured = [
-        Measurement("Change of the total against no human", round(float(change), 2), "%",
-                    f"{100.0 * (paper.sum() / paper_base.sum() - 1.0):+.1f} (paper)", bool(change < 0.0)),
-    ]  # fmt: skip
+        Measurement(
+            "Change of the total against no human",
+            round(float(change), 2),
+            "%",
+            f"{100.0 * (paper.sum() / paper_base.sum() - 1.0):+.1f} (paper)",
+            bool(change < 0.0),
+        ),
+    ]
     signs = [(_sign(ours[k] - base[k]), _sign(paper[k] - paper_base[k])) for k in range(len(ours))]
     here, there = (", ".join(f"{k + 1} {pair[which]}" for k, pair in enumerate(signs)) for which in (0, 1))
     return [*measured, Measurement("Change of each fire's loss area", here, "", there, here == there)]
@@ -116,12 +131,26 @@ def _draw_loss(run: Run, column: Column) -> Figure:
 
 
 CASES = (
-    Case("fire-alone", "Firefighting without a human", "Fig. 8(a), Table II column 1: fires go out in the order"
-         " 1-2-3-4-5; after fire 1 obstacle 1 hides how large fire 3 is.", "Scenario firefighting (Table I).", run_alone),
-    Case("fire-priority", "Changing the priority", "Fig. 8(b), Table II column 2: one stroke makes the team take fire 3"
-         " before fire 2, and less burns.", "Scenario firefighting with the script priority: one stroke when fire 1 is"
-         " out.", run_priority),
-    Case("fire-hidden", "Finding a hidden fire", "Fig. 8(c), Table II column 3: one stroke leads the team round the bar"
-         " to fire 5, and only its loss changes.", "Scenario firefighting with the script hidden-fire: one stroke when"
-         " fire 4 is out.", run_hidden),
-)  # fmt: skip
+    Case(
+        "fire-alone",
+        "Firefighting without a human",
+        "Fig. 10(a), Table II column 1: fires go out in the order"
+        " 1-2-3-4-5; after fire 1 obstacle 1 hides how large fire 3 is.",
+        "Scenario firefighting (Table I).",
+        run_alone,
+    ),
+    Case(
+        "fire-priority",
+        "Changing the priority",
+        "Fig. 10(b), Table II column 2: one stroke makes the team take fire 3 before fire 2, and less burns.",
+        "Scenario firefighting with the script priority: one stroke when fire 1 is out.",
+        run_priority,
+    ),
+    Case(
+        "fire-hidden",
+        "Finding a hidden fire",
+        "Fig. 10(c), Table II column 3: one stroke leads the team round the bar to fire 5, and only its loss changes.",
+        "Scenario firefighting with the script hidden-fire: one stroke when fire 4 is out.",
+        run_hidden,
+    ),
+)

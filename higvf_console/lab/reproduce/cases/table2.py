@@ -59,22 +59,44 @@ def _measured(ours: Comparison) -> tuple[Measurement, ...]:
     alone, paper = ours.columns["without_human"], COLUMNS["without_human"]
     worst = max(abs(a / b - 1.0) for a, b in zip(alone["loss_area_m2"], paper.loss_area, strict=True)) * 100.0
     found = [
-        Measurement("Orders of extinguishing", ", ".join("".join(map(str, c["order"])) for c in ours.columns.values()),
-                    "", ", ".join("".join(map(str, c.order)) for c in COLUMNS.values()),
-                    all(tuple(c["order"]) == COLUMNS[name].order for name, c in ours.columns.items())),
-        Measurement("Largest difference of a fire in column 1", round(worst, 2), "%", f"at most {FIRE_BAND:g}",
-                    worst <= FIRE_BAND),
-    ]  # fmt: skip
+        Measurement(
+            "Orders of extinguishing",
+            ", ".join("".join(map(str, c["order"])) for c in ours.columns.values()),
+            "",
+            ", ".join("".join(map(str, c.order)) for c in COLUMNS.values()),
+            all(tuple(c["order"]) == COLUMNS[name].order for name, c in ours.columns.items()),
+        ),
+        Measurement(
+            "Largest difference of a fire in column 1",
+            round(worst, 2),
+            "%",
+            f"at most {FIRE_BAND:g}",
+            worst <= FIRE_BAND,
+        ),
+    ]
     for name, column in ours.columns.items():
         off = 100.0 * (column["total_m2"] / sum(COLUMNS[name].loss_area) - 1.0)
-        found.append(Measurement(f"{COLUMNS[name].title}: difference of the total", round(off, 2), "%",
-                                 f"within {TOTAL_BAND:g}", abs(off) <= TOTAL_BAND))  # fmt: skip
+        found.append(
+            Measurement(
+                f"{COLUMNS[name].title}: difference of the total",
+                round(off, 2),
+                "%",
+                f"within {TOTAL_BAND:g}",
+                abs(off) <= TOTAL_BAND,
+            )
+        )
     for name in list(COLUMNS)[1:]:
         change = 100.0 * (ours.columns[name]["total_m2"] / alone["total_m2"] - 1.0)
         wanted = 100.0 * (sum(COLUMNS[name].loss_area) / sum(paper.loss_area) - 1.0)
-        found.append(Measurement(f"{COLUMNS[name].title}: change of the total", round(change, 2), "%",
-                                 f"{wanted:.1f}, within {REDUCTION_BAND:g} percentage point",
-                                 abs(change - wanted) <= REDUCTION_BAND))  # fmt: skip
+        found.append(
+            Measurement(
+                f"{COLUMNS[name].title}: change of the total",
+                round(change, 2),
+                "%",
+                f"{wanted:.1f}, within {REDUCTION_BAND:g} percentage point",
+                abs(change - wanted) <= REDUCTION_BAND,
+            )
+        )
     return tuple(found)
 
 
@@ -96,12 +118,20 @@ def _table(ours: Comparison) -> Table:
 
 
 def _draw(ours: Comparison) -> Figure:
-    return table_2_bars({
-        COLUMNS[name].title: (column["loss_area_m2"], COLUMNS[name].loss_area) for name, column in ours.columns.items()
-    })
+    return table_2_bars(
+        {
+            COLUMNS[name].title: (column["loss_area_m2"], COLUMNS[name].loss_area)
+            for name, column in ours.columns.items()
+        }
+    )
 
 
 CASES = (
-    Case("table2", "Table II", "Table II: loss areas without a human, with a changed priority, with a hidden fire found.",
-         "The three firefighting runs.", run_table_2),
-)  # fmt: skip
+    Case(
+        "table2",
+        "Table II",
+        "Table II: loss areas without a human, with a changed priority, with a hidden fire found.",
+        "The three firefighting runs.",
+        run_table_2,
+    ),
+)

@@ -1,9 +1,9 @@
 """The visual language: one palette (Okabe-Ito), one set of line widths and type sizes, axes in metres."""
 
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -37,7 +37,7 @@ INK = Inks()
 ROBOTS = ("#0072b2", "#e69f00", "#009e73", "#56b4e9", "#8c510a", "#332288")
 PAGE = 6.9  # width of a figure over the whole page [in]
 _HIGHEST = 4.6  # height of a map [in]
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
     "axes.titlesize": 8.5,
@@ -73,7 +73,7 @@ _STYLE = {
 
 
 @contextmanager
-def style() -> Iterator[None]:
+def style() -> Generator[None]:
     """Whatever is drawn or saved inside follows the visual language."""
     with mpl.rc_context(_STYLE):
         yield

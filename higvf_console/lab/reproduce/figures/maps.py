@@ -25,7 +25,10 @@ def frame_of(run: Run, margin: float = 40.0) -> Arena:
     """The part of the plane where something happens: tracks, desired paths, fires and obstacles [m]."""
     world = run.setup.world
     parts = [run.position.reshape(-1, 2), world.bars[:, 0:2], world.bars[:, 2:4]]
-    for at, radius in ((world.circles[:, :2], world.circles[:, 2:]), (world.fire_position, run.fire_radius[-1][:, None])):
+    for at, radius in (
+        (world.circles[:, :2], world.circles[:, 2:]),
+        (world.fire_position, run.fire_radius[-1][:, None]),
+    ):
         parts += [at - radius, at + radius]
     parts += [path_points(given.path, np.linspace(0.0, given.path.length, 100)) for given in run.paths]
     points = np.vstack(parts)
@@ -37,22 +40,28 @@ def frame_of(run: Run, margin: float = 40.0) -> Arena:
 
 
 def draw_obstacles(axes: Axes, world: World) -> None:
-    """Circles, bars and, where the world has them, polygons."""
+    """Circles, bars and irregular obstacles."""
     look: dict[str, Any] = {
         "facecolor": INK.obstacle, "edgecolor": INK.obstacle_edge, "linewidth": 0.6, "zorder": 2,
     }  # fmt: skip
     for x, y, radius in world.circles.tolist():
         axes.add_patch(Circle((x, y), radius, **look))
-    for bar in world.bars:
+    for bar in world.bars[world.bars[:, 4] > 0.0]:
         axes.add_patch(Polygon(capsule(*bar.tolist()), **look))
+    for corners in outlines(world):
+        axes.add_patch(Polygon(corners, **look))
 
 
-def draw_polygons(axes: Axes, polygons: Sequence[Floats]) -> None:
-    """Irregular obstacles, each (n, 2) corners [m]."""
-    for corners in polygons:
-        axes.add_patch(
-            Polygon(corners, facecolor=INK.obstacle, edgecolor=INK.obstacle_edge, linewidth=0.6, zorder=2)
-        )
+def outlines(world: World) -> list[Floats]:
+    """Corners (n, 2) of irregular obstacles, which a world keeps as closed chains of bars without width [m]."""
+    found: list[Floats] = []
+    chain: list[list[float]] = []
+    for ax, ay, bx, by, _ in world.bars[world.bars[:, 4] == 0.0].tolist():
+        chain.append([ax, ay])
+        if [bx, by] == chain[0]:
+            found.append(np.array(chain))
+            chain = []
+    return found
 
 
 def capsule(ax: float, ay: float, bx: float, by: float, radius: float) -> Floats:
@@ -60,7 +69,7 @@ def capsule(ax: float, ay: float, bx: float, by: float, radius: float) -> Floats
     angle = math.atan2(by - ay, bx - ax)
     turn = np.linspace(-math.pi / 2, math.pi / 2, _CORNER) + angle
     cap = radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    return np.vstack([cap + (bx, by), (ax, ay) - cap])
+    return np.vstack([cap + np.array([bx, by]), np.array([ax, ay]) - cap])
 
 
 def draw_path(axes: Axes, path: Path, label: str | None = None) -> None:
@@ -144,12 +153,15 @@ def draw_times(axes: Axes, run: Run, times: Sequence[float]) -> None:
         ]  # fmt: skip
         inside = [spot for spot in spots if ((spot > low + reach) & (spot < high - reach)).all()] or spots
         gaps = [float(np.hypot(*((busy - spot) / (1.6, 1.0)).T).min()) for spot in inside]
-        near = [min(gap, reach) - 0.12 * float(np.hypot(*(team - spot).T).min()) for gap, spot in zip(gaps, inside, strict=True)]
+        near = [
+            min(gap, reach) - 0.12 * float(np.hypot(*(team - spot).T).min())
+            for gap, spot in zip(gaps, inside, strict=True)
+        ]
         spot = inside[int(np.argmax(near))]
         owner = team[int(np.argmin(np.hypot(*(team - spot).T)))]
         axes.plot(*np.array([owner, spot]).T, color=INK.quiet, linewidth=0.5, zorder=3)
         axes.text(
-            *spot, f"{time:.0f} s", ha="center", va="center", fontsize=6.5, color=INK.quiet, zorder=8,
+            float(spot[0]), float(spot[1]), f"{time:.0f} s", ha="center", va="center", fontsize=6.5, color=INK.quiet, zorder=8,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
         )  # fmt: skip
         words = spot + np.array([(dx, 0.0) for dx in (-0.8 * reach, 0.0, 0.8 * reach)])
@@ -162,7 +174,9 @@ def _discs(run: Run) -> list[Floats]:
     discs = [*np.c_[world.fire_position, run.fire_radius[-1]].tolist(), *world.circles.tolist()]
     turn = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
     unit = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    return [np.vstack([np.array([x, y]) + share * radius * unit for share in (0.3, 0.65, 1.0)]) for x, y, radius in discs]
+    return [
+        np.vstack([np.array([x, y]) + share * radius * unit for share in (0.3, 0.65, 1.0)]) for x, y, radius in discs
+    ]
 
 
 def legend_below(axes: Axes, columns: int = 6) -> None:

@@ -13,9 +13,11 @@ def markdown_report(results: Results) -> str:
     lines = ["# HI-GVF, reproduced", "", f"Made {results.made}", "", "## Summary", ""]
     lines += table(
         ("case", "the paper", "met"),
-        [(f"[{r.case.title}](#{_anchor(r.case.title)})", r.case.paper, "{} of {}".format(*tally(r.findings)))
-         for r in results.results],
-    )  # fmt: skip
+        [
+            (f"[{r.case.title}](#{_anchor(r.case.title)})", r.case.paper, "{} of {}".format(*tally(r.findings)))
+            for r in results.results
+        ],
+    )
     lines += ["", *_missed(results)]
     for result in results.results:
         lines += _case(result)
@@ -25,8 +27,10 @@ def markdown_report(results: Results) -> str:
     lines += table(("program", "version"), list(results.versions.items()))
     lines += ["", "### Runs", ""]
     runs = [plain_run(run) for run in results.runs]
-    lines += table(("run", "forms", "time [s]", "digest"),
-                   [(f"`{r['command']}`", r["forms"], f"{r['duration_s']:g}", f"`{r['digest']}`") for r in runs])  # fmt: skip
+    lines += table(
+        ("run", "forms", "time [s]", "digest"),
+        [(f"`{r['command']}`", r["forms"], f"{r['duration_s']:g}", f"`{r['digest']}`") for r in runs],
+    )
     return "\n".join(lines) + "\n"
 
 
@@ -48,8 +52,10 @@ def _missed(results: Results) -> list[str]:
 def _case(result: Result) -> list[str]:
     case, findings = result
     lines = [f"## {case.title}", "", f"The paper: {case.paper}", "", f"Here: {case.how}", ""]
-    lines += table(("", "measured", "", "expected"),
-                   [(verdict(m), m.what, number(m.value, m.unit), m.expected) for m in findings.measurements])  # fmt: skip
+    lines += table(
+        ("", "measured", "", "expected"),
+        [(verdict(m), m.what, number(m.value, m.unit), m.expected) for m in findings.measurements],
+    )
     return [*lines, "", *_rest(findings)]
 
 

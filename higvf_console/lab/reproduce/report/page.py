@@ -55,8 +55,12 @@ def _summary(results: Results) -> str:
     for case, findings in results.results:
         met, of = tally(findings)
         mark = f'<td class="{"met" if met == of else "missed"}">{met} of {of}</td>'
-        rows += f'<tr><td><a href="#case-{case.name}">{escape(case.title)}</a></td><td>{escape(case.paper)}</td>{mark}</tr>'
-    return _scroll(f"<table><thead><tr><th>case</th><th>the paper</th><th>met</th></tr></thead><tbody>{rows}</tbody></table>")
+        rows += (
+            f'<tr><td><a href="#case-{case.name}">{escape(case.title)}</a></td><td>{escape(case.paper)}</td>{mark}</tr>'
+        )
+    return _scroll(
+        f"<table><thead><tr><th>case</th><th>the paper</th><th>met</th></tr></thead><tbody>{rows}</tbody></table>"
+    )
 
 
 def _missed(results: Results) -> str:
@@ -109,9 +113,8 @@ def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def _picture(picture: Picture, svg: bytes) -> str:
     data = b64encode(svg).decode("ascii")
     caption = escape(picture.caption)
-    return (
-        f'<figure><img alt="{caption}" src="data:image/svg+xml;base64,{data}"><figcaption>{caption}</figcaption></figure>'
-    )
+    image = f'<img alt="{caption}" src="data:image/svg+xml;base64,{data}">'
+    return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
 
 
 def _differences() -> str:

@@ -10,7 +10,7 @@ def number(value: float | int | str | None, unit: str) -> str:
         return "none"
     if isinstance(value, str):
         text = value
-    elif isinstance(value, bool) or isinstance(value, int):
+    elif isinstance(value, int):
         text = f"{value:,}"
     elif value == 0.0 or abs(value) < 1e-12:
         text = "0"
@@ -23,7 +23,7 @@ def number(value: float | int | str | None, unit: str) -> str:
 
 def verdict(measurement: Measurement) -> str:
     """A mark: met, missed, nothing promised."""
-    return {True: "✓", False: "✗", None: "–"}[measurement.holds]
+    return {True: "✓", False: "✗", None: "—"}[measurement.holds]
 
 
 def tally(findings: Findings) -> tuple[int, int]:
