@@ -7,6 +7,7 @@ import pytest
 
 from higvf_console.arrays import Floats
 from higvf_console.control.forms import Forms
+from higvf_console.control.paths import path_points
 from higvf_console.lab.reproduce.case import Measurement
 from higvf_console.lab.reproduce.registry import CASES
 from higvf_console.lab.reproduce.results import Results
@@ -61,7 +62,7 @@ def test_the_first_start_lies_inside_the_corrected_circle_and_outside_the_publis
 def test_each_picked_robot_takes_over_the_circle(reproduction: Results) -> None:
     run = run_of(reproduction, INSIDE, "change-robot")
     changes = np.flatnonzero(np.diff(run.influenced)) + 1
-    assert run.influenced[[0, *changes]].tolist() == [0, 1, 2]
+    assert run.influenced[np.concatenate([[0], changes])].tolist() == [0, 1, 2]
     for start, end in zip(changes, [*changes[1:], len(run.time)], strict=True):
         robot = int(run.influenced[start])
         later = (run.time > run.time[start] + 10.0) & (np.arange(len(run.time)) < end)
@@ -135,8 +136,6 @@ def test_a_found_target_makes_the_team_leave_its_path_and_return_where_it_left(r
 def test_the_given_path_of_case_1_crosses_barriers(reproduction: Results) -> None:
     run = run_of(reproduction, "physical-1")
     world, path = run.setup.world, run.paths[0].path
-    from higvf_console.control.paths import path_points
-
     points = path_points(path, np.linspace(0.0, path.length, 400))
     crossed = 0
     for ax, ay, bx, by, radius in world.bars:

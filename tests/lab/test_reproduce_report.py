@@ -15,7 +15,6 @@ from higvf_console.lab.reproduce.registry import CASES, choose
 from higvf_console.lab.reproduce.report.markdown import markdown_report
 from higvf_console.lab.reproduce.report.page import html_report
 from higvf_console.lab.reproduce.results import Result, Results
-from higvf_console.lab.reproduce.runs import Runs
 
 FEW = ["gvf", "bumps", "fire-priority"]
 
@@ -125,15 +124,18 @@ def test_a_report_that_cannot_be_written_is_one_error(tmp_path: Path, capsys: py
 
 
 def test_a_missing_matplotlib_is_named_with_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(command, "find_spec", lambda _: None)
+
+    def find_nothing(_: str) -> None: ...
+
+    monkeypatch.setattr(command, "find_spec", find_nothing)
     with pytest.raises(HigvfError, match=r"higvf-console\[report\]"):
         command.reproduce(["gvf"], None, None)
 
 
 def test_a_missed_expectation_is_told_first() -> None:
     missed = Measurement("Height of <the> | moon", 3.0, "m", "none", False)
-    case = Case("moon", "The moon", "Fig. 0", "by eye", lambda _: Findings((missed,)))
-    results = Results("now", {}, (Result(case, case.run(Runs())),))
+    case = Case("moon", "The moon", "Fig. 0", "by eye", choose(["gvf"])[0].run)
+    results = Results("now", {}, (Result(case, Findings((missed,))),))
     assert "Height of &lt;the&gt; | moon: <b>3 m</b>" in html_report(results, {})
     assert "- moon: Height of <the> | moon: 3 m; expected none" in markdown_report(results)
     assert results.plain()["cases"][0]["holds"] is False

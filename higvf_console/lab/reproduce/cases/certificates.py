@@ -31,8 +31,8 @@ def run_certificates(runs: Runs) -> Findings:
         runs=tuple(made),
         tables=(_table(made, found),),
         notes=(
-            "The bound on |v_s| does not depend on the number of robots; Theorem 1 of the paper is looser. The"
-            " corrected intention update is semi-implicit and has no limit of stability; the printed one is in the case forms.",
+            "The bound on |v_s| does not depend on the number of robots; Theorem 1 of the paper is looser.",
+            "The corrected intention update is semi-implicit and always stable; the printed one is in the case forms.",
         ),
     )
 

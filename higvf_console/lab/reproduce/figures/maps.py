@@ -160,8 +160,9 @@ def draw_times(axes: Axes, run: Run, times: Sequence[float]) -> None:
         spot = inside[int(np.argmax(near))]
         owner = team[int(np.argmin(np.hypot(*(team - spot).T)))]
         axes.plot(*np.array([owner, spot]).T, color=INK.quiet, linewidth=0.5, zorder=3)
+        x, y = spot.tolist()
         axes.text(
-            float(spot[0]), float(spot[1]), f"{time:.0f} s", ha="center", va="center", fontsize=6.5, color=INK.quiet, zorder=8,
+            x, y, f"{time:.0f} s", ha="center", va="center", fontsize=6.5, color=INK.quiet, zorder=8,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
         )  # fmt: skip
         words = spot + np.array([(dx, 0.0) for dx in (-0.8 * reach, 0.0, 0.8 * reach)])
