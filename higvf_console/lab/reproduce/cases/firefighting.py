@@ -11,11 +11,13 @@ from higvf_console.lab.reproduce.figures.charts import loss_bars
 from higvf_console.lab.reproduce.paper import COLUMNS, Column
 from higvf_console.lab.reproduce.runs import Run, Runs, RunSpec
 
+SCENARIO = "firefighting"
 SPECS = {
-    "without_human": RunSpec("firefighting"),
-    "change_priority": RunSpec("firefighting", "priority"),
-    "find_hidden": RunSpec("firefighting", "hidden-fire"),
+    "without_human": RunSpec(SCENARIO),
+    "change_priority": RunSpec(SCENARIO, "priority"),
+    "find_hidden": RunSpec(SCENARIO, "hidden-fire"),
 }
+_PICTURES = {"without_human": "fire-alone", "change_priority": "fire-priority", "find_hidden": "fire-hidden"}
 
 
 def run_alone(runs: Runs) -> Findings:
@@ -59,12 +61,14 @@ def _fight(runs: Runs, name: str) -> Findings:
         tuple(measured),
         (
             Picture(
-                f"fire-{name}",
+                _PICTURES[name],
                 f"{column.title} (paper, Fig. 10). Fires at their largest radius, dotted at the"
                 " start, with the order in which they went out.",
                 lambda: draw_fight(run),
             ),
-            Picture(f"fire-{name}-loss", "Loss area of each fire beside the paper's.", lambda: _draw_loss(run, column)),
+            Picture(
+                f"{_PICTURES[name]}-loss", "Loss area of each fire beside the paper's.", lambda: _draw_loss(run, column)
+            ),
         ),
         tuple(made[:1]),
         (_loss_table(run, column),),

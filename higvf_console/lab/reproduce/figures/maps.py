@@ -141,7 +141,7 @@ def time_marks(run: Run, most: int = 8, start: float = 0.0) -> list[float]:
 
 def draw_times(axes: Axes, run: Run, times: Sequence[float]) -> None:
     """Writes times beside the team, each where the fewest tracks, fires and other texts are."""
-    busy = np.vstack([run.position[::10].reshape(-1, 2), *_discs(run)])
+    busy = np.vstack([run.position[::10].reshape(-1, 2), *_occupied(run)])
     low, high = np.array([axes.get_xlim()[0], axes.get_ylim()[0]]), np.array([axes.get_xlim()[1], axes.get_ylim()[1]])
     reach = 0.035 * float((high - low).max())
     angles = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
@@ -169,14 +169,16 @@ def draw_times(axes: Axes, run: Run, times: Sequence[float]) -> None:
         busy = np.vstack([busy, words])
 
 
-def _discs(run: Run) -> list[Floats]:
-    """Points (n, 2) all over each fire and circle, where no words shall stand."""
+def _occupied(run: Run) -> list[Floats]:
+    """Points (n, 2) all over each fire, circle and bar, where no words shall stand."""
     world = run.setup.world
     discs = [*np.c_[world.fire_position, run.fire_radius[-1]].tolist(), *world.circles.tolist()]
     turn = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
     unit = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    spines = [np.linspace(bar[:2], bar[2:4], 12) for bar in world.bars]
     return [
-        np.vstack([np.array([x, y]) + share * radius * unit for share in (0.3, 0.65, 1.0)]) for x, y, radius in discs
+        *(np.array([x, y]) + share * radius * unit for x, y, radius in discs for share in (0.3, 0.65, 1.0)),
+        *spines,
     ]
 
 
