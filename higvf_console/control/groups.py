@@ -148,7 +148,9 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
     depth = -_outside(hull, nodes)
     room = np.min([_to_spine(part[:2], part[2:4], nodes) - part[4] for part in parts], axis=0)
     free = (room >= clearance).reshape(rows, columns)
-    region = label_regions(free)[0].ravel()
+    region = np.zeros(free.shape, np.int64)
+    label_regions(free, output=region)
+    region = region.ravel()
     open_regions = np.unique(region[free.ravel() & (depth <= 0.0)])
     if not (np.isin(region, open_regions) & free.ravel() & (depth > 0.0)).any():
         return np.zeros(4), np.zeros((0, 2))

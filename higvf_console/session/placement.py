@@ -1,6 +1,7 @@
 """Checks that a run starts safe: nobody overlaps, nobody stands inside an obstacle, the gains fit the team."""
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -8,24 +9,28 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from higvf_console.arrays import Floats, Ints, ints
+from higvf_console.arrays import Floats, Ints, floats, ints
 from higvf_console.control.barriers.certificate import check_sampling, least_stand_off
 from higvf_console.control.gains import Gains
 from higvf_console.control.intention import map_radius
 from higvf_console.errors import FilterError, ScenarioError
+from higvf_console.session.polygons import obstacles_of, segment_distance, signed_distance
+from higvf_console.session.sections import Obstacles
 from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
 from higvf_console.state import World
 
 
-def check_start(position: Floats, fire_radius: Floats, world: World, gains: Gains, place: str) -> None:
+def check_start(
+    position: Floats, fire_radius: Floats, world: World, obstacles: Obstacles, gains: Gains, place: str
+) -> None:
     """Refuses start positions (N, 2) that already violate a safety barrier.
 
     Raises:
-        ScenarioError: two robots overlap, or a robot is too near to an obstacle, a fire or a wall.
+        ScenarioError: two robots overlap, or a robot is too near to an obstacle, a fire or a wall, or inside it.
     """
     _check_pairs(position, gains.safety.robot_clearance, place)
     least = gains.safety.obstacle_clearance
-    for what, gap in _gaps(position, fire_radius, world):
+    for what, gap in chain(_obstacle_gaps(position, obstacles), _other_gaps(position, fire_radius, world)):
         robot = int(np.argmin(gap))
         if gap[robot] < least:
             x, y = position[robot]
@@ -46,19 +51,31 @@ def _check_pairs(position: Floats, least: float, place: str) -> None:
         )
 
 
-def _gaps(position: Floats, fire_radius: Floats, world: World) -> Iterator[tuple[str, Floats]]:
-    """Every surface by name, with the distance (N,) of each robot from it [m]."""
-    for number, (x, y, radius) in enumerate(world.circles, 1):
-        yield f"circle {number}", np.hypot(*(position - (x, y)).T) - radius
-    for number, (*ends, half_width) in enumerate(world.bars, 1):
-        start, end = np.array(ends[:2]), np.array(ends[2:])
-        along = (position - start) @ (end - start) / max(float((end - start) @ (end - start)), 1e-12)
-        nearest = start + np.clip(along, 0.0, 1.0)[:, None] * (end - start)
-        yield f"bar {number}", np.hypot(*(position - nearest).T) - half_width
+def _obstacle_gaps(points: Floats, obstacles: Obstacles) -> Iterator[tuple[str, Floats]]:
+    """Every obstacle by name, with the distance (N,) of each point (N, 2) from its surface [m], negative inside."""
+    for number, (x, y, radius) in enumerate(obstacles.circles, 1):
+        yield f"circle {number}", np.hypot(*(points - (x, y)).T) - radius
+    for number, (*ends, half_width) in enumerate(obstacles.bars, 1):
+        yield f"bar {number}", segment_distance(points, floats(ends[:2]), floats(ends[2:])) - half_width
+    for number, chains in enumerate(obstacles_of(obstacles.polygons), 1):
+        yield f"polygon {number}", signed_distance(chains, points)
+
+
+def _other_gaps(position: Floats, fire_radius: Floats, world: World) -> Iterator[tuple[str, Floats]]:
+    """Fires and walls, in the same way."""
     for number, (centre, radius) in enumerate(zip(world.fire_position, fire_radius, strict=True), 1):
         yield f"fire {number}", np.hypot(*(position - centre).T) - radius
     for normal_x, normal_y, offset in world.walls:
         yield "the arena's wall", position @ np.array([normal_x, normal_y]) - offset
+
+
+def buried_fires(fire_position: Floats, fire_radius: Floats, obstacles: Obstacles) -> tuple[str, ...]:
+    """A warning for each fire that lies inside an obstacle, where no robot can see it."""
+    return tuple(
+        f"fire {fire + 1} lies inside {what}; no robot sees it before it has grown out of there"
+        for what, gap in _obstacle_gaps(fire_position, obstacles)
+        for fire in np.flatnonzero(gap <= -fire_radius)
+    )
 
 
 def link_table(links: tuple[tuple[int, int], ...], robots: int) -> tuple[Ints, Ints]:

@@ -7,7 +7,12 @@
     links: [[1, 2], ...]                     # else the communication range decides
     formation_m: [[0, 0], ...]               # the shape to keep, else the start positions
     fires: [{at_m: [500, 250], radius_m: 20, growth_m_per_s: 1, robots_needed: 2}, ...]
-    obstacles: {circles: [{at_m: ..., radius_m: 20}], bars: [{from_m: ..., to_m: ..., half_width_m: 6}]}
+    obstacles:
+      circles: [{at_m: ..., radius_m: 20}]
+      bars: [{from_m: ..., to_m: ..., half_width_m: 6}]
+      polygons: [{points_m: [[0, 0], [90, 0], [0, 60]]}]               # of any shape that does not cross itself
+      masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2}]    # dark pixels; at_m is its lower left corner;
+          # threshold: 128, obstacle: dark | bright, tolerance_m, least_area_m2; beside this file, or shipped
     path: {circle: {at_m: ..., radius_m: 250}, direction: forward}     # or line, ellipse, sketch
     influenced: 1                            # robots and fires count from 1
     strokes: [{name: Round the bar, robot: 1, points_m: [...]}]        # "show me" buttons
@@ -35,6 +40,7 @@ from higvf_console.quantity import Quantity
 from higvf_console.session.channels import unknown_settings
 from higvf_console.session.placement import (
     Network,
+    buried_fires,
     check_barriers,
     check_formation,
     check_intention,
@@ -95,7 +101,7 @@ class Scenario:
         links: given communication links as index pairs i < j; None = the communication range decides.
         formation: (N, 2) shape [m]; None = the start positions.
         fires: in the order of their numbers.
-        obstacles: circles and bars.
+        obstacles: circles, bars and polygons.
         path: desired path in force from the start, or NO_PATH.
         influenced: index of the robot that is influenced first.
         strokes: what the "show me" buttons draw.
@@ -138,10 +144,10 @@ class Scenario:
         position = self.robots.positions(seed)
         world = self._world(position)
         fire_radius = floats([fire.radius for fire in self.fires], -1)
-        check_start(position, fire_radius, world, self.gains, f"{self.source}: robots")
+        check_start(position, fire_radius, world, self.obstacles, self.gains, f"{self.source}: robots")
         start = initial_state(position, fire_radius, world)
         start = start._replace(intent=start.intent._replace(influenced=self.influenced))
-        return Setup(self.arena, world, self.gains, follow(start, self.path))
+        return Setup(self.arena, world, self.gains, follow(start, self.path), self.obstacles.polygons)
 
     def with_forms(self, forms: Forms) -> "Scenario":
         """The same scenario with other forms of the equations.
@@ -170,6 +176,7 @@ class Scenario:
             ints([fire.needs for fire in self.fires], -1), position if self.formation is None else self.formation,
             self.gains.safety.obstacle_clearance,
             NO_LINKS if self.links is None else link_table(self.links, len(position)),
+            self.obstacles.polygons,
         )  # fmt: skip
 
 
@@ -211,12 +218,14 @@ def load_scenario(name_or_path: str | FilePath) -> Scenario:
     return parse_scenario(text, str(file))
 
 
-def parse_scenario(text: str, source: str) -> Scenario:
+def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None = None) -> Scenario:
     """The scenario that a YAML text describes.
 
     Args:
         text: the YAML.
-        source: where it comes from, for errors; its stem names a scenario that does not name itself.
+        source: where it comes from, for errors; its stem names a scenario that does not name itself, images are looked
+            for in its folder and then in `data_folder()`.
+        polygons: what its polygons and masks came to when they were read before; None = read them.
 
     Raises:
         ScenarioError: the text cannot be used.
@@ -251,7 +260,7 @@ def parse_scenario(text: str, source: str) -> Scenario:
         links=links,
         formation=read_formation(entries["formation_m"], count) if "formation_m" in entries else None,
         fires=read_fires(entry("fires", []), count),
-        obstacles=read_obstacles(entry("obstacles", {})),
+        obstacles=read_obstacles(entry("obstacles", {}), (FilePath(source).parent, data_folder()), polygons),
         path=read_path(entries["path"], gains.path.stroke_smoothing) if "path" in entries else NO_PATH,
         influenced=entry("influenced", 1).integer(1, count, "a robot's number") - 1,
         strokes=read_strokes(entry("strokes", []), count),
@@ -268,7 +277,8 @@ def parse_scenario(text: str, source: str) -> Scenario:
     if gains.forms.intention == PRINTED:
         check_intention(intention_radius(robots.points, links, scenario.influenced, gains), source)
     late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, gains)
-    return replace(scenario, warnings=(*scenario.warnings, *late))
+    buried = buried_fires(start.world.fire_position, fire_radius, scenario.obstacles)
+    return replace(scenario, warnings=(*scenario.warnings, *late, *buried))
 
 
 def _network_warnings(network: Network, linked: bool) -> tuple[str, ...]:

@@ -31,11 +31,19 @@ class Rollout(NamedTuple):
         position: (T, N, 2) [m].
         loss_area: (T, M) [m^2].
         clearance: (T,) smallest of the team [m].
+        burning: (T, M) which fires burn.
+        deadlocked: (T,) whether a robot was deadlocked.
+        infeasible: (T,) whether a robot could not meet all barrier rows.
+        path_status: (T,) a `PathStatus`.
     """
 
     position: Floats
     loss_area: Floats
     clearance: Floats
+    burning: Bools
+    deadlocked: Bools
+    infeasible: Bools
+    path_status: Ints
 
 
 def initial_state(position: Floats, fire_radius: Floats, world: World) -> SimState:
@@ -85,8 +93,8 @@ def advance_coupled(state: SimState, world: World, gains: Gains, safety: Coupled
 
 def roll(state: SimState, world: World, gains: Gains, ticks: int) -> tuple[SimState, Rollout]:
     """The state `ticks` control periods later, nothing commanded on the way, and the history."""
-    motion, position, loss, clearance = _roll(state.motion, state.intent, world, packed(gains), ticks)
-    return SimState(motion, state.intent, state.drawing), Rollout(position, loss, clearance)
+    motion, *history = _roll(state.motion, state.intent, world, packed(gains), ticks)
+    return SimState(motion, state.intent, state.drawing), Rollout(*history)
 
 
 @kernel
@@ -188,16 +196,22 @@ def _pairs(start: Ints, to: Ints) -> Ints:
 @kernel
 def _roll(
     motion: Motion, intent: Intent, world: World, gains: PackedGains, ticks: int
-) -> tuple[Motion, Floats, Floats, Floats]:
+) -> tuple[Motion, Floats, Floats, Floats, Bools, Bools, Bools, Ints]:
     position = np.empty((ticks, motion.position.shape[0], 2))
     loss = np.empty((ticks, motion.fire_radius.shape[0]))
     clearance = np.empty(ticks)
+    burning = np.empty((ticks, motion.fire_radius.shape[0]), np.bool_)
+    deadlocked, infeasible = np.empty(ticks, np.bool_), np.empty(ticks, np.bool_)
+    status = np.empty(ticks, np.int64)
     for k in range(ticks):
         motion, trace = tick(motion, intent, world, gains)
         position[k] = motion.position
         loss[k] = math.pi * motion.fire_radius**2
         clearance[k] = trace.clearance.min() if trace.clearance.shape[0] > 0 else math.inf
-    return motion, position, loss, clearance
+        burning[k] = motion.fire_burning
+        deadlocked[k], infeasible[k] = trace.deadlocked.any(), trace.infeasible.any()
+        status[k] = motion.path_status
+    return motion, position, loss, clearance, burning, deadlocked, infeasible, status
 
 
 def warm_up(state: SimState, world: World, gains: Gains) -> None:

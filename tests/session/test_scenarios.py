@@ -28,6 +28,8 @@ SHIPPED = {
     "barrier-gaze",
     "swarm",
     "empty",
+    "circle-irregular",
+    "building",
 }
 
 
