@@ -14,7 +14,6 @@ from higvf_console.lab.reproduce.figures import maps
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, map_figure, new_figure, robot_ink
 from higvf_console.lab.reproduce.figures.charts import over_time
 from higvf_console.lab.reproduce.runs import Run, Runs, RunSpec
-from higvf_console.session.scenario import scenario_names
 
 BAND = 5.0  # a robot this close to the path is on it [m]
 FORMATION_SHARE = 0.25  # of the mean distance, by which the distances may be off (root mean square)
@@ -27,8 +26,7 @@ IRREGULAR = RunSpec("circle-irregular")
 
 def specs() -> tuple[RunSpec, ...]:
     """All runs of these cases."""
-    irregular = (IRREGULAR,) if IRREGULAR.scenario in scenario_names() else ()
-    return (INSIDE, *OUTSIDE, CHANGE, OBSTACLES, *irregular)
+    return (INSIDE, *OUTSIDE, CHANGE, OBSTACLES, IRREGULAR)
 
 
 def run_inside(runs: Runs) -> Findings:
@@ -288,13 +286,6 @@ def _masked(values: Floats, shown: Bools) -> Floats:
 
 
 _PAPER = "Simulation 1, Fig. 9"
-_IRREGULAR_CASE = Case(
-    "circle-irregular",
-    "Following a circle past irregular obstacles",
-    f"{_PAPER}(c): obstacles can be irregularly shaped.",
-    "Scenario circle-irregular: polygons on the path.",
-    run_irregular,
-)
 CASES = (
     Case(
         "circle-inside",
@@ -324,5 +315,11 @@ CASES = (
         "Scenario circle-obstacles: two circles and a bar on the path, 120 s.",
         run_obstacles,
     ),
-    *((_IRREGULAR_CASE,) if IRREGULAR.scenario in scenario_names() else ()),
+    Case(
+        "circle-irregular",
+        "Following a circle past irregular obstacles",
+        f"{_PAPER}(c): obstacles can be irregularly shaped.",
+        "Scenario circle-irregular: an L, a U and a star on the path, 120 s.",
+        run_irregular,
+    ),
 )
