@@ -1,4 +1,4 @@
-"""`higvf`: run a scenario in the browser or headless, replay a recording, list scenarios, measure.
+"""`higvf`: run a scenario in the browser or headless, replay a recording, reproduce the paper, measure.
 
 Exit status: 0; 1 where a replay differs; 2 on input that cannot be used (one line on stderr says why); 130 on Ctrl-C.
 """
@@ -62,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     replay = commands.add_parser("replay", help="run a recording again and compare the digests")
     replay.add_argument("file", type=Path, metavar="FILE", help="made by `higvf run --record FILE`")
     replay.set_defaults(command=_replay)
+    _add_reproduce(commands)
     bench = commands.add_parser("bench", help="measure the engine")
     bench.add_argument(
         "--suite", choices=("filter", "tick"), required=True, help="the safety filter, or the whole tick"
@@ -102,6 +103,16 @@ def _add_run(commands: Any) -> None:
     console.add_argument("--no-browser", action="store_true", help="do not open a browser")
 
 
+def _add_reproduce(commands: Any) -> None:
+    reproduce = commands.add_parser("reproduce", help="run the paper's cases and report them beside the paper")
+    reproduce.set_defaults(command=_reproduce)
+    reproduce.add_argument("cases", nargs="*", metavar="CASE", help="a case's name (default: all of them)")
+    reproduce.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of report.html, report.md, report.json (default reproduction)"
+    )
+    reproduce.add_argument("--json", metavar="FILE", help="another place for the JSON; - is standard output, no report")
+
+
 def _positive(text: str) -> float:
     number = float(text)
     if not 0.0 < number < float("inf"):
@@ -132,6 +143,14 @@ def _bench(given: argparse.Namespace) -> int:
     from higvf_console.lab import bench
 
     bench.main(given.suite, given.json)
+    return 0
+
+
+def _reproduce(given: argparse.Namespace) -> int:
+    from higvf_console.lab.reproduce.command import reproduce
+    from higvf_console.session.scenario import load_scenario
+
+    reproduce(given.cases, given.out, given.json, prepare=lambda: _warm_up(load_scenario("firefighting").setup()))
     return 0
 
 
