@@ -27,6 +27,7 @@ from pathlib import Path as FilePath
 
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.control.gains import Gains
+from higvf_console.control.world import NO_LINKS, make_world
 from higvf_console.errors import ScenarioError
 from higvf_console.quantity import Quantity
 from higvf_console.session.channels import unknown_settings
@@ -138,20 +139,13 @@ class Scenario:
     def _world(self, position: Floats) -> World:
         sides = [(1, 0, self.arena.x_min), (-1, 0, -self.arena.x_max)]
         sides += [(0, 1, self.arena.y_min), (0, -1, -self.arena.y_max)]
-        link_start, link_to = ints([]), ints([])
-        if self.links is not None:
-            link_start, link_to = link_table(self.links, len(position))
-        return World(
-            circles=floats(self.obstacles.circles),
-            bars=floats(self.obstacles.bars),
-            walls=floats(sides if self.walls else [], -1, 3),
-            fire_position=floats([fire.position for fire in self.fires], -1, 2),
-            fire_growth=floats([fire.growth for fire in self.fires], -1),
-            fire_needs=ints([fire.needs for fire in self.fires], -1),
-            formation=floats(position if self.formation is None else self.formation),
-            link_start=link_start,
-            link_to=link_to,
-        )
+        return make_world(
+            self.obstacles.circles, self.obstacles.bars, floats(sides if self.walls else [], -1, 3),
+            floats([fire.position for fire in self.fires], -1, 2), floats([fire.growth for fire in self.fires], -1),
+            ints([fire.needs for fire in self.fires], -1), position if self.formation is None else self.formation,
+            self.gains.safety.obstacle_clearance,
+            NO_LINKS if self.links is None else link_table(self.links, len(position)),
+        )  # fmt: skip
 
 
 def data_folder() -> FilePath:

@@ -226,7 +226,8 @@ _PATHS = {"line": _line, "circle": _circle, "ellipse": _ellipse, "sketch": _sket
 def read_parameters(node: Node) -> Gains:
     """All tunables: the defaults, and what the file says otherwise."""
     gains = Gains()
-    for group, section in node.section(Gains._fields).items():
+    groups = tuple(name for name in Gains._fields if name != "forms")
+    for group, section in node.section(groups).items():
         part = getattr(gains, group)
         section.section(tuple(quantities(type(part))))
         gains = gains._replace(**{group: with_values(part, section.value, f"{section.source}: {section.place}")})
