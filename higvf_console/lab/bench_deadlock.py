@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import NamedTuple
 
+from higvf_console.control.forms import forms_named
 from higvf_console.control.gains import Gains
 from higvf_console.errors import HigvfError
 from higvf_console.lab.pockets import pocket_scene
@@ -22,6 +23,7 @@ from higvf_console.state import PathStatus
 
 FORMS = ("printed", "zero_in", "corrected")
 SCENES = {Kind.SPACED: 1000, Kind.CROWDED: 1000, Kind.POCKETS: 100}
+_FORMS = {form: forms_named(form.replace("_", "-")) for form in FORMS}
 _LOOK = 10  # ticks between two looks at a run
 _BATCH = 5  # scenes that a process runs at a time
 _TOLERANCE = 1e-6  # by which a clearance may be negative: rounding [m]
@@ -91,17 +93,17 @@ def run_scene(scene: Scene, form: str) -> Outcome:
 
 def gains_of(form: str) -> Gains:
     """The default gains in one of `FORMS`."""
-    del form
-    return Gains()
+    return Gains(forms=_FORMS[form])
 
 
-def run_all(share: float = 1.0, forms: Sequence[str] = FORMS) -> list[Outcome]:
+def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS) -> list[Outcome]:
     """Runs the suite on all cores; the outcomes in the order of forms, kinds and seeds.
 
     Args:
-        share: of `SCENES` that are run, at least one of each kind.
+        scenes: how many of the spaced ones, and the same share of the others, at least one; None = all of `SCENES`.
         forms: which of `FORMS`.
     """
+    share = 1.0 if scenes is None else scenes / SCENES[Kind.SPACED]
     jobs = [(kind, seed) for kind, count in SCENES.items() for seed in range(max(1, round(share * count)))]
     first = scene_setup(make_scene(*jobs[0]), gains_of(forms[0]))
     warm_up(first.start, first.world, first.gains)  # once, before the processes start

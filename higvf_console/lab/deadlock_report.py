@@ -1,14 +1,18 @@
-"""What the study of deadlocks found: shares and times by form and kind, as a table and as plain data."""
+"""What the study of deadlocks found: shares and times by form and kind, or the story of one scene."""
 
 import json
 import statistics
 from collections.abc import Sequence
 from typing import Any
 
-from higvf_console.lab.bench_deadlock import FORMS, Outcome
-from higvf_console.lab.scenes import Kind
+from higvf_console.lab.bench_deadlock import FORMS, Outcome, gains_of, run_scene
+from higvf_console.lab.scene_file import scene_setup
+from higvf_console.lab.scenes import TIME_LIMIT, Kind, Scene
+from higvf_console.session.run import Run
+from higvf_console.state import PathStatus
 
 _MOST_SEEDS = 12  # of one line of the table
+_ENDS = {PathStatus.FINISHED: "arrived", PathStatus.BLOCKED: "gave up", PathStatus.FOLLOWING: "on its way"}
 _HEAD = ("form", "kind", "scenes", "arrived", "violations", "deadlock mean s", "median s")
 
 
@@ -57,6 +61,25 @@ def table(outcomes: Sequence[Outcome]) -> str:
     widths = [max(len(line[column]) for line in lines) for column in range(len(_HEAD))]
     rows = ["  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) for line in lines]
     return "\n".join(["Deadlocks in random scenes, by the forms of the equations", *rows, *failures])
+
+
+def story(scene: Scene) -> str:
+    """How a scene ends in each form, and the events of the corrected one, in sentences."""
+    obstacles = len(scene.circles) + len(scene.bars) + len(scene.polygons)
+    lines = [
+        f"Scene {scene.kind}:{scene.seed}: {len(scene.robots)} robots, {obstacles} obstacles, {len(scene.fires)} fires; "
+        f"robot {scene.influenced + 1} follows the path."
+    ]
+    for form in FORMS:
+        end = run_scene(scene, form)
+        lines.append(
+            f"{form:9}  {_ENDS[end.status]} after {end.seconds:.1f} s, deadlocked {end.deadlock:.1f} s, "
+            f"smallest clearance {end.clearance:.2f} m"
+        )
+    run = Run(scene_setup(scene, gains_of("corrected")))
+    while run.state.motion.path_status == PathStatus.FOLLOWING and run.time < TIME_LIMIT:
+        lines += [f"{event.time:8.2f} s  {event.text}" for event in run.step()]
+    return "\n".join(lines)
 
 
 def _seeds(failed: Sequence[int]) -> str:

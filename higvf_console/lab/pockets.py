@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.lab.planar import Shape, hull, polygon
+from higvf_console.lab.planar import hull, polygon
 from higvf_console.lab.scenes import (
     END_CLEARANCE,
     GAPS,
@@ -20,7 +20,6 @@ from higvf_console.lab.scenes import (
     Scene,
     centimetres,
     compact_team,
-    final_shape,
     packed_scene,
     rotated,
     surface_distance,
@@ -66,19 +65,16 @@ def _tried(rng: np.random.Generator, seed: int) -> Scene | None:
     for row in rows:
         if row.ndim == 2:
             found.polygons.append(placed(row))
-            found.shapes.append(final_shape(found.polygons[-1]))
         else:
             found.bars.append(floats([*placed(row[:4]).ravel(), row[4]]))
-            found.shapes.append(final_shape(found.bars[-1]))
+    found.shapes.append(hull(polygon(placed(_outline(pocket)))))  # nothing else falls into the pocket
     team, goal = placed(robots), placed(end)[0]
-    around = hull(polygon(placed(_outline(pocket))))
     influenced = int(rng.integers(len(team)))
     stroke = wavy_stroke(rng, team[influenced], goal, int(rng.integers(3, 7)), 15.0)
     fires, count = int(rng.integers(1, 3)), int(rng.integers(0, 6))
     if not throw_all(rng, arena, found, team, GAPS[Kind.POCKETS], fires, count):
         return None
-    hulls: list[Shape] = [around, *(hull(shape) for shape in found.shapes)]
-    if surface_distance(goal[None], hulls).min() < END_CLEARANCE:
+    if surface_distance(goal[None], [hull(shape) for shape in found.shapes]).min() < END_CLEARANCE:
         return None
     return packed_scene(Kind.POCKETS, seed, arena, team, influenced, found, stroke)
 
@@ -87,7 +83,9 @@ def _team_inside(rng: np.random.Generator) -> tuple[_Pocket, Floats]:
     """3 to 6 robots in a U that has room for them."""
     robots = compact_team(rng, int(rng.integers(3, 7)), columns=2)
     length, width = np.ptp(robots, axis=0) + 2.0 * START_CLEARANCE + 1.0
-    pocket = _Pocket(rng.uniform(max(90.0, width), 220.0), rng.uniform(max(60.0, length), 200.0), rng.uniform(3.0, 10.0))
+    pocket = _Pocket(
+        rng.uniform(max(90.0, width), 220.0), rng.uniform(max(60.0, length), 200.0), rng.uniform(3.0, 10.0)
+    )
     spare = pocket.depth - length
     return pocket, robots + [length / 2.0 + rng.uniform(0.0, spare), 0.0]
 
