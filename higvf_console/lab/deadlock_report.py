@@ -45,17 +45,13 @@ def as_json(outcomes: Sequence[Outcome]) -> str:
 
 def table(outcomes: Sequence[Outcome]) -> str:
     """One line a form and kind, and below it where to look."""
-    lines, failures = [_HEAD], list[str]()
+    lines, failures = [[*_HEAD]], list[str]()
     for kind in Kind:
         for form in FORMS:
             found = figures(_of(outcomes, form, kind))
             median = "-" if found["median_s"] is None else f"{found['median_s']:.1f}"
-            lines.append(
-                (
-                    form, kind.value, str(found["scenes"]), f"{found['arrival_share']:.1%}",
-                    str(found["violations"]), f"{found['deadlock_s_mean']:.2f}", median,
-                )
-            )  # fmt: skip
+            figure = [f"{found['arrival_share']:.1%}", str(found["violations"]), f"{found['deadlock_s_mean']:.2f}"]
+            lines.append([form, kind.value, str(found["scenes"]), *figure, median])
             if found["failed"] and form == "corrected":
                 failures.append(f"{kind.value} seeds that did not arrive: {_seeds(found['failed'])}")
     widths = [max(len(line[column]) for line in lines) for column in range(len(_HEAD))]
@@ -65,9 +61,9 @@ def table(outcomes: Sequence[Outcome]) -> str:
 
 def story(scene: Scene) -> str:
     """How a scene ends in each form, and the events of the corrected one, in sentences."""
-    obstacles = len(scene.circles) + len(scene.bars) + len(scene.polygons)
+    still = len(scene.circles) + len(scene.bars) + len(scene.polygons)
     lines = [
-        f"Scene {scene.kind}:{scene.seed}: {len(scene.robots)} robots, {obstacles} obstacles, {len(scene.fires)} fires; "
+        f"Scene {scene.kind}:{scene.seed}: {len(scene.robots)} robots, {still} obstacles, {len(scene.fires)} fires; "
         f"robot {scene.influenced + 1} follows the path."
     ]
     for form in FORMS:

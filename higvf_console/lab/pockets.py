@@ -87,14 +87,14 @@ def _team_inside(rng: np.random.Generator) -> tuple[_Pocket, Floats]:
         rng.uniform(max(90.0, width), 220.0), rng.uniform(max(60.0, length), 200.0), rng.uniform(3.0, 10.0)
     )
     spare = pocket.depth - length
-    return pocket, robots + [length / 2.0 + rng.uniform(0.0, spare), 0.0]
+    return pocket, robots + np.array([length / 2.0 + rng.uniform(0.0, spare), 0.0])
 
 
 def _team_before(rng: np.random.Generator) -> tuple[_Pocket, Floats]:
     """3 to 10 robots before the mouth of a U."""
     pocket = _Pocket(rng.uniform(90.0, 220.0), rng.uniform(60.0, 200.0), rng.uniform(3.0, 10.0))
     robots = compact_team(rng, int(rng.integers(3, 11)))
-    return pocket, robots + [-rng.uniform(60.0, 150.0) - robots[:, 0].max(), 0.0]
+    return pocket, robots - np.array([rng.uniform(60.0, 150.0) + robots[:, 0].max(), 0.0])
 
 
 def _walls(pocket: _Pocket) -> list[Floats]:
