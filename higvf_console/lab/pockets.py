@@ -20,6 +20,8 @@ from higvf_console.lab.scenes import (
     Scene,
     centimetres,
     compact_team,
+    final_shape,
+    finely,
     packed_scene,
     rotated,
     surface_distance,
@@ -71,6 +73,9 @@ def _tried(rng: np.random.Generator, seed: int) -> Scene | None:
     team, goal = placed(robots), placed(end)[0]
     influenced = int(rng.integers(len(team)))
     stroke = wavy_stroke(rng, team[influenced], goal, int(rng.integers(3, 7)), 15.0)
+    walls = [final_shape(row) for row in (*found.bars, *found.polygons)]
+    if surface_distance(finely(stroke), walls).min() >= 0.0:
+        return None
     fires, count = int(rng.integers(1, 3)), int(rng.integers(0, 6))
     if not throw_all(rng, arena, found, team, GAPS[Kind.POCKETS], fires, count):
         return None

@@ -8,6 +8,7 @@ free, and outside the convex hull of every obstacle. The same seed gives the sam
 import math
 from collections.abc import Callable
 from enum import StrEnum
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -148,6 +149,11 @@ def wavy_stroke(rng: np.random.Generator, start: Floats, end: Floats, waypoints:
     return centimetres(CubicSpline(share, through)(np.linspace(0.0, 1.0, _SAMPLES)))
 
 
+def finely(stroke: Floats) -> Floats:
+    """The stroke (n, 2) with 5 points a step, so that no thin wall lies between two."""
+    return np.concatenate([np.linspace(a, b, 5) for a, b in pairwise(stroke)])
+
+
 def surface_distance(points: Floats, shapes: list[Shape]) -> Floats:
     """Distances (n,) of points (n, 2) from the nearest surface [m], negative inside; inf without shapes."""
     return np.min([np.full(len(points), np.inf), *(distances(points, shape) for shape in shapes)], axis=0)
@@ -179,7 +185,7 @@ def _crossing_stroke(rng: np.random.Generator, arena: Arena, found: Obstacles, s
         if np.hypot(*(end - start)) < _LEAST_TRAVEL or surface_distance(end[None], hulls).min() < END_CLEARANCE:
             continue
         stroke = wavy_stroke(rng, start, end, int(rng.integers(3, 7)), 120.0)
-        if (stroke >= least).all() and (stroke <= most).all() and surface_distance(stroke, still).min() < 0.0:
+        if (stroke >= least).all() and (stroke <= most).all() and surface_distance(finely(stroke), still).min() < 0.0:
             return stroke
     return None
 
