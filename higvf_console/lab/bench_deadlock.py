@@ -18,6 +18,7 @@ from higvf_console.lab.pockets import pocket_scene
 from higvf_console.lab.progress import ProgressBar
 from higvf_console.lab.scene_file import scene_setup
 from higvf_console.lab.scenes import TIME_LIMIT, Kind, Scene, open_scene
+from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import roll, warm_up
 from higvf_console.state import PathStatus
 
@@ -79,8 +80,11 @@ def scene_named(text: str) -> Scene:
 
 
 def run_scene(scene: Scene, form: str) -> Outcome:
-    """Runs a scene until its path is finished or given up, or the time limit is over."""
-    setup = scene_setup(scene, gains_of(form))
+    """Runs a scene in one form until its path is finished or given up, or the time limit is over."""
+    return _run(scene, form, scene_setup(scene, gains_of(form)))
+
+
+def _run(scene: Scene, form: str, setup: Setup) -> Outcome:
     state, dt = setup.start, setup.gains.safety.control_period
     deadlock, clearance = 0.0, float("inf")
     while state.motion.path_status == PathStatus.FOLLOWING and state.motion.tick * dt < TIME_LIMIT:
@@ -120,5 +124,10 @@ def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS) -> list[Out
 
 
 def _run_batch(jobs: Sequence[tuple[Kind, int]], forms: Sequence[str]) -> list[Outcome]:
-    scenes = [make_scene(kind, seed) for kind, seed in jobs]
-    return [run_scene(scene, form) for scene in scenes for form in forms]
+    """The outcomes of some scenes; a scene's world, the same in all forms, is made once."""
+    outcomes: list[Outcome] = []
+    for kind, seed in jobs:
+        scene = make_scene(kind, seed)
+        setup = scene_setup(scene, gains_of(forms[0]))
+        outcomes += [_run(scene, form, setup._replace(gains=gains_of(form))) for form in forms]
+    return outcomes

@@ -26,7 +26,11 @@ def everywhere(status: PathStatus = PathStatus.FINISHED) -> list[Outcome]:
 @pytest.fixture
 def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """A suite that runs nothing."""
-    monkeypatch.setattr(bench_deadlock, "run_all", lambda _: everywhere())
+
+    def run_all(_: int | None) -> list[Outcome]:
+        return everywhere()
+
+    monkeypatch.setattr(bench_deadlock, "run_all", run_all)
 
 
 def test_figures_count_arrivals_violations_and_times() -> None:
