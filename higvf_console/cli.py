@@ -63,15 +63,24 @@ def _parser() -> argparse.ArgumentParser:
     replay.add_argument("file", type=Path, metavar="FILE", help="made by `higvf run --record FILE`")
     replay.set_defaults(command=_replay)
     _add_reproduce(commands)
-    bench = commands.add_parser("bench", help="measure the engine")
-    bench.add_argument(
-        "--suite", choices=("filter", "tick"), required=True, help="the safety filter, or the whole tick"
-    )
-    bench.add_argument("--json", action="store_true", help="write JSON")
-    bench.set_defaults(command=_bench)
+    _add_bench(commands)
     compiling = commands.add_parser("compile", help="compile the engine now, so that the first run starts at once")
     compiling.set_defaults(command=_compile)
     return parser
+
+
+def _add_bench(commands: Any) -> None:
+    bench = commands.add_parser("bench", help="measure the engine")
+    bench.add_argument(
+        "--suite", choices=("filter", "tick", "deadlock"), required=True,
+        help="the safety filter, the whole tick, or who arrives in random scenes",
+    )  # fmt: skip
+    bench.add_argument("--json", action="store_true", help="write JSON")
+    deadlock = bench.add_argument_group("suite deadlock")
+    deadlock.add_argument("--scenes", type=_count, metavar="N", help="spaced scenes to run, the others in proportion")
+    deadlock.add_argument("--scene", metavar="KIND:SEED", help="tell what happens in one scene, e.g. crowded:17")
+    deadlock.add_argument("--save", type=Path, metavar="FILE", help="with --scene: write it as a scenario, and end")
+    bench.set_defaults(command=_bench)
 
 
 def _add_run(commands: Any) -> None:
@@ -127,6 +136,13 @@ def _seed(text: str) -> int:
     return number
 
 
+def _count(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 1")
+    return number
+
+
 def _port(text: str) -> int:
     return 0 if text == "auto" else int(text)
 
@@ -142,7 +158,32 @@ def _scenarios(_: argparse.Namespace) -> int:
 def _bench(given: argparse.Namespace) -> int:
     from higvf_console.lab import bench
 
-    bench.main(given.suite, given.json)
+    only = {"--scenes": given.scenes, "--scene": given.scene, "--save": given.save}
+    misplaced = [option for option, value in only.items() if value is not None]
+    if misplaced and given.suite != bench.DEADLOCK:
+        raise HigvfError(f"{misplaced[0]} belongs to --suite {bench.DEADLOCK}, not {given.suite}")
+    if given.save is not None and given.scene is None:
+        raise HigvfError("--save writes one scene: add --scene KIND:SEED")
+    if given.scene is not None:
+        return _scene(given.scene, given.save)
+    bench.main(given.suite, given.json, given.scenes)
+    return 0
+
+
+def _scene(name: str, file: Path | None) -> int:
+    """Tells the story of a random scene, or saves it as a scenario."""
+    from higvf_console.lab.bench_deadlock import scene_named
+    from higvf_console.lab.deadlock_report import story
+    from higvf_console.lab.scene_file import scene_yaml
+
+    scene = scene_named(name)
+    if file is None:
+        print(story(scene))
+        return 0
+    try:
+        file.write_text(scene_yaml(scene), encoding="utf-8")
+    except OSError as error:
+        raise HigvfError(f"--save {file}: {error.strerror}") from error
     return 0
 
 
