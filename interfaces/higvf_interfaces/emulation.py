@@ -215,12 +215,14 @@ def describe(model: ErrorModel) -> str:
     given = {key: value for key, value in model._asdict().items() if value != default[key] and key != "confusion"}
     parts = [f"{key}={value:g}" for key, value in given.items()]
     if model.confusion != 1.0:
-        parts.append(f"confusion={model.confusion:g}" if isinstance(model.confusion, float) else "confusion by label")
+        parts.append(
+            f"confusion={model.confusion:g}" if not isinstance(model.confusion, Mapping) else "confusion by label"
+        )
     return ", ".join(parts)
 
 
 def _mistaken(label: str, labels: Sequence[str], model: ErrorModel, choice: float, other: float) -> str:
-    if isinstance(model.confusion, float):
+    if not isinstance(model.confusion, Mapping):
         others = [known for known in labels if known != label]
         return label if choice < model.confusion or not others else others[int(other * len(others))]
     reached = 0.0

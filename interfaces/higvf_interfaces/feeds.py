@@ -9,9 +9,9 @@ from higvf_interfaces.streams import Playhead
 
 
 class Due(NamedTuple):
-    """A decision whose time has come; `index` counts the decisions of one play from 0."""
+    """A decision whose time has come; `number` counts the decisions of one play from 0."""
 
-    index: int
+    number: int
     decision: Decision
 
 

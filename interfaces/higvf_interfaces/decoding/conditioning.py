@@ -1,5 +1,7 @@
 """Causal filters that keep their state from chunk to chunk: band pass, and notches at the mains and its harmonics."""
 
+from typing import Any
+
 import numpy as np
 from scipy.signal import butter, iirnotch, sosfilt, sosfilt_zi, tf2sos
 
@@ -23,10 +25,10 @@ class Conditioner:
         top = min(high, _TOP * rate)
         if top < 1.5 * low:
             raise InputError(f"a rate of {rate:g} Hz cannot carry the band from {low:g} Hz up that this decoder needs")
-        sections = [butter(order, (low, top), btype="bandpass", fs=rate, output="sos")]
+        band: Any = butter(order, (low, top), btype="bandpass", fs=rate, output="sos")
         hums = [mains * k for k in range(1, _MOST_NOTCHES + 1) if mains > 0 and low < mains * k < top]
-        sections += [tf2sos(*iirnotch(hum, _NOTCH_Q, fs=rate)) for hum in hums]
-        self._sections = np.concatenate(sections)
+        notches = [tf2sos(*iirnotch(hum, _NOTCH_Q, fs=rate)) for hum in hums]
+        self._sections = np.concatenate([band, *notches])
         self._at_rest = sosfilt_zi(self._sections)  # (s, 2)
         self.restart()
 

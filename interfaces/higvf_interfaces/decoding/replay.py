@@ -1,7 +1,7 @@
 """A decoder at work on a recording of raw signals, on the session clock: `decoder=lda` or `decoder=ssvep`."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,7 @@ _MAINS = 50.0  # [Hz]
 class DecoderFeed:
     """Decisions that a decoder makes of a recording as its samples fall due."""
 
-    def __init__(self, record: SignalRecord, decoder: Decoder, start: float, notes: Sequence[str]) -> None:
+    def __init__(self, record: SignalRecord, decoder: Decoder, notes: Sequence[str], start: float) -> None:
         """Plays `record` from session time `start` on [s]; decisions before 0 are not given."""
         self._record, self._decoder, self._start, self._said = record, decoder, start, tuple(notes)
         self.labels: Sequence[str] = decoder.labels
@@ -81,12 +81,9 @@ def decoder_feed(source: str, options: Fields, start: float) -> DecoderFeed:
     kind = options.choice("decoder", "", DECODERS)
     mains = options.number("mains", _MAINS, 0.0, 1000.0, "Hz")
     record = read_signals(source, signal_request(options))
-    build: Callable[[], tuple[Decoder, list[str]]] = {
-        "lda": lambda: _lda(source, record, options, mains),
-        "ssvep": lambda: (ssvep_decoder(record, options, mains), []),
-    }[kind]
-    decoder, notes = build()
-    return DecoderFeed(record, decoder, start, notes)
+    if kind == "ssvep":
+        return DecoderFeed(record, ssvep_decoder(record, options, mains), (), start)
+    return DecoderFeed(record, *_lda(source, record, options, mains), start)
 
 
 def ssvep_decoder(record: SignalRecord, options: Fields, mains: float) -> SsvepDecoder:

@@ -103,5 +103,6 @@ def _check(targets: Mapping[str, float], window: float) -> None:
     nearest = float(np.min(np.diff(ordered)))
     if ordered[0] <= 3 or nearest < 1 / window:
         raise InputError(
-            f"targets: {dict(targets)}: flickers must be above 3 Hz and {1 / window:g} Hz apart for a window of {window:g} s"
+            f"targets: {dict(targets)}: flickers must be above 3 Hz and, for a window of {window:g} s, "
+            f"{1 / window:g} Hz apart"
         )

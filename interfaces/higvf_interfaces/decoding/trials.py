@@ -27,7 +27,7 @@ def trials_of(markers: Sequence[Decision], length: float | None) -> list[Trial]:
         return spans
     if length is None:
         raise InputError(
-            f"the {len(markers)} markers are no pairs such as '1s' ... '1e': give trial_s=SECONDS, how long a trial lasts"
+            f"the {len(markers)} markers are no pairs such as '1s' ... '1e'; give trial_s=SECONDS, which a trial lasts"
         )
     return [Trial(marker.label, marker.time, marker.time + length) for marker in markers]
 
