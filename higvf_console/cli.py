@@ -1,6 +1,7 @@
 """`higvf`: run a scenario in the browser or headless, replay a recording, list scenarios, measure.
 
-Exit status: 0; 1 where a replay differs or an interface breaks its contract; 2 on input that cannot be used (one line on stderr says why); 130 on Ctrl-C.
+Exit status: 0; 1 where a replay differs or an interface breaks its contract; 2 on input that cannot be used (one line
+on stderr says why); 130 on Ctrl-C.
 """
 # ruff: noqa: PLC0415 (each command imports what it needs, so that `--help` loads no compiler)
 

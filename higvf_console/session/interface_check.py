@@ -94,6 +94,9 @@ def _check_polls(interface: Interface, spec: InputSpec, seconds: float) -> Itera
 
 def _check_commands(polls: Sequence[_Polled], spec: InputSpec, when: str) -> Iterator[Finding]:
     given = [command for polled in polls for command in polled.commands]
+    if not given:
+        yield Finding(f"gives only known commands{when}", True, "it gave none, so nothing is shown of its commands")
+        return
     foreign = [command for command in given if not isinstance(command, _KNOWN)]
     yield _finding(f"gives only known commands{when}", [repr(command)[:80] for command in foreign], len(given))
     for rule, wrong in (
