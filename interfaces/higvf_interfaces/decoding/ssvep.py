@@ -2,7 +2,7 @@
 
 The nearest frequencies that do not flicker (shams) correlate with the background as well as a target does when nobody
 looks at it. Under white noise of nu degrees of freedom a frequency's log-likelihood ratio is -nu/2 log(1 - R^2); the
-posterior over targets and shams gives the confidence, and the shams' share of it is that of `idle`.
+posterior over targets and shams, which have the higher prior, gives the confidence; the shams' share is that of `idle`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,6 +20,7 @@ from higvf_interfaces.formats.signal_records import SignalChunk
 IDLE = "idle"
 WINDOW, HOP = 1.0, 0.25  # [s]
 HARMONICS = 2
+IDLE_ODDS = 10.0  # prior odds of a sham against a target: people mostly look elsewhere
 _BAND_TOP = 88.0  # [Hz]
 _BAND_EDGE = 2.0  # a sub-band starts so far below the lowest target's harmonic [Hz]
 _SHAMS = (-3.0, -2.0, 2.0, 3.0)  # distances of the shams from a target, in 1 / window
@@ -92,7 +93,7 @@ class SsvepDecoder:
         evidence = -0.5 * self._freedom * np.log1p(-np.clip(shared, 0.0, 1 - 1e-9))
         likelihood = np.exp(evidence - evidence.max())
         targets = len(self.labels) - 1
-        joined = np.append(likelihood[:targets], likelihood[targets:].sum())
+        joined = np.append(likelihood[:targets], IDLE_ODDS * likelihood[targets:].sum())
         return floats(joined / joined.sum())
 
 
