@@ -10,7 +10,6 @@ from higvf_console.commands import (
     ChannelHealth,
     ChannelState,
     InputSpec,
-    Interface,
     OperatorCommand,
     OperatorContext,
     Pick,
@@ -101,7 +100,7 @@ class ScriptPlayer:
         return [self._stamp(command, due, context) for due, command in ready]
 
 
-def open_script(spec: InputSpec) -> Interface:
+def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
     """Entry point `script`; its options are those of an emulated link, `emulation.DELAYS`.
 
     Raises:

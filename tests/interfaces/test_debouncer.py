@@ -71,7 +71,9 @@ def test_the_refractory_time_holds_a_new_onset() -> None:
 def test_a_decision_without_confidence_is_a_plain_vote() -> None:
     votes = (Decision(0.0, "a", None), Decision(0.1, "b", 0.9), Decision(0.2, "a", 0.5))
     assert support(votes, "a", Evidence(of=3)) == pytest.approx(0.5)
-    assert support(votes[:1], "a", Evidence(of=3)) == pytest.approx(1 / 3), "votes that are missing are not votes for it"
+    assert support(votes[:1], "a", Evidence(of=3)) == pytest.approx(1 / 3), (
+        "votes that are missing are not votes for it"
+    )
 
 
 decisions = st.lists(

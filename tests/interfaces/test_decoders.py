@@ -28,7 +28,7 @@ CUES = [Trial(label, 3.0 * k + 0.5, 3.0 * k + 2.5) for k, label in enumerate(["f
 
 
 def emg(seed: int = 1, cues: Sequence[Trial] = CUES) -> SignalChunk:
-    """Two electrodes near different muscles, on large drifting offsets: a fist moves the first, an open hand the second."""
+    """Two electrodes on large drifting offsets: a fist moves the first muscle, an open hand the second."""
     draw = np.random.default_rng(seed)
     times = np.arange(0.0, cues[-1].end + 0.5, 1 / RATE)
     gains = np.ones((len(times), 2)) * 5.0
@@ -219,7 +219,10 @@ def test_flickers_pick_robots(write: Write, at: ContextAt) -> None:
         ({"decoder": "lda"}, "calibration is missing"),
         ({"decoder": "ssvep"}, "targets: None is not LABEL@HZ+LABEL@HZ, such as 1@30+2@20"),
         ({"decoder": "ssvep", "targets": "a@x+b@2"}, "targets: 'a@x+b@2' is not LABEL@HZ"),
-        ({"decoder": "ssvep", "targets": "a@12+b@15", "rate": "250", "period": "0.004"}, "rate and period say the same"),
+        (
+            {"decoder": "ssvep", "targets": "a@12+b@15", "rate": "250", "period": "0.004"},
+            "rate and period say the same",
+        ),
     ],
 )
 def test_a_decoder_without_what_it_needs_says_what_that_is(write: Write, options: dict[str, str], message: str) -> None:

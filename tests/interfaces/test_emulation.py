@@ -27,7 +27,9 @@ def worse(model: ErrorModel) -> list[Decision | None]:
 
 
 def test_a_decoder_of_given_accuracy_is_right_that_often_and_wrong_evenly() -> None:
-    said = [(true.label, given.label) for true, given in zip(MANY, worse(ErrorModel(confusion=0.7)), strict=True) if given]
+    said = [
+        (true.label, given.label) for true, given in zip(MANY, worse(ErrorModel(confusion=0.7)), strict=True) if given
+    ]
     assert np.mean([true == given for true, given in said]) == pytest.approx(0.7, abs=0.03)
     wrong = Counter(given for true, given in said if true == "left" != given)
     assert wrong["right"] / wrong.total() == pytest.approx(0.5, abs=0.08)
@@ -115,7 +117,9 @@ def test_gaze_is_as_noisy_and_drifts_as_fast_as_asked_for() -> None:
     off = (worse.points - [900.0, 500.0]) / 38.0
     assert np.linalg.norm(off[-1000:].mean(axis=0)) == pytest.approx(1.5 * 115 / 60, abs=0.1)
     assert off[:500].std() == pytest.approx(0.5, abs=0.05)
-    assert np.array_equal(worse.points, emulate_gaze(gaze(), ErrorModel(noise_deg=0.5, drift_deg_per_min=1.5, seed=2), 38.0).points)
+    assert np.array_equal(
+        worse.points, emulate_gaze(gaze(), ErrorModel(noise_deg=0.5, drift_deg_per_min=1.5, seed=2), 38.0).points
+    )
 
 
 def test_gaze_is_lost_in_blackouts_and_comes_late() -> None:
@@ -137,7 +141,10 @@ def test_emulated_gaze_is_opened_by_its_options(write: Write, at: ContextAt) -> 
     ("options", "message"),
     [
         ({"confusion": 1.5}, "confusion: 1.5 is not a number from 0 to 1"),
-        ({"confusion": {"left": {"right": 1.2}}}, "confusion: left: {'right': 1.2} is not a mapping from labels to shares"),
+        (
+            {"confusion": {"left": {"right": 1.2}}},
+            "confusion: left: {'right': 1.2} is not a mapping from labels to shares",
+        ),
         ({"confusion": {"left": 0.5}}, "confusion: left: 0.5 is not a mapping"),
         ({"latency": -1}, "latency: -1 is not a number from 0 to 60 s"),
         ({"dropout": "much"}, "dropout: 'much' is not a number from 0 to 1"),

@@ -102,7 +102,9 @@ def test_neighbouring_windows_do_not_leak_into_the_score_of_emg() -> None:
     assert verdict(result) == "The signal cannot carry the task: this is not better than guessing."
 
 
-def test_the_figures_of_the_shared_recordings(sample: Callable[[str], Path], capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_figures_of_the_shared_recordings(
+    sample: Callable[[str], Path], capsys: pytest.CaptureFixture[str]
+) -> None:
     gestures = sample("xdf_emg8_gestures/test1.xdf")
     assert main([str(gestures), "decoder=lda,mains=60", "--json"]) == 0
     emg = json.loads(capsys.readouterr().out)

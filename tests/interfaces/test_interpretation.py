@@ -57,7 +57,7 @@ def test_wrong_evidence_is_refused_with_what_would_be_right(
     write: Write, settings: dict[str, object], message: str
 ) -> None:
     with pytest.raises(InputError) as refusal:
-        bci(write, "stop", **settings)
+        open_bci(InputSpec("bci", write("time,label\n1,stop\n"), settings=settings))
     assert message in str(refusal.value)
 
 
@@ -73,7 +73,9 @@ def test_an_unsure_robot_change_waits_and_is_confirmed_or_discarded(write: Write
     assert given(bci(write, "pause", "0.1", confirm=0.7), at) == [(Pause, 0.1)], "only robot changes wait"
 
 
-def test_the_confirmed_robot_is_the_one_that_was_meant_last_with_its_own_confidence(write: Write, at: ContextAt) -> None:
+def test_the_confirmed_robot_is_the_one_that_was_meant_last_with_its_own_confidence(
+    write: Write, at: ContextAt
+) -> None:
     replay = bci(write, "robot2 robot3 confirm", "0.5", confirm=0.7)
     (pick,) = replay.poll(at(99.0))
     assert isinstance(pick, Pick)

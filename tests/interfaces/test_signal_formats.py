@@ -1,7 +1,7 @@
 """Recordings of EMG and BCI are told apart by content, on one clock, and what was repaired is said."""
 
 from collections.abc import Callable
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 from pathlib import Path
 
 import edfio
@@ -89,11 +89,15 @@ def test_an_xdf_file_that_was_cut_off_gives_its_readable_part_and_says_so(write:
 
 
 def test_edf_channels_become_a_signal_and_annotations_decisions(tmp_path: Path) -> None:
-    signals = [edfio.EdfSignal(np.arange(400.0) * (k + 1), 200, label=f"EMG{k}", physical_dimension="uV") for k in (0, 1)]
+    signals = [
+        edfio.EdfSignal(np.arange(400.0) * (k + 1), 200, label=f"EMG{k}", physical_dimension="uV") for k in (0, 1)
+    ]
     slow = edfio.EdfSignal(np.zeros(20), 10, label="Temp", physical_dimension="degC")
     notes = [edfio.EdfAnnotation(0.5, None, "fist"), edfio.EdfAnnotation(1.25, 0.1, "rest")]
     edfio.Edf([*signals, slow], annotations=notes).write(tmp_path / "sub-1_task-x_emg.edf")
-    (tmp_path / "sub-1_task-x_channels.tsv").write_text("name\ttype\tunits\tstatus\nEMG0\tEMG\tV\tgood\nEMG1\tEMG\tuV\tbad\n")
+    (tmp_path / "sub-1_task-x_channels.tsv").write_text(
+        "name\ttype\tunits\tstatus\nEMG0\tEMG\tV\tgood\nEMG1\tEMG\tuV\tbad\n"
+    )
     record = read_signals(str(tmp_path / "sub-1_task-x_emg.edf"))
     samples = whole(record)
     assert (record.names, record.units, record.rate) == (("EMG0", "EMG1"), ("uV", "uV"), 200)
@@ -188,7 +192,9 @@ def test_a_muse_table_is_a_signal_and_its_marker_column_decisions(write: Write) 
 
 
 def test_brainvision_markers_count_samples_from_one(write: Write) -> None:
-    header = "BrainVision Data Exchange Header File Version 1.0\n[Common Infos]\nMarkerFile=$b.vmrk\nSamplingInterval=2000\n"
+    header = (
+        "BrainVision Data Exchange Header File Version 1.0\n[Common Infos]\nMarkerFile=$b.vmrk\nSamplingInterval=2000\n"
+    )
     marks = (
         "Brain Vision Data Exchange Marker File, Version 1.0\n; a comment\n[Common Infos]\nDataFile=a.eeg\n"
         "[Marker Infos]\nMk1=New Segment,,1,1,0,20200101\nMk2=Stimulus,S  1,501,1,0\nMk3=Response,,1001,1,0\n"
@@ -210,10 +216,25 @@ def test_a_bids_events_table_is_read_with_its_missing_values(write: Write) -> No
 
 
 def test_raw_samples_where_decisions_are_wanted_are_answered_with_the_way_out(write: Write) -> None:
-    with pytest.raises(InputError, match="holds raw samples .* and no decisions; give decoder=lda or ssvep"):
+    with pytest.raises(InputError, match=r"holds raw samples .* and no decisions; give decoder=lda or ssvep"):
         read_decisions(write(MUSE.replace("Marker0", "Gyro")))
     with pytest.raises(InputError, match=r"format: 'edf\+' is not one of xdf-signals, edf, openbci-txt"):
         read_signals(write(MUSE), SignalRequest(format="edf+"))
+
+
+def test_a_log_without_times_is_indexed_by_a_given_period_alone(write: Write) -> None:
+    for text in ("label,confidence\nfist,0.5\nopen,\n", '{"label": "fist", "confidence": 0.5}\n{"label": "open"}\n'):
+        file = write(text)
+        with pytest.raises(InputError, match="a log without times is replayed only with period=SECONDS"):
+            read_decisions(file)
+        log = read_decisions(file, SignalRequest(rate=4.0))
+        assert log.decisions == (Decision(0.0, "fist", 0.5), Decision(0.25, "open", None))
+        assert log.notes == ("no times in the file: indexed at the period given, 0.25 s",)
+
+
+def test_a_command_log_with_a_further_column_of_numbers_is_no_signal(write: Write) -> None:
+    log = read_decisions(write("timestamp,marker,trial\n1,3,1\n2,3,2\n"))
+    assert [(d.time, d.label) for d in log.decisions] == [(1, "3"), (2, "3")]
 
 
 @pytest.mark.parametrize("name", ["gaze", "log"])
@@ -236,7 +257,7 @@ def test_the_shared_recordings_are_read(sample: Sample) -> None:
     times = whole(cyton).times
     assert len(times) == 15000
     assert (times[-1], np.ptp(np.diff(times))) == (pytest.approx(60, abs=0.2), pytest.approx(0, abs=1e-3))
-    assert datetime.fromtimestamp(cyton.epoch, timezone.utc).year == 2019
+    assert datetime.fromtimestamp(cyton.epoch, UTC).year == 2019
     wrists = read_signals(str(sample("emg_bids_edf/sub-01_task-typing_emg.edf")))
     assert whole(wrists).values.shape == (1000, 32)
     band = sample("xdf_muse_eeg/sub-P031_ses-S001_task-Default_run-001_eeg.xdf")

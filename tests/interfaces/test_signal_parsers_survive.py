@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from higvf_console.errors import InputError
-from higvf_interfaces.formats.signal_reading import MARKER_FORMATS, SIGNAL_FORMATS, read_decisions, read_signals
+from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, SIGNAL_FORMATS, read_decisions, read_signals
 from higvf_interfaces.formats.signal_records import SignalRequest, whole
 from tests.interfaces.xdf_files import Stream, xdf
 
@@ -20,10 +20,15 @@ OPENBCI = (
     "%OpenBCI Raw EXG Data\n%Number of channels = 2\n%Sample Rate = 250 Hz\nSample Index, EXG Channel 0, Timestamp, "
     "Marker Channel\n0, 1.5, 1700000000000, 0\n1, 2.5, 1700000000004, 1\n2, 3.5, 1700000000008, 0\n"
 )
-OLD = "%OpenBCI Raw EEG Data\n%Number of channels = 2\n%Sample Rate = 250.0 Hz\n0, 1.5, 2, 0, 10:00:00.000\n1, 2, 3, 0, 10:00:00.004\n"
+OLD = (
+    "%OpenBCI Raw EEG Data\n%Number of channels = 2\n%Sample Rate = 250.0 Hz\n"
+    "0, 1.5, 2, 0, 10:00:00.000\n1, 2, 3, 0, 10:00:00.004\n"
+)
 MYO = "1,2,3,4,5,6,7,8\n-1,-2,-3,-4,-5,-6,-7,-8\n"
 MUSE = "timestamps,TP9,Marker0\n500.000,1.5,0\n500.004,2.5,1\n500.008,3.5,0\n"
-MARKERS = "Brain Vision Data Exchange Marker File, Version 1.0\n[Marker Infos]\nMk1=Stimulus,S  1,501,1,0\nMk2=a,,9,1,0\n"
+MARKERS = (
+    "Brain Vision Data Exchange Marker File, Version 1.0\n[Marker Infos]\nMk1=Stimulus,S  1,501,1,0\nMk2=a,,9,1,0\n"
+)
 HEADER = "BrainVision Data Exchange Header File Version 1.0\n[Common Infos]\nMarkerFile=file\nSamplingInterval=4000\n"
 EVENTS = "onset\tduration\ttrial_type\tconfidence\n1\t0\tfist\t0.5\n2\tn/a\tn/a\t\n"
 TEXTS = tuple(text.encode() for text in (OPENBCI, OLD, MYO, MUSE, MARKERS, HEADER, EVENTS))
@@ -51,7 +56,7 @@ def survive(file: Path) -> None:
                 samples = whole(read_signals(str(file), SignalRequest(name, rate=rate)))
                 assert (np.diff(samples.times) > 0).all()
                 assert samples.values.shape[0] == len(samples.times)
-        for name in (None, *(known.name for known in MARKER_FORMATS)):
+        for name in (None, *(known.name for known in DECISION_FORMATS)):
             with contextlib.suppress(InputError):
                 decisions = read_decisions(str(file), SignalRequest(name, rate=rate)).decisions
                 times = [decision.time for decision in decisions]
@@ -90,7 +95,7 @@ def test_damaged_edf_files(tmp_path: Path, edf: bytes, data: st.DataObject) -> N
 
 @hard
 @given(
-    header=st.sampled_from([OPENBCI.rsplit("\n", 4)[0], MUSE.split("\n")[0], EVENTS.split("\n")[0], ""]),
+    header=st.sampled_from([OPENBCI.rsplit("\n", 4)[0], MUSE.splitlines()[0], EVENTS.splitlines()[0], ""]),
     rows=st.lists(st.lists(cells, max_size=8), max_size=8),
 )
 def test_wild_cells_under_a_good_header(tmp_path: Path, header: str, rows: list[list[str]]) -> None:

@@ -64,7 +64,9 @@ def open_gamepad(spec: InputSpec) -> Gamepad:
         lines = Path(spec.source).read_text(encoding="utf-8").splitlines()
     except OSError as problem:
         raise InputError(f"{spec.source}: cannot be read: {problem.strerror}") from problem
-    return Gamepad(spec.channel, sorted(_press(spec.source, k, line) for k, line in enumerate(lines, 1) if line.strip()))
+    return Gamepad(
+        spec.channel, sorted(_press(spec.source, k, line) for k, line in enumerate(lines, 1) if line.strip())
+    )
 
 
 def _press(source: str, number: int, line: str) -> tuple[float, str]:

@@ -22,6 +22,7 @@ MARKED_NAME = "signal-csv-markers"
 MARKED_TITLE = "marker column of a table of samples (timestamps,...,Marker0)"
 STAMPS = (*TIMES, "timestamps", "lsl_timestamp", "time_stamp", "lsl time")
 _MARKERS = ("marker0", "marker", "markers", "stim", "trigger", "status", "event")
+_UNMARKED = ("", "0", "0.0")
 _NO_CHANNEL = {"x", "y", "confidence", "valid", "label", "command"}
 _LOOKED_AT = 5  # rows
 
@@ -32,8 +33,9 @@ def matches(file: TextFile) -> bool:
 
 
 def matches_marked(file: TextFile) -> bool:
-    """Whether there is a marker column as well."""
-    return matches(file) and file.find(*_MARKERS) is not None
+    """Whether there is a marker column as well, in which nothing is marked at first."""
+    marker = file.find(*_MARKERS)
+    return matches(file) and marker is not None and cell(_head(file)[0], marker) in _UNMARKED
 
 
 def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
@@ -77,13 +79,17 @@ def _table(file: TextFile, name: str) -> SampleTable:
 
 
 def _channels(file: TextFile) -> list[Column]:
-    try:
-        rows = list(islice(file.rows([]), _LOOKED_AT))
-    except InputError:  # it is no table at all
-        return []
+    rows = _head(file)
     skipped = {*STAMPS, *_MARKERS}
     candidates = [c for c in file.columns if c.name not in skipped and c.name]
     return [c for c in candidates if any(math.isfinite(number(cell(row, c))) for row in rows)]
+
+
+def _head(file: TextFile) -> list[list[str]]:
+    try:
+        return list(islice(file.rows([]), _LOOKED_AT))
+    except InputError:  # it is no table at all
+        return []
 
 
 def _names(file: TextFile) -> set[str]:

@@ -7,6 +7,7 @@ from higvf_console.errors import InputError
 from higvf_interfaces.formats import (
     bids_events,
     brainvision,
+    command_log,
     edf,
     myo,
     openbci,
@@ -14,7 +15,6 @@ from higvf_interfaces.formats import (
     xdf_markers,
     xdf_signals,
 )
-from higvf_interfaces.formats.reading import COMMAND_FORMATS, read_command_log
 from higvf_interfaces.formats.records import CommandLog
 from higvf_interfaces.formats.signal_records import SignalRecord, SignalRequest, pick_channels
 from higvf_interfaces.formats.text import TextFile, look
@@ -32,6 +32,18 @@ class SignalFormat(NamedTuple, Generic[_Record]):
     read: Callable[[TextFile, SignalRequest], _Record]
 
 
+def _read_jsonl(file: TextFile, request: SignalRequest) -> CommandLog:
+    return command_log.read_jsonl(file, _period(request))
+
+
+def _read_csv(file: TextFile, request: SignalRequest) -> CommandLog:
+    return command_log.read_csv(file, _period(request))
+
+
+def _period(request: SignalRequest) -> float | None:
+    return None if request.rate is None else 1.0 / request.rate
+
+
 SIGNAL_FORMATS: tuple[SignalFormat[SignalRecord], ...] = (
     SignalFormat(xdf_signals.NAME, xdf_signals.TITLE, xdf_signals.matches, xdf_signals.read_signals),
     SignalFormat(edf.NAME, edf.TITLE, edf.matches, edf.read_signals),
@@ -39,7 +51,7 @@ SIGNAL_FORMATS: tuple[SignalFormat[SignalRecord], ...] = (
     SignalFormat(myo.NAME, myo.TITLE, myo.matches, myo.read_signals),
     SignalFormat(signal_csv.NAME, signal_csv.TITLE, signal_csv.matches, signal_csv.read_signals),
 )
-MARKER_FORMATS: tuple[SignalFormat[CommandLog], ...] = (
+DECISION_FORMATS: tuple[SignalFormat[CommandLog], ...] = (
     SignalFormat(xdf_markers.NAME, xdf_markers.TITLE, xdf_markers.matches, xdf_markers.read_markers),
     SignalFormat(edf.MARKED_NAME, edf.MARKED_TITLE, edf.matches, edf.read_markers),
     SignalFormat(brainvision.NAME, brainvision.TITLE, brainvision.matches, brainvision.read_markers),
@@ -47,6 +59,14 @@ MARKER_FORMATS: tuple[SignalFormat[CommandLog], ...] = (
     SignalFormat(bids_events.NAME, bids_events.TITLE, bids_events.matches, bids_events.read_markers),
     SignalFormat(
         signal_csv.MARKED_NAME, signal_csv.MARKED_TITLE, signal_csv.matches_marked, signal_csv.read_markers
+    ),
+    SignalFormat(
+        command_log.JSON_NAME, command_log.JSON_TITLE, command_log.matches_jsonl,
+        _read_jsonl,
+    ),
+    SignalFormat(
+        command_log.CSV_NAME, command_log.CSV_TITLE, command_log.matches_labels,
+        _read_csv,
     ),
 )  # fmt: skip
 
@@ -69,23 +89,12 @@ def read_decisions(source: str, request: SignalRequest = AS_IT_IS) -> CommandLog
     Raises:
         InputError: as `read_signals`, or the file holds raw samples alone, which need a decoder.
     """
-    plain = {known.name for known in COMMAND_FORMATS}
-    if request.format in plain:
-        return read_command_log(source, request.format)
     file = look(source)
-    if request.format is None and any(known.matches(file) for known in COMMAND_FORMATS):
-        return read_command_log(source)
-    if request.format is None and not any(known.matches(file) for known in MARKER_FORMATS):
+    if request.format is None and not any(known.matches(file) for known in DECISION_FORMATS):
         held = next((known for known in SIGNAL_FORMATS if known.matches(file)), None)
         if held is not None:
             raise InputError(f"{source}: holds raw samples ({held.title}) and no decisions; give decoder=lda or ssvep")
-    try:
-        return _chosen(file, request.format, MARKER_FORMATS, "decisions").read(file, request)
-    except InputError:
-        if request.format is None and any(known.matches(file) for known in MARKER_FORMATS):
-            raise
-        titles = "; ".join(f"{known.name}: {known.title}" for known in (*COMMAND_FORMATS, *MARKER_FORMATS))
-        raise InputError(f"{source}: not a known format of decisions ({titles}); it has: {file.titles}") from None
+    return _chosen(file, request.format, DECISION_FORMATS, "decisions").read(file, request)
 
 
 def _chosen(

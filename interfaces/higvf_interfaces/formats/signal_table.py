@@ -59,8 +59,10 @@ def table_signals(table: SampleTable, request: SignalRequest) -> SignalRecord:
     """The channels of a table as a signal.
 
     Raises:
-        InputError: the table has no samples, or neither it nor the request says when they were taken.
+        InputError: the table has no channels or samples, or neither it nor the request says when they were taken.
     """
+    if not table.channels:
+        raise InputError(f"{table.path}: the {table.format} table has no column of a channel")
     notes: list[str] = []
     rate, epoch = _timing(table, request.rate, notes)
 
