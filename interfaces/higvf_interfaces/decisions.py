@@ -18,20 +18,19 @@ from higvf_console.commands import (
 )
 from higvf_interfaces import interpretation
 from higvf_interfaces.debouncer import Evidence, Verdict
-from higvf_interfaces.decoding import replay
 from higvf_interfaces.emulation import ERRORS, EmulatedFeed, error_model
 from higvf_interfaces.evidence import STREAMING
 from higvf_interfaces.feeds import LogFeed
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.formats.signal_reading import read_decisions
 from higvf_interfaces.interpretation import Interpreter
-from higvf_interfaces.recorded_options import RECORDED, signal_request
+from higvf_interfaces.recorded_options import DECODING, RECORDED, signal_request
 from higvf_interfaces.streams import Stamp
 
 OPTIONS = (
     "labels", "threshold", "refractory", "start", "format",
     *(key for key in interpretation.OPTIONS if key not in ("threshold", "refractory")),
-    *(key for key in RECORDED if key != "format"), *replay.OPTIONS, *ERRORS,
+    *(key for key in RECORDED if key != "format"), *DECODING, *ERRORS,
 )  # fmt: skip
 
 
@@ -54,7 +53,9 @@ class DecisionReplay:
         errors = error_model(options)
         start = options.number("start", 0.0, -1e6, 1e6, "s")
         if decodes:
-            feed = replay.decoder_feed(spec.source, options, start)
+            from higvf_interfaces.decoding.replay import decoder_feed  # noqa: PLC0415 - filters load for a second
+
+            feed = decoder_feed(spec.source, options, start)
         else:
             feed = LogFeed(read_decisions(spec.source, signal_request(options)), start)
         self._feed = feed if errors is None else EmulatedFeed(feed, errors)

@@ -1,9 +1,10 @@
-"""Options that say how a recording of an EMG or BCI is to be read."""
+"""Options that say how a recording of an EMG or BCI is to be read, and how it is to be decoded."""
 
 from higvf_interfaces.fields import Fields, shown
 from higvf_interfaces.formats.signal_records import SignalRequest
 
 RECORDED = ("format", "stream", "rate", "period", "channels")
+DECODING = ("decoder", "calibration", "markers", "trial_s", "calibrate_to", "targets", "mains", "window", "hop")
 
 
 def signal_request(options: Fields) -> SignalRequest:

@@ -25,7 +25,7 @@ from higvf_interfaces.decoding.ssvep import WINDOW
 from higvf_interfaces.evidence import STREAMING
 from higvf_interfaces.fields import Fields, option_fields
 from higvf_interfaces.formats.signal_reading import read_signals
-from higvf_interfaces.recorded_options import RECORDED, signal_request
+from higvf_interfaces.recorded_options import DECODING, RECORDED, signal_request
 
 FULL_BAND = 2 * BAND[1]  # sampling rate that holds all of surface EMG [Hz]
 
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     try:
         parts = dict(part.partition("=")[::2] for part in given.options.split(","))
-        options = option_fields(InputSpec("decoding", given.file, options=parts), (*RECORDED, *replay.OPTIONS))
+        options = option_fields(InputSpec("decoding", given.file, options=parts), (*RECORDED, *DECODING))
         found = idle_report(given.file, options) if given.idle else report(given.file, options)
     except HigvfError as problem:
         print(problem, file=sys.stderr)

@@ -17,7 +17,6 @@ from higvf_interfaces.formats.signal_records import SignalChunk, SignalRecord
 from higvf_interfaces.recorded_options import signal_request, word
 from higvf_interfaces.streams import CLOCK_GRAIN
 
-OPTIONS = ("decoder", "calibration", "markers", "trial_s", "calibrate_to", "targets", "mains", "window", "hop")
 DECODERS = ("lda", "ssvep")
 _MAINS = 50.0  # [Hz]
 

@@ -10,7 +10,6 @@ over `MAX_HOLE` is shortened to it.
 """
 
 import numpy as np
-from scipy.signal import lfilter
 
 from higvf_console.arrays import Floats
 from higvf_interfaces.formats.records import MAX_HOLE
@@ -35,7 +34,6 @@ class SampleClock:
 
     def __init__(self, rate: float) -> None:
         """A clock of a signal of `rate` [Hz]."""
-        self.rate = rate
         self._period = 1.0 / rate
         self._origin = np.nan  # what is subtracted from the stamps; moves with every repair
         self._last = 0.0
@@ -43,7 +41,7 @@ class SampleClock:
         self._set_back = 0
 
     def times(self, stamps: Floats, steps: Floats) -> Floats:
-        """Times (n,) [s] of the next samples.
+        """Times (n,) [s] of the next samples, of which there are at most some thousands.
 
         Args:
             stamps: (n,) the device's [s]; NaN where it gave none.
@@ -63,8 +61,10 @@ class SampleClock:
         expected = self._last + np.cumsum(steps[start:]) * self._period
         raw = stamps[start:] - self._origin
         raw = np.where(np.isfinite(raw), raw, expected)
-        smooth = lfilter([1.0], [1.0, _GAIN - 1.0], _GAIN * raw + (1 - _GAIN) * steps[start:] * self._period,
-                         zi=[(1 - _GAIN) * self._last])[0]  # fmt: skip
+        # The recursion in closed form; a chunk is short enough for the powers of 1 - g.
+        decay = (1 - _GAIN) ** np.arange(1, len(raw) + 1)
+        pull = _GAIN * raw + (1 - _GAIN) * steps[start:] * self._period
+        smooth = decay * (self._last + np.cumsum(pull / decay))
         far = np.flatnonzero(np.abs(raw - smooth) > GAP)
         stop = int(far[0]) if len(far) else len(raw)
         if stop == 0:
