@@ -25,6 +25,7 @@ from higvf_console.commands import (
     StrokePoints,
 )
 from higvf_console.viewport import Viewport
+from higvf_interfaces.emulation import GAZE_ERRORS, describe, emulate_gaze, error_model
 from higvf_interfaces.fields import Fields, option_fields
 from higvf_interfaces.fixations import PX_PER_DEG, THRESHOLDS, Classified, centroid, classify
 from higvf_interfaces.formats.reading import read_gaze
@@ -32,7 +33,7 @@ from higvf_interfaces.formats.records import GazeRecording
 from higvf_interfaces.screens import choose_frame, choose_screen, on_screen, to_ground, to_pixels
 from higvf_interfaces.streams import Playhead, Stamp
 
-OPTIONS = ("format", "frame", "screen", "px_per_deg", "clutch", "viewport", "start", "min_confidence")
+OPTIONS = ("format", "frame", "screen", "px_per_deg", "clutch", "viewport", "start", "min_confidence", *GAZE_ERRORS)
 CLUTCHES = ("held", "paused", "always")
 PEN_UP = 1.5  # without valid gaze for so long, the pen lifts itself [s]
 LOST = 0.5  # a hole in the log that long loses the cursor [s]
@@ -184,6 +185,10 @@ def _prepare(
 ) -> tuple[Classified, tuple[str, ...]]:
     """The recording in screen pixels on the session clock, classified, and what of it cannot be used."""
     pixels = to_pixels(recording.points, choose_frame(recording, options), screen)
+    errors = error_model(options)
+    if errors is not None:
+        recording = emulate_gaze(recording._replace(points=pixels), errors, px_per_deg)
+        pixels = recording.points
     valid = recording.valid
     if recording.confidence is not None:
         trusted = ~(recording.confidence < options.number("min_confidence", 0.6, 0.0, 1.0))
@@ -194,8 +199,10 @@ def _prepare(
     if not valid.any():
         options.fail("no gaze sample is trusted and on the screen; check frame, screen and min_confidence")
     time = recording.time + options.number("start", 0.0, -1e6, 1e6, "s")
-    notes = (f"{away} samples off the screen",) if away else ()
-    return classify(time, pixels, valid, px_per_deg), notes
+    notes = [f"{away} samples off the screen"] if away else []
+    if errors is not None:
+        notes.append(f"emulated: {describe(errors)}")
+    return classify(time, pixels, valid, px_per_deg), tuple(notes)
 
 
 def _describe(recording: GazeRecording, gaze: Classified, notes: tuple[str, ...]) -> str:
