@@ -18,7 +18,7 @@ import numpy as np
 
 from higvf_console.arrays import Bools, Floats, Ints
 from higvf_console.control.blending import blended_velocity
-from higvf_console.control.deadlock import climb, forgotten, receptivity
+from higvf_console.control.deadlock import climb, forgotten, formation_grip, receptivity
 from higvf_console.control.disturbances import heard
 from higvf_console.control.following import broken_away, destination, progress
 from higvf_console.control.formation import formation_velocity
@@ -88,7 +88,8 @@ def compute(motion: Motion, intent: Intent, world: World, gains: Gains) -> Plan:
     steered = has_human(component, intent.influenced, human)
     wanted, human_intention = sight.robot_intention, guide(leader, w, motion, intent, gains)
     heard_start, heard_to = heard(start, to, motion.tick, gains.robots)
-    formation = keep_formation(motion.position, world, heard_start, heard_to, gains)
+    grip = formation_grip(rung, component, leader, idle, gains)
+    formation = keep_formation(motion.position, grip, world, heard_start, heard_to, gains)
     if gains.forms.human == PRINTED:
         _fade(wanted, human_intention, formation, motion, world, gains)
     if intent.paused:
@@ -193,13 +194,14 @@ def share(
 
 
 @kernel
-def keep_formation(position: Floats, world: World, start: Ints, to: Ints, gains: Gains) -> Floats:
-    """Formation velocities v_f (N, 2) [m/s]."""
+def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to: Ints, gains: Gains) -> Floats:
+    """Formation velocities v_f (N, 2) [m/s], each times the robot's `grip` (N,)."""
     formation = np.zeros(position.shape)
     for i in range(position.shape[0]):
         formation[i, 0], formation[i, 1] = formation_velocity(
             i, position[i, 0], position[i, 1], position, world.formation, start, to, gains.formation, gains.forms
         )
+        formation[i, 0], formation[i, 1] = grip[i] * formation[i, 0], grip[i] * formation[i, 1]
     return formation
 
 

@@ -5,9 +5,12 @@ frees nobody: the filtered speed is zero exactly when the nominal velocity lies 
 with it every multiple. So each rung changes a direction, is climbed when the stall lasts or comes again, and is
 forgotten once the robot has left all rings:
 
-    1  the component goes round on the other side
+    1  the component goes round on the other side, and lets go of its formation
     2  the human intention weighs more, where that turns the influenced robot's shared intention
-    3  the operator is asked for a new stroke; after that both sides are tried in turn
+    3  the operator is asked for a new stroke; after that the sides change ever more rarely
+
+A team can also hold itself: the formation, at its cap, may cancel a weak intention, and no barrier is active. So the
+formation loosens as well while the influenced robot makes no progress on its path.
 """
 
 import math
@@ -22,6 +25,7 @@ from higvf_console.control.kernel import kernel
 from higvf_console.state import NOBODY, Motion
 
 OTHER_SIDE, MORE_HUMAN, ASK = 1, 2, 3
+_LOOSENING = 0.25  # share of the path's patience after which an idle team keeps no formation
 _TURNED = 0.985  # cosine of ten degrees: a smaller turn is none
 
 
@@ -41,8 +45,33 @@ def climb(motion: Motion, component: Ints, gains: Gains) -> tuple[Ints, Bools]:
                 if component[j] == component[i]:
                     highest = max(highest, motion.rung[j])
             rung[i] = highest + 1
-            flip[i] = rung[i] == OTHER_SIDE or (rung[i] > ASK and rung[i] % 2 == 0)
+            flip[i] = rung[i] == OTHER_SIDE or (rung[i] > ASK and rung[i] & (rung[i] - 1) == 0)  # then 4, 8, 16, ...
     return rung, flip
+
+
+@kernel
+def formation_grip(rung: Ints, component: Ints, leader: int, idle: float, gains: Gains) -> Floats:
+    """How firmly each robot keeps the formation, (N,) from 0 to 1.
+
+    Args:
+        rung: (N,) from `climb`.
+        component: (N,) names of connected components.
+        leader: the influenced robot, or NOBODY.
+        idle: how long it has made no progress on its path [s], see `following.progress`.
+        gains: with the patience for that.
+    """
+    grip = np.ones(rung.shape[0])
+    if gains.forms.human == PRINTED:
+        return grip
+    loose = np.zeros(rung.shape[0], np.bool_)  # by component
+    for i in range(rung.shape[0]):
+        loose[component[i]] = loose[component[i]] or rung[i] > 0
+    for i in range(rung.shape[0]):
+        if loose[component[i]]:
+            grip[i] = 0.0
+        elif leader != NOBODY and component[i] == component[leader]:
+            grip[i] = max(0.0, 1.0 - idle / (_LOOSENING * gains.path.patience))
+    return grip
 
 
 @kernel

@@ -9,7 +9,7 @@ from higvf_console.control.kernel import kernel
 from higvf_console.control.paths import WINDOW, nearest, point_at, travel_left
 from higvf_console.state import NOBODY, Intent, Motion, Path, PathKind, PathStatus
 
-EN_ROUTE_PATIENCE = 10.0  # a robot on its way round obstacles may take this many times longer than one that stands
+EN_ROUTE_PATIENCE = 20.0  # a robot on its way round obstacles may take this many times longer than one that stands
 
 
 @kernel
@@ -50,7 +50,7 @@ def progress(motion: Motion, intent: Intent, status: int, rung: int, gains: Gain
 
     An open path is finished when w is at its end and the robot within the end radius of it. Without progress (no new
     least travel left, or on an endless path no motion) for `patience` it is given up and flagged as BLOCKED; a robot
-    that still moves, or climbs the ladder out of a deadlock (`rung` is its own), is granted ten times that.
+    that still moves, or climbs the ladder out of a deadlock (`rung` is its own), is granted twenty times that.
     """
     idle, gap = motion.path_idle, motion.path_gap
     if intent.path.kind == PathKind.NONE or status != PathStatus.FOLLOWING:

@@ -18,6 +18,7 @@ from higvf_console.lab.pockets import pocket_scene
 from higvf_console.lab.progress import ProgressBar
 from higvf_console.lab.scene_file import scene_setup
 from higvf_console.lab.scenes import TIME_LIMIT, Kind, Scene, open_scene
+from higvf_console.session.placement import convergent
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import roll, warm_up
 from higvf_console.state import PathStatus
@@ -81,7 +82,7 @@ def scene_named(text: str) -> Scene:
 
 def run_scene(scene: Scene, form: str) -> Outcome:
     """Runs a scene in one form until its path is finished or given up, or the time limit is over."""
-    return _run(scene, form, scene_setup(scene, gains_of(form)))
+    return _run(scene, form, scene_setup(scene, gains_of(form, scene)))
 
 
 def _run(scene: Scene, form: str, setup: Setup) -> Outcome:
@@ -90,14 +91,14 @@ def _run(scene: Scene, form: str, setup: Setup) -> Outcome:
     while state.motion.path_status == PathStatus.FOLLOWING and state.motion.tick * dt < TIME_LIMIT:
         state, rollout = roll(state, setup.world, setup.gains, _LOOK)
         clearance = min(clearance, float(rollout.clearance.min()))
-        deadlock += _LOOK * dt * bool((state.motion.stalled >= setup.gains.stall.stall_time).any())
+        deadlock += dt * float(rollout.deadlocked.sum())
     status = PathStatus(state.motion.path_status)
     return Outcome(scene.kind, scene.seed, form, status, state.motion.tick * dt, deadlock, clearance)
 
 
-def gains_of(form: str) -> Gains:
-    """The default gains in one of `FORMS`."""
-    return Gains(forms=_FORMS[form])
+def gains_of(form: str, scene: Scene) -> Gains:
+    """The default gains in one of `FORMS`; weights scaled where the printed intention update would diverge."""
+    return convergent(Gains(forms=_FORMS[form]), scene.robots, None, scene.influenced)[0]
 
 
 def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS) -> list[Outcome]:
@@ -109,7 +110,8 @@ def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS) -> list[Out
     """
     share = 1.0 if scenes is None else scenes / SCENES[Kind.SPACED]
     jobs = [(kind, seed) for kind, count in SCENES.items() for seed in range(max(1, round(share * count)))]
-    first = scene_setup(make_scene(*jobs[0]), gains_of(forms[0]))
+    scene = make_scene(*jobs[0])
+    first = scene_setup(scene, gains_of(forms[0], scene))
     warm_up(first.start, first.world, first.gains)  # once, before the processes start
     bar = ProgressBar("scenes", len(jobs))
     outcomes: list[Outcome] = []
@@ -128,6 +130,6 @@ def _run_batch(jobs: Sequence[tuple[Kind, int]], forms: Sequence[str]) -> list[O
     outcomes: list[Outcome] = []
     for kind, seed in jobs:
         scene = make_scene(kind, seed)
-        setup = scene_setup(scene, gains_of(forms[0]))
-        outcomes += [_run(scene, form, setup._replace(gains=gains_of(form))) for form in forms]
+        setup = scene_setup(scene, gains_of(forms[0], scene))
+        outcomes += [_run(scene, form, setup._replace(gains=gains_of(form, scene))) for form in forms]
     return outcomes

@@ -72,7 +72,7 @@ def story(scene: Scene) -> str:
             f"{form:9}  {_ENDS[end.status]} after {end.seconds:.1f} s, deadlocked {end.deadlock:.1f} s, "
             f"smallest clearance {end.clearance:.2f} m"
         )
-    run = Run(scene_setup(scene, gains_of("corrected")))
+    run = Run(scene_setup(scene, gains_of("corrected", scene)))
     while run.state.motion.path_status == PathStatus.FOLLOWING and run.time < TIME_LIMIT:
         lines += [f"{event.time:8.2f} s  {event.text}" for event in run.step()]
     return "\n".join(lines)

@@ -12,6 +12,7 @@ from scipy.spatial import KDTree
 from higvf_console.arrays import Floats, Ints, floats, ints
 from higvf_console.control.barriers.certificate import check_sampling, least_stand_off
 from higvf_console.control.disturbances import noise_limit
+from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.intention import map_radius
 from higvf_console.errors import FilterError, ScenarioError
@@ -19,6 +20,9 @@ from higvf_console.session.polygons import obstacles_of, segment_distance, signe
 from higvf_console.session.sections import Obstacles
 from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
 from higvf_console.state import World
+
+PRINTED_RADIUS = 0.9  # spectral radius to which the printed intention update is scaled
+_WEIGHTS = ("decay", "robot_weight", "neighbour_weight", "human_weight")
 
 
 def check_start(
@@ -137,6 +141,25 @@ def intention_radius(
     reach = min(gains.formation.communication_range, 1e9)
     edges = ints(links, -1, 2) if links is not None else KDTree(position).query_pairs(reach, output_type="ndarray")
     return map_radius(laplacian(ints(edges, -1, 2), robots), influenced, gains.intention)
+
+
+def convergent(
+    gains: Gains, position: Floats, links: tuple[tuple[int, int], ...] | None, influenced: int
+) -> tuple[Gains, tuple[str, ...]]:
+    """The gains with weights for which the printed intention update converges, and a warning if that changed them.
+
+    Weights that suit the corrected update make the printed one diverge: they are scaled to `PRINTED_RADIUS`.
+    """
+    radius = intention_radius(position, links, influenced, gains)
+    if gains.forms.intention != PRINTED or radius < 1.0:
+        return gains, ()
+    scale = PRINTED_RADIUS / radius
+    weights = {name: scale * getattr(gains.intention, name) for name in _WEIGHTS}
+    warning = (
+        f"the intention update as printed has spectral radius {radius:.3g} and diverges: "
+        f"its weights are multiplied by {scale:.3g}, which makes it {PRINTED_RADIUS:g}"
+    )
+    return gains._replace(intention=gains.intention._replace(**weights)), (warning,)
 
 
 def check_intention(radius: float, source: str) -> None:

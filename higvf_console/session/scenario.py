@@ -49,6 +49,7 @@ from higvf_console.session.placement import (
     check_intention,
     check_robots,
     check_start,
+    convergent,
     intention_radius,
     late_stand_off,
     link_table,
@@ -85,8 +86,6 @@ KEYS = (
     "version", "name", "title", "description", "arena", "robots", "links", "formation_m", "fires", "obstacles", "path",
     "influenced", "strokes", "parameters", "forms", "filter", "inputs", "demo", "duration_s",
 )  # fmt: skip
-PRINTED_RADIUS = 0.9  # spectral radius to which the printed intention update is scaled
-_WEIGHTS = ("decay", "robot_weight", "neighbour_weight", "human_weight")
 _SEEDS = 2**53  # whole numbers that a float can tell apart
 _DURATION = Quantity("s", 0.001, 1e6, "", "How long a run lasts.")
 
@@ -160,22 +159,10 @@ class Scenario:
         return Setup(self.arena, world, gains, follow(start, self.path), self.obstacles.polygons)
 
     def with_forms(self, forms: Forms) -> "Scenario":
-        """The same scenario with other forms of the equations.
-
-        The intention update as printed diverges with weights that suit the corrected one, so they are then scaled to
-        a spectral radius of `PRINTED_RADIUS`, and a warning says so.
-        """
-        gains, warnings = self.gains._replace(forms=forms), self.warnings
-        radius = intention_radius(self.robots.points, self.links, self.influenced, gains)
-        if forms.intention == PRINTED and radius >= 1.0:
-            scale = PRINTED_RADIUS / radius
-            weights = {name: scale * getattr(gains.intention, name) for name in _WEIGHTS}
-            gains = gains._replace(intention=gains.intention._replace(**weights))
-            warnings += (
-                f"the intention update as printed has spectral radius {radius:.3g} and diverges: "
-                f"its weights are multiplied by {scale:.3g}, which makes it {PRINTED_RADIUS:g}",
-            )
-        return replace(self, gains=gains, warnings=warnings)
+        """The same scenario with other forms of the equations, and weights with which they converge."""
+        gains = self.gains._replace(forms=forms)
+        gains, warnings = convergent(gains, self.robots.points, self.links, self.influenced)
+        return replace(self, gains=gains, warnings=self.warnings + warnings)
 
     def _world(self, position: Floats) -> World:
         sides = [(1, 0, self.arena.x_min), (-1, 0, -self.arena.x_max)]
