@@ -207,7 +207,7 @@ def test_every_cause_of_refusal_has_its_own_sentence(write: Write, tmp_path: Pat
         read_gaze(write("time,x,y\n0,,\n1,,\n"))
     with pytest.raises(InputError, match="'fortnight' is not a unit of time; known units: s, ms"):
         read_gaze(write("time [fortnight],x,y\n0,1,2\n"))
-    with pytest.raises(InputError, match="format: 'edf' is not one of xdf, .*tobii-prolab, .*gaze-csv"):
+    with pytest.raises(InputError, match=r"format: 'edf' is not one of xdf, .*tobii-prolab, .*gaze-csv"):
         read_gaze(write("time,x,y\n0,1,2\n"), "edf")
 
 

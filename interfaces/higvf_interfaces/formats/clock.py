@@ -1,5 +1,6 @@
 """Device times -> one increasing clock, block by block, with every repair counted."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,7 @@ class SampleClock:
         """
         self._path = path
         self._from_first = from_first
-        self._raw: float | None = None  # newest device time [s]
+        self._raw = math.nan  # newest device time [s]
         self._now = 0.0  # its place on the repaired clock [s]
         self._reached = -np.inf  # newest time that was kept [s]
         self._step = _USUAL_STEP
@@ -42,7 +43,7 @@ class SampleClock:
         if not len(timed):
             return floats([]), ints([])
         raw = seconds[timed]
-        if self._raw is None:
+        if math.isnan(self._raw):
             first = float(raw[0])
             self.epoch = first if self._from_first or first >= EPOCH_FROM or first < 0 else 0.0
             self._raw, self._now = first, first - self.epoch
@@ -59,7 +60,7 @@ class SampleClock:
         Raises:
             InputError: no row had a time.
         """
-        if self._raw is None:
+        if math.isnan(self._raw):
             raise InputError(f"{self._path}: no row has a time")
 
     @property

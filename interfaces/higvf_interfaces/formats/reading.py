@@ -79,15 +79,22 @@ class GazeFile:
         self._clock = SampleClock(path, stream.from_first)
 
     def blocks(self) -> Iterator[GazeBlock]:
-        """The samples, once, at strictly increasing times.
+        """The samples, once, at strictly increasing times; where the file breaks off later, its readable part.
 
         Raises:
-            InputError: no row has a time, or the file can no longer be read.
+            InputError: no row has a time, or the file cannot be read from its start.
         """
-        for block in self.stream.blocks:
-            time, kept = self._clock.repair(block.time)
-            if len(time):
-                yield GazeBlock(time, block.points[kept], block.valid[kept], block.confidence[kept])
+        readable = False
+        try:
+            for block in self.stream.blocks:
+                time, kept = self._clock.repair(block.time)
+                if len(time):
+                    yield GazeBlock(time, block.points[kept], block.valid[kept], block.confidence[kept])
+                    readable = True
+        except InputError as problem:
+            if not readable:
+                raise
+            self.stream.notes.append(f"the readable part is used: {problem}")
         self._clock.check()
 
     @property
