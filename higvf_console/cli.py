@@ -1,4 +1,4 @@
-"""`higvf`: run a scenario in the browser or headless, replay a recording, list scenarios, measure.
+"""`higvf`: run a scenario in the browser or headless, replay a recording, inspect a file, list scenarios, measure.
 
 Exit status: 0; 1 where a replay differs; 2 on input that cannot be used (one line on stderr says why); 130 on Ctrl-C.
 """
@@ -62,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     replay = commands.add_parser("replay", help="run a recording again and compare the digests")
     replay.add_argument("file", type=Path, metavar="FILE", help="made by `higvf run --record FILE`")
     replay.set_defaults(command=_replay)
+    _add_inspect(commands)
     bench = commands.add_parser("bench", help="measure the engine")
     bench.add_argument(
         "--suite", choices=("filter", "tick"), required=True, help="the safety filter, or the whole tick"
@@ -98,6 +99,20 @@ def _add_run(commands: Any) -> None:
     console.add_argument("--no-browser", action="store_true", help="do not open a browser")
 
 
+def _add_inspect(commands: Any) -> None:
+    inspect = commands.add_parser("inspect", help="say what a file is, and what it would become as operator input")
+    inspect.set_defaults(command=_inspect)
+    inspect.add_argument(
+        "file", metavar="FILE[:OPTION=VALUE,...]", help="a recording or a log, with the options that --input takes"
+    )
+    inspect.add_argument("--json", action="store_true", help="write JSON")
+    inspect.add_argument("--plot", type=Path, metavar="FILE.png", help="write a small picture, e.g. a heat map of gaze")
+    inspect.add_argument("--steps", action="store_true", help="tell each step from samples to a path")
+    inspect.add_argument(
+        "--scenario", default="firefighting", metavar="SCENARIO", help="whose arena is looked at (default firefighting)"
+    )
+
+
 def _positive(text: str) -> float:
     number = float(text)
     if not 0.0 < number < float("inf"):
@@ -121,6 +136,17 @@ def _scenarios(_: argparse.Namespace) -> int:
 
     for name in scenario_names():
         print(f"{name:26} {load_scenario(name).description}")
+    return 0
+
+
+def _inspect(given: argparse.Namespace) -> int:
+    from higvf_console.session.inputs import input_spec
+    from higvf_console.session.inspection import as_json, as_text, inspect
+    from higvf_console.session.scenario import load_scenario
+
+    spec = input_spec(f"inspect={given.file}", load_scenario(given.scenario))
+    description = inspect(spec, given.plot, given.steps)
+    print(as_json(description) if given.json else as_text(description))
     return 0
 
 

@@ -24,6 +24,7 @@ class GazeSource:
     Attributes:
         screen: the recording's screen and what lies under it.
         px_per_deg: pixels in one degree of visual angle.
+        method: how fixations are found.
         file: the recording as it was last opened, with what has been repaired so far.
         distrusted: samples of too low a confidence so far.
         away: samples off the screen so far.
@@ -39,9 +40,10 @@ class GazeSource:
         self._format = options.text("format") if options.has("format") else None
         self._wanted = Wanted(*(str(options.values[key]) if options.has(key) else None for key in ("stream", "x", "y")))
         self.px_per_deg = options.number("px_per_deg", PX_PER_DEG, 1.0, 1000.0, "px/deg")
-        self._method = options.choice("method", IVT, METHODS)
+        self.method = options.choice("method", IVT, METHODS)
         self._start = options.number("start", 0.0, -1e6, 1e6, "s")
         self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
+        self.distrusted = self.away = 0
         self.file = self._open()
         self.screen = choose_screen(self.file.stream, options, spec.arena)
         self._look_for_gaze()
@@ -60,13 +62,14 @@ class GazeSource:
 
     def pieces(self) -> Iterator[Classified]:
         """The samples from the start, with their fixations."""
-        return classify_blocks((pixels for _, pixels in self.blocks()), self.px_per_deg, self._method)
+        return classify_blocks((pixels for _, pixels in self.blocks()), self.px_per_deg, self.method)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What has been repaired, assumed or left out so far, in words."""
         away = (f"{self.away} samples off the screen",) if self.away else ()
-        return (*self.file.notes, *self.screen.notes, *away)
+        doubtful = (f"{self.distrusted} samples of too low a confidence",) if self.distrusted else ()
+        return (*self.file.notes, *self.screen.notes, *away, *doubtful)
 
     def _open(self) -> GazeFile:
         return stream_gaze(self._spec.source, self._format, self._wanted)

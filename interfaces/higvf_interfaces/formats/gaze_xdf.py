@@ -43,6 +43,15 @@ def matches(file: TextFile) -> bool:
     return file.head.startswith(MAGIC)
 
 
+def has_gaze(file: TextFile) -> bool:
+    """Whether one of an XDF file's streams is of a type that says gaze.
+
+    Raises:
+        InputError: the file is damaged.
+    """
+    return any(stream.info.type.strip().casefold() in TYPES for stream in survey(file.path).streams)
+
+
 def stream(file: TextFile, wanted: Wanted) -> GazeStream:
     """Loads the chosen stream.
 

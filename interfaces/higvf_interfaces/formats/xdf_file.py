@@ -7,6 +7,7 @@ wrong one would be believed. Format: github.com/sccn/xdf, "Specifications".
 
 import logging
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Any, NamedTuple
@@ -24,11 +25,12 @@ _LONGEST_HEADER = 10_000_000  # bytes
 
 
 class XdfStream(NamedTuple):
-    """A stream of a file: its number in the file, what it says of itself, and its header in XML."""
+    """A stream of a file: its number in the file, what it says of itself, its header in XML, and its samples."""
 
     number: int
     info: StreamInfo
     header: ET.Element
+    samples: int = 0
 
 
 class Survey(NamedTuple):
@@ -51,7 +53,9 @@ def survey(path: Path) -> Survey:
     Raises:
         InputError: it is no XDF file, or a chunk claims more samples than it has bytes.
     """
-    streams: list[XdfStream] = []
+    streams: dict[int, XdfStream] = {}
+    samples: Counter[int] = Counter()
+    torn = False
     try:
         size = path.stat().st_size
         with path.open("rb") as file:
@@ -60,16 +64,19 @@ def survey(path: Path) -> Survey:
             while file.tell() < size:
                 chunk = _next_chunk(file, size)
                 if chunk is None:
-                    return Survey(tuple(streams), torn=True)
+                    torn = True
+                    break
                 tag, end = chunk
+                number = int.from_bytes(file.read(4), "little") if tag in (_HEADER, _SAMPLES) else 0
                 if tag == _HEADER:
-                    streams.append(_header(path, file, end))
+                    streams[number] = _header(path, file, number, end)
                 elif tag == _SAMPLES:
-                    _check_samples(path, file, end)
+                    samples[number] += _count(path, file, end)
                 file.seek(end)
     except OSError as problem:
         raise InputError(f"{path}: cannot be read: {problem}") from problem
-    return Survey(tuple(streams), torn=False)
+    counted = (stream._replace(samples=samples[number]) for number, stream in streams.items())
+    return Survey(tuple(counted), torn)
 
 
 def choose(path: Path, streams: Sequence[XdfStream], wanted: str | None, types: Sequence[str]) -> XdfStream:
@@ -137,8 +144,7 @@ def _length(file: IO[bytes]) -> int | None:
     return int.from_bytes(content, "little") if content and len(content) == width else None
 
 
-def _header(path: Path, file: IO[bytes], end: int) -> XdfStream:
-    number = int.from_bytes(file.read(4), "little")
+def _header(path: Path, file: IO[bytes], number: int, end: int) -> XdfStream:
     length = end - file.tell()
     if not 0 <= length <= _LONGEST_HEADER:
         raise InputError(f"{path}: the header of stream {number} is {length} bytes long")
@@ -153,11 +159,12 @@ def _header(path: Path, file: IO[bytes], end: int) -> XdfStream:
     return XdfStream(number, info, header)
 
 
-def _check_samples(path: Path, file: IO[bytes], end: int) -> None:
-    file.read(4)
+def _count(path: Path, file: IO[bytes], end: int) -> int:
+    """How many samples the chunk claims; each takes a byte or more."""
     samples = _length(file)
     if samples is None or samples > end - file.tell():
         raise InputError(f"{path}: a chunk claims {samples} samples in {end - file.tell()} bytes: the file is damaged")
+    return samples
 
 
 def _said(header: ET.Element, key: str) -> str:
