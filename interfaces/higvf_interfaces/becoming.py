@@ -22,8 +22,9 @@ PEN_UP = 1.5  # without gaze for so long, a stroke ends [s]
 _FEWEST = 3  # fixations that make one
 _LONGEST_BLINK = 0.5  # a longer gap is none [s]
 _STROKES_TOLD = 20
-_MOST_CENTROIDS = 2000  # of a stroke whose path is told
+_MOST_CENTROIDS = 300  # of a stroke whose path is told: the fit takes long for more
 _WIDTH = 900  # of the picture [px]
+_DOT = 3  # radius of a fixation in it [px]
 _PAPER, _INK = 250, (40, 60, 110)
 
 
@@ -102,16 +103,15 @@ class Becoming:
         }
 
     def picture(self) -> NDArray[np.uint8]:
-        """A heat map (height, width, 3) over the arena, with the paths of the first strokes."""
+        """A heat map (height, width, 3) over the arena, with the fixations of the first strokes."""
         heat = floats(paint(self._grid, self._arena, _WIDTH, self._degree))
         opacity = heat[:, :, 3:] / 255
         picture = np.ascontiguousarray(_PAPER * (1 - opacity) + heat[:, :, :3] * opacity, dtype=np.uint8)
         corner = np.array([self._arena.x_min, self._arena.y_max])
         for stroke in self._told:
-            curve = gaze_path(stroke.centroids, 0.5 * self._degree).curve
-            pixels = (curve - corner) * np.array([1, -1]) * _WIDTH / self._arena.width
-            drawn = np.clip(np.round(pixels), -_WIDTH, 2 * _WIDTH).astype(np.int32)
-            cv2.polylines(picture, [drawn], False, _INK, 2, cv2.LINE_AA)
+            pixels = (stroke.centroids - corner) * np.array([1, -1]) * _WIDTH / self._arena.width
+            for x, y in pixels[np.isfinite(pixels).all(axis=1)].tolist():
+                cv2.circle(picture, (round(x), round(y)), _DOT, _INK, -1, cv2.LINE_AA)
         return picture
 
     def _count_gaps(self, piece: Classified) -> None:

@@ -17,7 +17,7 @@ NAME = "tobii-research"
 TITLE = "table of tobii_research gaze data (validity 1 = valid)"
 _CLOCKS = ("device_time_stamp", "system_time_stamp")
 _POINT, _VALIDITY = "{}_gaze_point_on_display_area", "{}_gaze_point_validity"
-_ENDINGS = (("_x", "_y"), ("_0", "_1"), ("[0]", "[1]"), (".x", ".y"), (" x", " y"))
+_ENDINGS = (("",), ("_x", "_y"), ("_0", "_1"), ("[0]", "[1]"), (".x", ".y"), (" x", " y"))
 
 
 class _EyeColumns(NamedTuple):
@@ -57,14 +57,11 @@ def _find_eyes(file: TextFile) -> tuple[_EyeColumns, ...]:
     eyes: list[_EyeColumns] = []
     for side in ("left", "right"):
         point, validity = _POINT.format(side), file.find(_VALIDITY.format(side))
-        whole = file.find(point)
-        if whole is not None:
-            eyes.append(_EyeColumns((whole,), validity))
-            continue
-        for ending in _ENDINGS:
-            x, y = (_titled(file, point + end) for end in ending)
-            if x is not None and y is not None:
-                eyes.append(_EyeColumns((x, y), validity))
+        pairs = ([_titled(file, point + end) for end in ending] for ending in _ENDINGS)
+        for pair in pairs:
+            found = tuple(column for column in pair if column is not None)
+            if found and len(found) == len(pair):
+                eyes.append(_EyeColumns(found, validity))
                 break
     return tuple(eyes)
 
