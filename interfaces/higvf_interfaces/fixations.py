@@ -66,6 +66,7 @@ def classify(
     px_per_deg: float = PX_PER_DEG,
     limits: Thresholds = THRESHOLDS,
     method: str = IVT,
+    begin: int = 0,
 ) -> Classified:
     """Finds the fixations of a recording.
 
@@ -76,15 +77,17 @@ def classify(
         px_per_deg: pixels in one degree of visual angle.
         limits: what parts a fixation from a saccade.
         method: one of `METHODS`.
+        begin: the sample from which fixations may begin; those before only help to fill, cut and measure.
     """
     filled, seen = fill_gaps(time, points, valid, limits.longest_filled)
     steady = cut_blinks(time, seen, limits.longest_filled, limits.blink_margin)
+    free = steady & (np.arange(len(time)) >= begin)
     if method == IDT:
         within, shortest = limits.dispersion * px_per_deg, limits.shortest_by_dispersion
-        first, last = still_stretches(time, filled, steady, within, shortest, limits.merge_time)
+        first, last = still_stretches(time, filled, bools(free), within, shortest, limits.merge_time)
         fixating = covered(len(time), first, last)
     else:
-        fixating = bools(steady & (angular_speed(time, filled, steady, px_per_deg, limits.window) < limits.speed))
+        fixating = bools(free & (angular_speed(time, filled, steady, px_per_deg, limits.window) < limits.speed))
         first, last = runs(time, fixating, limits.merge_time)
     reach = limits.merge_angle * px_per_deg
     first, last = merge(time, filled, fixating, first, last, longest_gap=limits.merge_time, reach=reach)

@@ -41,7 +41,7 @@ def classify_blocks(
         held = _joined(held, block)
         if not len(held.time):
             continue
-        found = classify(*held, px_per_deg, method=method)
+        found = classify(*held, px_per_deg, method=method, begin=begin)
         end = max(begin, _settled(found))
         if end == begin and len(held.time) - begin >= longest:
             end = int(np.searchsorted(held.time, held.time[-1] - HORIZON))
@@ -50,7 +50,7 @@ def classify_blocks(
             kept = int(np.searchsorted(held.time, held.time[end - 1] - HORIZON))
             held, begin = Pixels(held.time[kept:], held.points[kept:], held.valid[kept:]), end - kept
     if len(held.time) > begin:
-        yield _piece(classify(*held, px_per_deg, method=method), begin, len(held.time))
+        yield _piece(classify(*held, px_per_deg, method=method, begin=begin), begin, len(held.time))
 
 
 def _joined(first: Pixels, then: Pixels) -> Pixels:
@@ -76,13 +76,13 @@ def _settled(found: Classified) -> int:
 def _piece(found: Classified, begin: int, end: int) -> Classified:
     """The samples from `begin` to `end` and the fixations that end among them."""
     inside = slice(begin, end)
-    mine = (found.last >= begin) & (found.first < end)
+    mine = found.first < end
     return Classified(
         time=found.time[inside],
         points=found.points[inside],
         seen=found.seen[inside],
         steady=found.steady[inside],
         fixating=found.fixating[inside],
-        first=ints(np.maximum(found.first[mine], begin) - begin),
+        first=ints(found.first[mine] - begin),
         last=ints(np.minimum(found.last[mine], end - 1) - begin),
     )

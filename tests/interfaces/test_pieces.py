@@ -27,7 +27,8 @@ def looked(seed: int, duration: float = 30.0) -> Pixels:
 
 def cut(whole: Pixels, size: int) -> Iterator[Pixels]:
     for first in range(0, len(whole.time), size):
-        yield Pixels(*(column[first : first + size] for column in whole))
+        part = slice(first, first + size)
+        yield Pixels(whole.time[part], whole.points[part], whole.valid[part])
 
 
 def spans(found: Classified) -> Floats:
