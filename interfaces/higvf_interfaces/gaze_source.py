@@ -45,12 +45,14 @@ class GazeSource:
         self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
         self.distrusted = self.away = 0
         self.file = self._open()
+        self._unread = True  # an XDF file takes its time to open, so what is open is read first
         self.screen = choose_screen(self.file.stream, options, spec.arena)
         self._look_for_gaze()
 
     def blocks(self) -> Iterator[tuple[GazeBlock, Pixels]]:
         """The samples from the start, as recorded and as they can be used."""
-        self.file = self._open()
+        self.file = self.file if self._unread else self._open()
+        self._unread = False
         self.distrusted = self.away = 0
         for block in self.file.blocks():
             pixels = to_pixels(block.points, self.screen)

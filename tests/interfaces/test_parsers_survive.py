@@ -93,7 +93,7 @@ def test_truncations_and_overwritten_bytes_of_every_gaze_format(tmp_path: Path, 
         inspect(InputSpec("inspect", str(file), options={"frame": "screen"}), steps=True)
 
 
-@hard
+@settings(hard, max_examples=60)
 @given(data=st.data())
 def test_folders_and_sidecars_that_are_damaged(tmp_path: Path, data: st.DataObject) -> None:
     folder, table = WRITERS["neon-native"](tmp_path / "folder", eyes(12)), WRITERS["bids"](tmp_path / "file", eyes(12))

@@ -13,7 +13,7 @@ SCENE_FRAMES = {"scene": "screen", "scene-unit": "unit"}  # of a camera on the h
 TOP_LEFT, BOTTOM_LEFT = "top left", "bottom left"
 ORIGINS = (TOP_LEFT, BOTTOM_LEFT)
 EPOCH_FROM = 3600.0  # a log that starts later counts from some epoch, not from the start of a run [s]
-BLOCK = 512  # samples read at once: what is held of a long recording, and what one poll of its replay may cost
+BLOCK = 256  # samples read at once: what is held of a long recording, and what one poll of its replay may cost
 
 Row: TypeAlias = tuple[float, float, float, bool, float]  # time [s], x, y, vouched for, confidence
 
