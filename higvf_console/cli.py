@@ -1,6 +1,7 @@
 """`higvf`: run a scenario in the browser or headless, replay a recording, inspect a file, list scenarios, measure.
 
-Exit status: 0; 1 where a replay differs; 2 on input that cannot be used (one line on stderr says why); 130 on Ctrl-C.
+Exit status: 0; 1 where a replay differs or an interface breaks its contract; 2 on input that cannot be used (one line
+on stderr says why); 130 on Ctrl-C.
 """
 # ruff: noqa: PLC0415 (each command imports what it needs, so that `--help` loads no compiler)
 
@@ -71,7 +72,17 @@ def _parser() -> argparse.ArgumentParser:
     bench.set_defaults(command=_bench)
     compiling = commands.add_parser("compile", help="compile the engine now, so that the first run starts at once")
     compiling.set_defaults(command=_compile)
+    _add_check_interface(commands)
     return parser
+
+
+def _add_check_interface(commands: Any) -> None:
+    check = commands.add_parser("check-interface", help="hold an operator interface to its contract")
+    check.set_defaults(command=_check_interface)
+    check.add_argument("name", metavar="NAME", help="of an installed interface, e.g. gaze")
+    check.add_argument("--input", metavar="NAME=FILE[:OPTION=VALUE,...]", help="what it reads, as for `higvf run`")
+    check.add_argument("--scenario", default="firefighting", metavar="SCENARIO", help="with its arena and settings")
+    check.add_argument("--seconds", type=_positive, default=60.0, metavar="S", help="of session time (default 60)")
 
 
 def _add_run(commands: Any) -> None:
@@ -163,6 +174,20 @@ def _compile(_: argparse.Namespace) -> int:
     seconds = _warm_up(load_scenario("firefighting").setup())
     print(f"The engine is compiled ({seconds:.1f} s).")
     return 0
+
+
+def _check_interface(given: argparse.Namespace) -> int:
+    from higvf_console.session.inputs import input_spec
+    from higvf_console.session.interface_check import check_interface
+    from higvf_console.session.scenario import load_scenario
+
+    spec = input_spec(given.input or given.name, load_scenario(given.scenario))
+    if spec.channel != given.name:
+        raise HigvfError(f"--input {given.input}: is not for the interface '{given.name}'")
+    findings = check_interface(spec, given.seconds)
+    for finding in findings:
+        print(f"{'ok    ' if finding.kept else 'BROKEN'} {finding.rule}: {finding.detail}")
+    return 0 if all(finding.kept for finding in findings) else 1
 
 
 def _warm_up(setup: "Setup") -> float:

@@ -4,7 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from higvf_console.arrays import bools
 from higvf_console.commands import InputSpec
+from higvf_interfaces.emulation import GAZE_ERRORS, GazeErrors, describe, error_model
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.fixations import IVT, METHODS, PX_PER_DEG, Classified
 from higvf_interfaces.formats.reading import GazeFile, stream_gaze
@@ -14,7 +16,7 @@ from higvf_interfaces.screens import choose_screen, on_screen, to_pixels
 
 OPTIONS = (
     "format", "stream", "x", "y", "frame", "origin", "screen", "calibration", "px_per_deg", "method", "start",
-    "min_confidence",
+    "min_confidence", *GAZE_ERRORS,
 )  # fmt: skip
 
 
@@ -43,6 +45,7 @@ class GazeSource:
         self.method = options.choice("method", IVT, METHODS)
         self._start = options.number("start", 0.0, -1e6, 1e6, "s")
         self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
+        self._errors = error_model(options)
         self.distrusted = self.away = 0
         self.file = self._open()
         self._unread = True  # an XDF file takes its time to open, so what is open is read first
@@ -54,13 +57,17 @@ class GazeSource:
         self.file = self.file if self._unread else self._open()
         self._unread = False
         self.distrusted = self.away = 0
+        worsen = GazeErrors(self._errors, self.px_per_deg) if self._errors is not None else None
         for block in self.file.blocks():
             pixels = to_pixels(block.points, self.screen)
-            trusted = block.valid & ~(block.confidence < self._trusted_from)
+            time, valid = block.time, block.valid
+            if worsen is not None:
+                time, pixels, valid = worsen(time, pixels, valid)
+            trusted = valid & ~(block.confidence < self._trusted_from)
             usable = trusted & on_screen(pixels, self.screen)
-            self.distrusted += int(np.count_nonzero(block.valid & ~trusted))
+            self.distrusted += int(np.count_nonzero(valid & ~trusted))
             self.away += int(np.count_nonzero(trusted & ~usable))
-            yield block, Pixels(block.time + self._start, pixels, usable)
+            yield block, Pixels(time + self._start, pixels, bools(usable))
 
     def pieces(self) -> Iterator[Classified]:
         """The samples from the start, with their fixations."""
@@ -71,7 +78,8 @@ class GazeSource:
         """What has been repaired, assumed or left out so far, in words."""
         away = (f"{self.away} samples off the screen",) if self.away else ()
         doubtful = (f"{self.distrusted} samples of too low a confidence",) if self.distrusted else ()
-        return (*self.file.notes, *self.screen.notes, *away, *doubtful)
+        made = (f"emulated: {describe(self._errors)}",) if self._errors is not None else ()
+        return (*self.file.notes, *self.screen.notes, *away, *doubtful, *made)
 
     def _open(self) -> GazeFile:
         return stream_gaze(self._spec.source, self._format, self._wanted)

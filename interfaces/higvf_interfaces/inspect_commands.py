@@ -11,8 +11,9 @@ from higvf_interfaces.actions import ACTIONS
 from higvf_interfaces.bci import CLASSES
 from higvf_interfaces.describing import Request, description, write_picture
 from higvf_interfaces.emg import GESTURES
-from higvf_interfaces.formats.reading import COMMAND_FORMATS, choose_format
 from higvf_interfaces.formats.records import Decision
+from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, read_decisions
+from higvf_interfaces.recorded_options import signal_request
 
 _CHANNELS: tuple[tuple[str, Mapping[str, str]], ...] = (("emg", GESTURES), ("bci", CLASSES))
 _SHOWN = 30  # labels
@@ -23,10 +24,10 @@ _INK, _PAPER = (40, 60, 110), 255
 
 def knows(request: Request) -> bool:
     """Whether it is a log of labels, or is said to be."""
-    names = [known.name for known in COMMAND_FORMATS]
+    names = [known.name for known in DECISION_FORMATS]
     if request.format is not None:
         return request.format in names
-    return any(known.matches(request.file) for known in COMMAND_FORMATS)
+    return any(known.matches(request.file) for known in DECISION_FORMATS)
 
 
 def describe(request: Request) -> Mapping[str, object]:
@@ -35,7 +36,7 @@ def describe(request: Request) -> Mapping[str, object]:
     Raises:
         InputError: it has no times or no labels.
     """
-    log = choose_format(request.file, request.format, COMMAND_FORMATS).read(request.file)
+    log = read_decisions(request.spec.source, signal_request(request.options))
     labels = Counter(decision.label for decision in log.decisions)
     sure = [decision.confidence for decision in log.decisions if decision.confidence is not None]
     if request.plot is not None:

@@ -20,7 +20,7 @@ def knows(request: Request) -> bool:
     if request.format is not None:
         return request.format in [known.name for known in GAZE_FORMATS]
     if gaze_xdf.matches(request.file):
-        return options.has("stream") or options.has("x") or gaze_xdf.has_gaze(request.file)
+        return options.has("x") or gaze_xdf.has_gaze(request.file)
     return any(known.matches(request.file) for known in GAZE_FORMATS)
 
 

@@ -12,8 +12,8 @@ def knows(request: Request) -> bool:
     return gaze_xdf.matches(request.file)
 
 
-def describe(request: Request) -> Mapping[str, object]:
-    """Its streams.
+def describe(request: Request, reason: str = "") -> Mapping[str, object]:
+    """Its streams, and the reason why none of them is described alone.
 
     Raises:
         InputError: it is damaged.
@@ -28,6 +28,7 @@ def describe(request: Request) -> Mapping[str, object]:
         duration=None,
         warnings=(
             *torn,
+            *([reason] if reason else []),
             f"no stream is of type {' or '.join(gaze_xdf.TYPES)}; one that is gaze nonetheless is told by stream= "
             "(name, type, source id or number) with x= and y= (labels or numbers of its channels)",
         ),

@@ -10,12 +10,14 @@ from typing import NamedTuple
 
 from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
-from higvf_interfaces import inspect_commands, inspect_gaze, inspect_streams
+from higvf_interfaces import inspect_commands, inspect_gaze, inspect_signals, inspect_streams
 from higvf_interfaces.describing import Request
 from higvf_interfaces.fields import option_fields
-from higvf_interfaces.formats.reading import COMMAND_FORMATS, GAZE_FORMATS, unknown_format
+from higvf_interfaces.formats.reading import GAZE_FORMATS, unknown_format
+from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, SIGNAL_FORMATS
 from higvf_interfaces.formats.text import look
 from higvf_interfaces.gaze_source import OPTIONS
+from higvf_interfaces.recorded_options import RECORDED
 
 
 class Kind(NamedTuple):
@@ -28,6 +30,7 @@ class Kind(NamedTuple):
 
 KINDS: tuple[Kind, ...] = (
     Kind("gaze", inspect_gaze.knows, inspect_gaze.describe),
+    Kind("signals", inspect_signals.knows, inspect_signals.describe),
     Kind("commands", inspect_commands.knows, inspect_commands.describe),
     Kind("streams", inspect_streams.knows, inspect_streams.describe),
 )
@@ -37,7 +40,7 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
     """Describes the file `spec.source`; entry point of the group `higvf_console.inspectors`.
 
     Args:
-        spec: the file, the options of a gaze channel, and the arena that it would steer in.
+        spec: the file, the options of the channel that it is for, and the arena that it would steer in.
         plot: where a small picture (PNG) goes; None = none.
         steps: whether the steps from samples to a path are told, too.
 
@@ -48,11 +51,13 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
     Raises:
         InputError: the file is of no known kind, or cannot be read; the message gives the way out.
     """
-    request = Request(spec, look(spec.source), option_fields(spec, OPTIONS), plot, steps)
+    request = Request(
+        spec, look(spec.source), option_fields(spec, tuple(dict.fromkeys((*OPTIONS, *RECORDED)))), plot, steps
+    )
     for kind in KINDS:
         if kind.knows(request):
             return kind.describe(request)
-    sought = [(known.name, known.title) for known in (*GAZE_FORMATS, *COMMAND_FORMATS)]
+    sought = [(known.name, known.title) for known in (*GAZE_FORMATS, *SIGNAL_FORMATS, *DECISION_FORMATS)]
     if request.options.has("format"):
         raise InputError(
             f"format: {request.options.text('format')!r} is not one of {', '.join(name for name, _ in sought)}"

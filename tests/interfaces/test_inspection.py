@@ -117,7 +117,27 @@ def test_recorded_xdf_without_gaze_is_told_by_its_streams(sample: Sample) -> Non
     assert (told["format"], told["kind"]) == ("xdf", "streams")
     assert [stream["type"] for stream in told["streams"]] == ["PPG", "ACC", "GYRO", "EEG"]
     assert told["samples"] > 2000
-    assert "stream=" in told["warnings"][0]
+    assert all("stream=" in warning for warning in told["warnings"])
+    eeg = inspected(sample("xdf_muse_eeg/sub-P031_ses-S001_task-Default_run-001_eeg.xdf"), stream="EEG")
+    assert (eeg["kind"], len(eeg["streams"]), eeg["columns"][0]) == ("signals", 4, "TP9 [uV]")
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "told"),
+    [
+        ("xdf_emg8_gestures/test1.xdf", {}, ("xdf-signals", 23390, 8)),
+        ("emg_myo8/emg_data_myo.csv", {"rate": "200"}, ("myo-csv", 500, 8)),
+        ("openbci_gui_v6/OpenBCI_GUI-v6-blinks-jawClench-alpha_first60s.txt", {}, ("openbci-txt", 15000, 8)),
+        ("emg_bids_edf/sub-01_task-typing_emg.edf", {}, ("edf", 1000, 32)),
+    ],
+)
+def test_recorded_signals_are_told_by_their_channels(
+    sample: Sample, name: str, options: dict[str, str], told: tuple[str, int, int]
+) -> None:
+    found = inspected(sample(name), **options)
+    assert found["kind"] == "signals"
+    assert (found["format"], found["samples"], len(found["columns"])) == told
+    assert found["valid_share"] == 1
 
 
 def test_the_recorded_tobii_excerpt_is_told(sample: Sample) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Generic, NamedTuple, TypeVar
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from higvf_interfaces.formats import (
     tobii_prolab,
     tobii_research,
 )
-from higvf_interfaces.formats.clock import SampleClock
+from higvf_interfaces.formats.clock import GazeClock
 from higvf_interfaces.formats.records import ANYTHING, CommandLog, GazeBlock, GazeRecording, GazeStream, Wanted
 from higvf_interfaces.formats.text import TextFile, look
 
@@ -66,7 +66,28 @@ COMMAND_FORMATS: tuple[Format[CommandLog], ...] = (
     Format(command_log.JSON_NAME, command_log.JSON_TITLE, command_log.matches_jsonl, command_log.read_jsonl),
     Format(command_log.CSV_NAME, command_log.CSV_TITLE, command_log.matches_csv, command_log.read_csv),
 )
-_Known = TypeVar("_Known", GazeFormat, Format[CommandLog])
+
+
+class KnownFormat(Protocol):
+    """What every format says of itself."""
+
+    @property
+    def name(self) -> str:
+        """The short name that `format=` takes."""
+        ...
+
+    @property
+    def title(self) -> str:
+        """What it is."""
+        ...
+
+    @property
+    def matches(self) -> Callable[..., bool]:
+        """Whether a `TextFile` looks like it."""
+        ...
+
+
+_Known = TypeVar("_Known", bound=KnownFormat)
 
 
 class GazeFile:
@@ -76,7 +97,7 @@ class GazeFile:
         """Takes what a format yields."""
         self.stream = stream
         self._path = path
-        self._clock = SampleClock(path, stream.from_first)
+        self._clock = GazeClock(path, stream.from_first)
 
     def blocks(self) -> Iterator[GazeBlock]:
         """The samples, once, at strictly increasing times; where the file breaks off later, its readable part.
