@@ -134,7 +134,7 @@ def test_recorded_xdf_without_gaze_is_told_by_its_streams(sample: Sample) -> Non
 def test_recorded_signals_are_told_by_their_channels(
     sample: Sample, name: str, options: dict[str, str], told: tuple[str, int, int]
 ) -> None:
-    found = inspected(sample(name), **options)
+    found = cast(Mapping[str, Any], inspect(InputSpec("inspect", str(sample(name)), options)))
     assert found["kind"] == "signals"
     assert (found["format"], found["samples"], len(found["columns"])) == told
     assert found["valid_share"] == 1
