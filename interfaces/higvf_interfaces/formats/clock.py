@@ -7,16 +7,15 @@ import numpy as np
 
 from higvf_console.arrays import Floats, Ints, floats, ints
 from higvf_console.errors import InputError
-from higvf_interfaces.formats.records import EPOCH_FROM
+from higvf_interfaces.formats.records import EPOCH_FROM, MAX_HOLE
 
-MAX_HOLE = 10.0  # a longer hole between gaze samples is shortened to this [s]
 _SAME_TIME = 1e-5  # samples nearer in time are one, given twice [s]
 _RESTART = 1.0  # a step back by more is a restarted clock, by less a row out of order [s]
 _USUAL_STEP = 1e-3  # between samples, until one has been seen [s]
 _COARSEST = (("s", 0.5), ("ms", 500.0), ("μs", 5e5))  # steps between gaze samples lie below, in that unit
 
 
-class SampleClock:
+class GazeClock:
     """Repairs device times: rows without a time or out of order go, restarts are joined on, long holes shortened."""
 
     def __init__(self, path: Path, from_first: bool) -> None:

@@ -22,7 +22,7 @@ from higvf_interfaces.formats import (
     tobii_prolab,
     tobii_research,
 )
-from higvf_interfaces.formats.clock import SampleClock
+from higvf_interfaces.formats.clock import GazeClock
 from higvf_interfaces.formats.records import ANYTHING, CommandLog, GazeBlock, GazeRecording, GazeStream, Wanted
 from higvf_interfaces.formats.text import TextFile, look
 
@@ -76,7 +76,7 @@ class GazeFile:
         """Takes what a format yields."""
         self.stream = stream
         self._path = path
-        self._clock = SampleClock(path, stream.from_first)
+        self._clock = GazeClock(path, stream.from_first)
 
     def blocks(self) -> Iterator[GazeBlock]:
         """The samples, once, at strictly increasing times; where the file breaks off later, its readable part.

@@ -12,6 +12,7 @@ FRAMES = ("arena", "screen", "unit")
 SCENE_FRAMES = {"scene": "screen", "scene-unit": "unit"}  # of a camera on the head, and what it is taken as on demand
 TOP_LEFT, BOTTOM_LEFT = "top left", "bottom left"
 ORIGINS = (TOP_LEFT, BOTTOM_LEFT)
+MAX_HOLE = 10.0  # a longer hole between samples is shortened to this [s]
 EPOCH_FROM = 3600.0  # a log that starts later counts from some epoch, not from the start of a run [s]
 BLOCK = 256  # samples read at once: what is held of a long recording, and what one poll of its replay may cost
 
