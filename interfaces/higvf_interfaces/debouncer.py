@@ -4,8 +4,8 @@
 
 A label's support is the mean over its last m decisions of their confidence (a decision without one is a plain vote, 1;
 another label is 0). A label becomes active when its support reaches `enter`, gives its command then, and gives none
-again before its support has fallen to `leave`. Voting does not rescue a weak decoder (41 % right singly, 40 to 50 %
-after it); it keeps a good one from stuttering.
+again before its support has fallen to `leave`. Voting keeps a good decoder from stuttering and does not rescue a weak
+one: motor imagery that is right 34 times in 100 singly is right 40 times after it.
 """
 
 import math

@@ -191,6 +191,12 @@ def test_a_muse_table_is_a_signal_and_its_marker_column_decisions(write: Write) 
         read_signals(file, SignalRequest(channels=("Oz",)))
 
 
+def test_a_marker_that_lasts_is_one_event(write: Write) -> None:
+    rows = "".join(f"{k / 100},{k}.5,{'5' if 20 <= k < 30 or k >= 40 else '0'}\n" for k in range(50))
+    log = read_decisions(write("timestamps,C3,Marker0\n" + rows))
+    assert [(round(d.time, 2), d.label) for d in log.decisions] == [(0.2, "5"), (0.4, "5")]
+
+
 def test_brainvision_markers_count_samples_from_one(write: Write) -> None:
     header = (
         "BrainVision Data Exchange Header File Version 1.0\n[Common Infos]\nMarkerFile=$b.vmrk\nSamplingInterval=2000\n"

@@ -68,20 +68,20 @@ class SampleClock:
         far = np.flatnonzero(np.abs(raw - smooth) > GAP)
         stop = int(far[0]) if len(far) else len(raw)
         if stop == 0:
-            self._jump(float(raw[0]), float(smooth[0]), float(steps[start]))
+            self._jump(float(raw[0]), float(expected[0]))
             times[start] = self._last
             return start + 1
         times[start : start + stop] = smooth[:stop]
         self._last = float(smooth[stop - 1])
         return start + stop
 
-    def _jump(self, raw: float, expected: float, step: float) -> None:
+    def _jump(self, raw: float, expected: float) -> None:
         if raw > expected:
             self._holes.append(raw - expected)
             self._last += min(raw - self._last, MAX_HOLE)
         else:
             self._set_back += 1  # joined on: time in a recording never runs backwards
-            self._last += step * self._period
+            self._last = expected
         self._origin += raw - self._last
 
     def notes(self) -> list[str]:
