@@ -1,4 +1,4 @@
-"""`higvf`: run a scenario in the browser or headless, replay a recording, reproduce the paper, measure.
+"""`higvf`: run a scenario, replay a recording, inspect a file, reproduce the paper, measure.
 
 Exit status: 0; 1 where a replay differs or an interface breaks its contract; 2 on input that cannot be used (one line
 on stderr says why); 130 on Ctrl-C.
@@ -65,6 +65,7 @@ def _parser() -> argparse.ArgumentParser:
     replay.set_defaults(command=_replay)
     _add_reproduce(commands)
     _add_bench(commands)
+    _add_inspect(commands)
     compiling = commands.add_parser("compile", help="compile the engine now, so that the first run starts at once")
     compiling.set_defaults(command=_compile)
     _add_check_interface(commands)
@@ -133,6 +134,20 @@ def _add_reproduce(commands: Any) -> None:
     reproduce.add_argument("--json", metavar="FILE", help="another place for the JSON; - is standard output, no report")
 
 
+def _add_inspect(commands: Any) -> None:
+    inspect = commands.add_parser("inspect", help="say what a file is, and what it would become as operator input")
+    inspect.set_defaults(command=_inspect)
+    inspect.add_argument(
+        "file", metavar="FILE[:OPTION=VALUE,...]", help="a recording or a log, with the options that --input takes"
+    )
+    inspect.add_argument("--json", action="store_true", help="write JSON")
+    inspect.add_argument("--plot", type=Path, metavar="FILE.png", help="write a small picture, e.g. a heat map of gaze")
+    inspect.add_argument("--steps", action="store_true", help="tell each step from samples to a path")
+    inspect.add_argument(
+        "--scenario", default="firefighting", metavar="SCENARIO", help="whose arena is looked at (default firefighting)"
+    )
+
+
 def _positive(text: str) -> float:
     number = float(text)
     if not 0.0 < number < float("inf"):
@@ -163,6 +178,17 @@ def _scenarios(_: argparse.Namespace) -> int:
 
     for name in scenario_names():
         print(f"{name:26} {load_scenario(name).description}")
+    return 0
+
+
+def _inspect(given: argparse.Namespace) -> int:
+    from higvf_console.session.inputs import input_spec
+    from higvf_console.session.inspection import as_json, as_text, inspect
+    from higvf_console.session.scenario import load_scenario
+
+    spec = input_spec(f"inspect={given.file}", load_scenario(given.scenario))
+    description = inspect(spec, given.plot, given.steps)
+    print(as_json(description) if given.json else as_text(description))
     return 0
 
 

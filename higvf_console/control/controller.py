@@ -20,7 +20,7 @@ from higvf_console.arrays import Bools, Floats, Ints
 from higvf_console.control.blending import blended_velocity
 from higvf_console.control.deadlock import climb, forgotten, formation_grip, receptivity
 from higvf_console.control.disturbances import heard
-from higvf_console.control.following import broken_away, destination, progress
+from higvf_console.control.following import broken_away, destination, following, progress
 from higvf_console.control.formation import formation_velocity
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains
@@ -80,7 +80,7 @@ def compute(motion: Motion, intent: Intent, world: World, gains: Gains) -> Plan:
     start, to = links(motion.position, world, gains)
     component = components(start, to)
     sight = perceive(motion, world, gains)
-    rung, flip = climb(motion, component, gains)
+    rung, flip = climb(motion, intent.influenced if following(motion, intent) else NOBODY, gains)
     status = broken_away(motion, intent, sight.fire_value, sight.target, component, gains)
     w, status, idle, gap = progress(motion, intent, status, rung[intent.influenced], gains)
     human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING

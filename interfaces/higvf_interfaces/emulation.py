@@ -15,7 +15,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from higvf_console.arrays import bools, floats
+from higvf_console.arrays import Bools, Floats, bools, floats
 from higvf_console.commands import (
     ChannelHealth,
     Interface,
@@ -186,27 +186,47 @@ class EmulatedInterface:
         self._waiting.append(command)
 
 
-def emulate_gaze(recording: GazeRecording, model: ErrorModel, units_per_deg: float) -> GazeRecording:
-    """A gaze recording as a worse eye tracker would have given it.
+class GazeErrors:
+    """Makes gaze worse block by block, as a worse eye tracker would have given it."""
 
-    Args:
-        recording: in any frame.
-        model: its errors; jitter of gaze is a delay of the whole, as a tracker sends at a steady rate.
-        units_per_deg: units of the recording's frame in one degree of visual angle.
-    """
-    draw = np.random.default_rng((model.seed, 0))
-    count, direction = len(recording.time), draw.uniform(0.0, 2 * np.pi)
-    delay = model.latency + model.jitter * draw.exponential()
-    minutes = (recording.time - recording.time[0])[:, None] / 60.0
-    drift = minutes * model.drift_deg_per_min * np.array([np.cos(direction), np.sin(direction)])
-    noise = draw.normal(0.0, 1.0, (count, 2)) * model.noise_deg
-    blackout = np.floor(recording.time / _BLACKOUT).astype(np.int64)
-    dark = draw.random(int(blackout.max() - blackout.min()) + 1) < model.dropout
-    return recording._replace(
-        time=floats(recording.time + delay),
-        points=floats(recording.points + (drift + noise) * units_per_deg),
-        valid=bools(recording.valid & ~dark[blackout - blackout.min()]),
-    )
+    def __init__(self, model: ErrorModel, units_per_deg: float) -> None:
+        """Starts a recording.
+
+        Args:
+            model: the errors; jitter of gaze is a delay of the whole, as a tracker sends at a steady rate.
+            units_per_deg: units of the points' frame in one degree of visual angle.
+        """
+        self._model, self._units = model, units_per_deg
+        self._draw = np.random.default_rng((model.seed, 0))
+        angle = self._draw.uniform(0.0, 2 * np.pi)
+        self._direction = np.array([np.cos(angle), np.sin(angle)])
+        self._delay = model.latency + model.jitter * self._draw.exponential()
+        self._first: float | None = None
+
+    def __call__(self, time: Floats, points: Floats, valid: Bools) -> tuple[Floats, Floats, Bools]:
+        """The next block: times (n,) [s], points (n, 2), and whether each is valid (n,)."""
+        if len(time) and self._first is None:
+            self._first = float(time[0])
+        minutes = (time - (self._first or 0.0))[:, None] / 60.0
+        drift = minutes * self._model.drift_deg_per_min * self._direction
+        noise = self._draw.normal(0.0, 1.0, (len(time), 2)) * self._model.noise_deg
+        blackouts, within = np.unique(np.floor(time / _BLACKOUT).astype(np.int64), return_inverse=True)
+        dark = bools([self._dark(index) for index in blackouts.tolist()])
+        return (
+            floats(time + self._delay),
+            floats(points + (drift + noise) * self._units),
+            bools(valid & ~dark[within]),
+        )
+
+    def _dark(self, blackout: int) -> bool:
+        """Whether a stretch of time is lost, whatever block it is met in."""
+        return bool(np.random.default_rng((self._model.seed, 1, abs(blackout))).random() < self._model.dropout)
+
+
+def emulate_gaze(recording: GazeRecording, model: ErrorModel, units_per_deg: float) -> GazeRecording:
+    """A gaze recording as a worse eye tracker would have given it: `GazeErrors` of the whole."""
+    time, points, valid = GazeErrors(model, units_per_deg)(recording.time, recording.points, recording.valid)
+    return recording._replace(time=time, points=points, valid=valid)
 
 
 def describe(model: ErrorModel) -> str:
