@@ -36,8 +36,8 @@ _TURNED = 0.985  # cosine of ten degrees: a smaller turn is none
 def climb(motion: Motion, leader: int, gains: Gains) -> tuple[Ints, Bools]:
     """Rungs (N,) after this tick, and the robots (N,) for which the other side is to be tried now.
 
-    A stalled robot climbs each time that its stall has lasted another `stall_time`; the influenced robot, `leader`, also
-    when it moves without progress on its path: then it may shuttle where a ring turns it back.
+    A stalled robot climbs each time that its stall has lasted another `stall_time`; the influenced robot, `leader`,
+    also when it moves without progress on its path: then it may shuttle where a ring turns it back.
     """
     rung, flip = motion.rung.copy(), np.zeros(motion.rung.shape[0], np.bool_)
     if gains.forms.human == PRINTED:
