@@ -1,0 +1,200 @@
+"""Table II of the paper, beside what this engine gives: the loss areas of one world, three ways to run it.
+
+    without_human     nobody intervenes; the only column that the free parameters of the world were fitted to
+    change_priority   one stroke when fire 1 is out: fire 3 before fire 2
+    find_hidden       one stroke when fire 4 is out: to where fire 5 is seen
+
+The second and third column are predictions: `scenarios/table2.yaml` is their world too, and the strokes are fixed files.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from higvf_console.commands import InputSpec, Interface
+from higvf_console.lab.fire_run import FireRun, fight
+from higvf_console.session.channels import open_interface
+from higvf_console.session.scenario import Scenario, data_folder, load_scenario
+from higvf_console.sim.setup import Setup
+
+SCENARIO = "table2"
+FIRE_LIMIT = 0.05  # relative error of a fire of column 1
+TOTAL_LIMIT = 0.02  # relative error of a column's total
+REDUCTION_LIMIT = 0.01  # error of a reduction, as a share of the total without a human
+
+
+class Column(NamedTuple):
+    """A column of the paper's Table II.
+
+    Attributes:
+        title: as the paper heads it.
+        script: file of the operator's stroke under `scenarios/scripts`; empty where nobody intervenes.
+        order: fire numbers as they go out.
+        loss_area: of fires 1 to 5 [m^2].
+    """
+
+    title: str
+    script: str
+    order: tuple[int, ...]
+    loss_area: tuple[float, ...]
+
+    @property
+    def total(self) -> float:
+        """Sum of the five [m^2]; the paper prints 48253.9 under the second column, whose sum is 48251.9."""
+        return round(sum(self.loss_area), 2)
+
+
+PAPER: Mapping[str, Column] = {
+    "without_human": Column(
+        "Without human", "", (1, 2, 3, 4, 5), (3512.61, 7026.29, 16203.8, 4646.9, 20157.5)
+    ),
+    "change_priority": Column(
+        "Change target priority", "priority.yaml", (1, 3, 2, 4, 5), (3512.61, 8639.3, 14491.39, 4273.0, 17335.6)
+    ),
+    "find_hidden": Column(
+        "Find undetected target", "hidden-fire.yaml", (1, 2, 3, 4, 5), (3512.61, 7026.29, 16203.8, 4646.9, 17920.2)
+    ),
+}  # fmt: skip
+ALONE = "without_human"
+
+
+class Verdict(NamedTuple):
+    """Whether one target is met.
+
+    Attributes:
+        target: what is asked, in words.
+        paper: the number or the words that the paper gives.
+        found: what the runs give.
+        error: how far that is off; None where the target is a matter of yes and no.
+        limit: the largest error allowed; None as above.
+        met: whether the target is met.
+    """
+
+    target: str
+    paper: str
+    found: str
+    error: float | None
+    limit: float | None
+    met: bool
+
+
+Columns = Mapping[str, FireRun]  # by the names in `PAPER`
+
+
+def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Interface]) -> Columns:
+    """All three runs of one world.
+
+    Args:
+        setup: the world.
+        duration: the longest that a run may last [s].
+        strokes: from `open_strokes`.
+    """
+    return {name: fight(setup, duration, strokes.get(name)) for name in PAPER}
+
+
+def open_strokes(scenario: Scenario) -> dict[str, Interface]:
+    """The operator of each column that has one; may serve many runs.
+
+    Raises:
+        HigvfError: a shipped script, or the interface that plays it, is missing.
+    """
+    folder, robots = data_folder() / "scenarios" / "scripts", len(scenario.robots.points)
+    return {
+        name: open_interface(InputSpec("script", str(folder / column.script), {}, {}, scenario.arena, robots))
+        for name, column in PAPER.items()
+        if column.script
+    }
+
+
+def table2(name_or_path: str | Path = SCENARIO) -> dict[str, Any]:
+    """Runs the three columns and judges them, ready for JSON.
+
+    Returns:
+        "table2": {column: {order, loss_area_m2 of fires 1 to 5, total_m2}}; "paper": the same of the paper;
+        "relative_error": {column: {loss_area of fires 1 to 5, total}}; "targets": the verdicts.
+    """
+    scenario = load_scenario(name_or_path)
+    runs = run_columns(scenario.setup(), scenario.duration, open_strokes(scenario))
+    return {
+        "table2": {name: _as_json(run.order, run.loss_area.tolist(), total(run)) for name, run in runs.items()},
+        "paper": {name: _as_json(column.order, list(column.loss_area), column.total) for name, column in PAPER.items()},
+        "relative_error": {
+            name: {"loss_area": relative_errors(run, PAPER[name]), "total": total(run) / PAPER[name].total - 1.0}
+            for name, run in runs.items()
+        },
+        "targets": [verdict._asdict() for verdict in verdicts(runs)],
+    }
+
+
+def _as_json(order: tuple[int, ...], loss_area: list[float], area: float) -> dict[str, Any]:
+    return {"order": list(order), "loss_area_m2": loss_area, "total_m2": area}
+
+
+def total(run: FireRun) -> float:
+    """Loss area of all fires [m^2]."""
+    return float(run.loss_area.sum())
+
+
+def relative_errors(run: FireRun, column: Column) -> list[float]:
+    """Of the five loss areas: found / printed - 1."""
+    return [float(found) / printed - 1.0 for found, printed in zip(run.loss_area, column.loss_area, strict=True)]
+
+
+def reduction(runs: Columns, name: str) -> float:
+    """Change of a column's total against the run that nobody touches; negative where less burns."""
+    return total(runs[name]) / total(runs[ALONE]) - 1.0
+
+
+def verdicts(runs: Columns) -> tuple[Verdict, ...]:
+    """Every target, in the order of the table: fires of column 1, totals, reductions, orders, changes, clearance."""
+    alone = zip(range(1, 6), PAPER[ALONE].loss_area, runs[ALONE].loss_area, strict=True)
+    changed = [name for name in PAPER if name != ALONE]
+    return (
+        *(
+            _near(f"fire {fire} without human [m²]", printed, float(found), float(found) / printed - 1.0, FIRE_LIMIT)
+            for fire, printed, found in alone
+        ),
+        *(_total_verdict(name, runs) for name in PAPER),
+        *(_reduction_verdict(name, runs) for name in changed),
+        *(_order_verdict(name, runs) for name in PAPER),
+        *(_changes_verdict(name, runs) for name in changed),
+        _clearance_verdict(runs),
+    )
+
+
+def _near(target: str, printed: float, found: float, error: float, limit: float) -> Verdict:
+    return Verdict(target, f"{printed:,.1f}", f"{found:,.1f}", error, limit, abs(error) <= limit)
+
+
+def _total_verdict(name: str, runs: Columns) -> Verdict:
+    printed, found = PAPER[name].total, total(runs[name])
+    return _near(f"total, {PAPER[name].title.lower()} [m²]", printed, found, found / printed - 1.0, TOTAL_LIMIT)
+
+
+def _reduction_verdict(name: str, runs: Columns) -> Verdict:
+    printed, found = PAPER[name].total / PAPER[ALONE].total - 1.0, reduction(runs, name)
+    target = f"change of the total, {PAPER[name].title.lower()} [%]"
+    return _near(target, 100.0 * printed, 100.0 * found, found - printed, REDUCTION_LIMIT)
+
+
+def _order_verdict(name: str, runs: Columns) -> Verdict:
+    printed, found = PAPER[name].order, runs[name].order
+    target = f"order, {PAPER[name].title.lower()}"
+    return Verdict(target, "-".join(map(str, printed)), "-".join(map(str, found)), None, None, found == printed)
+
+
+def _changes_verdict(name: str, runs: Columns) -> Verdict:
+    printed = [_sign(new - old) for new, old in zip(PAPER[name].loss_area, PAPER[ALONE].loss_area, strict=True)]
+    found = [_sign(float(new - old)) for new, old in zip(runs[name].loss_area, runs[ALONE].loss_area, strict=True)]
+    target = f"sign of each fire's change, {PAPER[name].title.lower()}"
+    return Verdict(target, " ".join(printed), " ".join(found), None, None, found == printed)
+
+
+def _sign(change: float) -> str:
+    """Equal means equal to the last bit: until the operator acts, two runs are the same run."""
+    return "=" if change == 0.0 else "+" if change > 0.0 else "-"
+
+
+def _clearance_verdict(runs: Columns) -> Verdict:
+    least = min(run.min_clearance for run in runs.values())
+    return Verdict("smallest clearance of all runs [m]", "not negative", f"{least:.2f}", None, None, least >= 0.0)
