@@ -15,8 +15,8 @@ that was ever run is kept, so that the near-best fits show what column 1 leaves 
 Storn, Price, Differential evolution, J. Global Optimization 11 (1997).
 """
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple, TypeAlias, cast
+from collections.abc import Callable, Iterable, Sequence, Sized
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 from scipy.optimize import OptimizeResult, differential_evolution
@@ -54,7 +54,6 @@ class Trial(NamedTuple):
 
 
 Evaluate: TypeAlias = Callable[[Sequence[Sample]], Iterable[Trial]]
-Progress: TypeAlias = Callable[[int, float], None]  # runs done, best objective
 
 
 def attempt(sample: Sample, base: Setup) -> Trial:
@@ -79,7 +78,7 @@ def judged(sample: Sample, run: FireRun) -> Trial:
     return Trial(sample, errors, admissible, worst if admissible else worst + 0.2 * left + 1.0)
 
 
-def search(runs: int, seed: int, evaluate: Evaluate, progress: Progress = lambda *_: None) -> list[Trial]:
+def search(runs: int, seed: int, evaluate: Evaluate) -> list[Trial]:
     """About `runs` samples tried, each once; the same seed gives the same samples.
 
     Raises:
@@ -94,24 +93,27 @@ def search(runs: int, seed: int, evaluate: Evaluate, progress: Progress = lambda
         samples = [on_grid(point) for point in points.T]
         new = [sample for sample in dict.fromkeys(samples) if sample not in tried]
         tried.update((trial.sample, trial) for trial in evaluate(new))
-        progress(len(tried), min(trial.objective for trial in tried.values()))
         return np.array([tried[sample].objective for sample in samples])
 
     bounds = np.array([[free.low, free.high] for free in SPACE])
     for number, entropy in enumerate(np.random.SeedSequence(seed).spawn(RESTARTS), start=1):
         rng = np.random.default_rng(entropy)
         start = qmc.scale(qmc.LatinHypercube(len(SPACE), rng=rng).random(POPULATION), *bounds.T)
-        most = number * share
-
-        def enough(intermediate_result: OptimizeResult, most: int = most) -> None:
-            if len(tried) + POPULATION > most:
-                raise StopIteration
-
         differential_evolution(
-            objective, bounds, init=start, maxiter=runs, tol=0.0, rng=rng, callback=enough, polish=False,
-            vectorized=True, updating="deferred",
+            objective, bounds, init=cast(Any, start), maxiter=runs, tol=0.0, rng=rng, polish=False, vectorized=True,
+            updating="deferred", callback=_until(tried, number * share),
         )  # fmt: skip
     return list(tried.values())
+
+
+def _until(tried: Sized, most: int) -> Callable[[OptimizeResult], None]:
+    """Ends a restart before the generation that would try more than `most` samples."""
+
+    def enough(intermediate_result: OptimizeResult) -> None:  # noqa: ARG001 (SciPy goes by this name)
+        if len(tried) + POPULATION > most:
+            raise StopIteration
+
+    return enough
 
 
 def choose(trials: Iterable[Trial], defaults: Sample) -> Trial:
@@ -142,7 +144,7 @@ def total_error(trial: Trial) -> float:
 
 
 def near_best(trials: Iterable[Trial], best: Trial, most: int) -> list[Trial]:
-    """Admissible samples within `NEAR` of the best: it first, then each the farthest from all before, at most `most`."""
+    """At most `most` admissible samples within `NEAR` of the best: it first, then each the farthest from all before."""
     rest = sorted(trial for trial in trials if trial.admissible and trial.objective <= best.objective + NEAR)
     rest = [trial for trial in rest if trial.sample != best.sample]
     kept = [best]

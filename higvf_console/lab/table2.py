@@ -4,7 +4,8 @@
     change_priority   one stroke when fire 1 is out: fire 3 before fire 2
     find_hidden       one stroke when fire 4 is out: to where fire 5 is seen
 
-The second and third column are predictions: `scenarios/table2.yaml` is their world too, and the strokes are fixed files.
+The second and third column are predictions: their world is that of the first, `scenarios/table2.yaml`, and the strokes
+are fixed files.
 """
 
 from collections.abc import Mapping
@@ -114,10 +115,14 @@ def table2(name_or_path: str | Path = SCENARIO) -> dict[str, Any]:
         "relative_error": {column: {loss_area of fires 1 to 5, total}}; "targets": the verdicts.
     """
     scenario = load_scenario(name_or_path)
-    runs = run_columns(scenario.setup(), scenario.duration, open_strokes(scenario))
+    return as_json(run_columns(scenario.setup(), scenario.duration, open_strokes(scenario)))
+
+
+def as_json(runs: Columns) -> dict[str, Any]:
+    """Three runs beside the paper's columns, as `table2` returns them."""
     return {
-        "table2": {name: _as_json(run.order, run.loss_area.tolist(), total(run)) for name, run in runs.items()},
-        "paper": {name: _as_json(column.order, list(column.loss_area), column.total) for name, column in PAPER.items()},
+        "table2": {name: _column(run.order, run.loss_area.tolist(), total(run)) for name, run in runs.items()},
+        "paper": {name: _column(column.order, list(column.loss_area), column.total) for name, column in PAPER.items()},
         "relative_error": {
             name: {"loss_area": relative_errors(run, PAPER[name]), "total": total(run) / PAPER[name].total - 1.0}
             for name, run in runs.items()
@@ -126,7 +131,7 @@ def table2(name_or_path: str | Path = SCENARIO) -> dict[str, Any]:
     }
 
 
-def _as_json(order: tuple[int, ...], loss_area: list[float], area: float) -> dict[str, Any]:
+def _column(order: tuple[int, ...], loss_area: list[float], area: float) -> dict[str, Any]:
     return {"order": list(order), "loss_area_m2": loss_area, "total_m2": area}
 
 
