@@ -41,15 +41,15 @@ class Free(NamedTuple):
 Sample: TypeAlias = tuple[float, ...]  # one value for each row of SPACE
 
 SPACE: tuple[Free, ...] = (
-    Free("fires.start_delay", 6.0, 13.4, 0.02),
+    Free("fires.start_delay", 6.0, 13.4, 0.02),  # fire 1 of column 1 stops growing after 13.4 s
     Free("fires.extinguish_time", 0.0, 0.1, 0.0005),
-    Free("fires.stand_off", 18.0, 45.0, 0.1),
-    Free("blending.cruise_speed", 60.0, 220.0, 0.5),
-    Free("blending.intention_floor", 0.005, 0.2, 0.001),
+    Free("fires.stand_off", 18.0, 50.0, 0.1),  # below, no robot could hold at the larger fires
+    Free("blending.cruise_speed", 60.0, 235.0, 0.5),  # above, the barriers' sampling condition fails
+    Free("blending.intention_floor", 0.002, 0.1, 0.001),
     Free("perception.target_band", 10.0, 150.0, 0.5),
-    Free("bar.x", 840.0, 1000.0, 1.0),
-    Free("bar.y_low", 100.0, 280.0, 1.0),
-    Free("bar.y_high", 360.0, 460.0, 1.0),
+    Free("bar.x", 780.0, 1000.0, 1.0),  # anywhere between the team's start and fire 5
+    Free("bar.y_low", 100.0, 300.0, 1.0),
+    Free("bar.y_high", 360.0, 540.0, 1.0),
 )
 NAMES = tuple(free.name for free in SPACE)
 

@@ -50,13 +50,14 @@ PAPER: Mapping[str, Column] = {
         "Without human", "", (1, 2, 3, 4, 5), (3512.61, 7026.29, 16203.8, 4646.9, 20157.5)
     ),
     "change_priority": Column(
-        "Change target priority", "priority.yaml", (1, 3, 2, 4, 5), (3512.61, 8639.3, 14491.39, 4273.0, 17335.6)
+        "Change target priority", "table2-priority.yaml", (1, 3, 2, 4, 5), (3512.61, 8639.3, 14491.39, 4273.0, 17335.6)
     ),
     "find_hidden": Column(
-        "Find undetected target", "hidden-fire.yaml", (1, 2, 3, 4, 5), (3512.61, 7026.29, 16203.8, 4646.9, 17920.2)
+        "Find undetected target", "table2-hidden.yaml", (1, 2, 3, 4, 5), (3512.61, 7026.29, 16203.8, 4646.9, 17920.2)
     ),
 }  # fmt: skip
 ALONE = "without_human"
+HIDDEN_AFTER = (4,)  # fires whose end leaves no other fire in sight, without a human
 
 
 class Verdict(NamedTuple):
@@ -151,7 +152,7 @@ def reduction(runs: Columns, name: str) -> float:
 
 
 def verdicts(runs: Columns) -> tuple[Verdict, ...]:
-    """Every target, in the order of the table: fires of column 1, totals, reductions, orders, changes, clearance."""
+    """Every target: fires of column 1, totals, reductions, orders, signs of the changes, sight, clearance."""
     alone = zip(range(1, 6), PAPER[ALONE].loss_area, runs[ALONE].loss_area, strict=True)
     changed = [name for name in PAPER if name != ALONE]
     return (
@@ -163,6 +164,7 @@ def verdicts(runs: Columns) -> tuple[Verdict, ...]:
         *(_reduction_verdict(name, runs) for name in changed),
         *(_order_verdict(name, runs) for name in PAPER),
         *(_changes_verdict(name, runs) for name in changed),
+        _hidden_verdict(runs[ALONE]),
         _clearance_verdict(runs),
     )
 
@@ -198,6 +200,12 @@ def _changes_verdict(name: str, runs: Columns) -> Verdict:
 def _sign(change: float) -> str:
     """Equal means equal to the last bit: until the operator acts, two runs are the same run."""
     return "=" if change == 0.0 else "+" if change > 0.0 else "-"
+
+
+def _hidden_verdict(run: FireRun) -> Verdict:
+    printed, found = (", ".join(map(str, fires)) or "none" for fires in (HIDDEN_AFTER, run.idle_after))
+    target = "fires whose end leaves no other in sight, without human"
+    return Verdict(target, printed, found, None, None, run.idle_after == HIDDEN_AFTER)
 
 
 def _clearance_verdict(runs: Columns) -> Verdict:
