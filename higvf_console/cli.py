@@ -80,6 +80,10 @@ def _add_run(commands: Any) -> None:
     run.add_argument("scenario", nargs="?", default="firefighting", metavar="SCENARIO", help="a name or a .yaml file")
     run.add_argument("--duration", type=_positive, metavar="S", help="end after S seconds of session time")
     run.add_argument("--seed", type=_seed, default=0, metavar="N", help="of the start positions (default 0)")
+    run.add_argument(
+        "--forms", metavar="FORM",
+        help="of the paper's equations: corrected, zero-in or printed (default: what the scenario says)",
+    )  # fmt: skip
     run.add_argument("--speed", type=_positive, default=1.0, metavar="F", help="times real time, 0.25 to 8 (default 1)")
     run.add_argument("--record", type=Path, metavar="FILE", help="write a recording (JSON lines)")
     inputs = run.add_argument_group("inputs")
@@ -207,6 +211,7 @@ def _run(given: argparse.Namespace) -> int:
 
 
 def _open_session(given: argparse.Namespace) -> "Session":
+    from higvf_console.control.forms import forms_named
     from higvf_console.session.channels import open_interface
     from higvf_console.session.recording import Recorder
     from higvf_console.session.scenario import load_scenario
@@ -215,6 +220,8 @@ def _open_session(given: argparse.Namespace) -> "Session":
     if not SLOWEST <= given.speed <= FASTEST:
         raise HigvfError(f"--speed {given.speed:g}: choose {SLOWEST:g} to {FASTEST:g}")
     scenario = load_scenario(given.scenario)
+    if given.forms is not None:
+        scenario = scenario.with_forms(forms_named(given.forms))
     interfaces = [open_interface(spec) for spec in _input_specs(given, scenario)]
     recorder = Recorder(given.record, scenario, given.seed) if given.record else None
     _warm_up(scenario.setup(given.seed))

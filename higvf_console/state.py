@@ -35,6 +35,7 @@ class PathStatus(IntEnum):
     FOLLOWING = 1
     FINISHED = 2
     BLOCKED = 3  # no progress for a while: flagged, then released
+    BREAK_AWAY = 4  # left for a fire that was found on the way; w is kept, the team returns when it is out
 
 
 class Path(NamedTuple):
@@ -63,7 +64,7 @@ NO_PATH = Path(int(PathKind.NONE), np.zeros(4), np.zeros((0, 8)), 1.0, 0.0, Fals
 
 
 class Motion(NamedTuple):
-    """What physics advances: N robots, M fires, K = circles + bars + fires rings.
+    """What physics advances: N robots, M fires, K = G + M rings (groups of obstacles, then fires).
 
     Attributes:
         tick: control periods since the start.
@@ -73,8 +74,9 @@ class Motion(NamedTuple):
         target: (N,) fire index that the robot wants, or NOBODY.
         target_value: (N,) largest observed fire value of the target since it was chosen [rad].
         side: (N, K) circulation side round each ring as this robot's component agreed: 0 open, +-1 set by any robot,
-            +-2 set by the influenced robot.
+            +-2 set by the influenced robot, +-3 turned over on the way out of a deadlock.
         stalled: (N,) how long the robot has been stalled against active rows [s].
+        rung: (N,) how many ways out of a deadlock have been tried, see `control.deadlock`.
         fire_radius: (M,) [m]; an extinguished fire keeps its last radius.
         fire_progress: (M,) time that enough robots have spent extinguishing it [s].
         fire_burning: (M,).
@@ -82,6 +84,8 @@ class Motion(NamedTuple):
         path_status: a `PathStatus`.
         path_idle: how long the influenced robot has made no progress along it [s].
         path_gap: least travel that was ever left to the path's end [m].
+        robot_peak: largest |v_t| so far.
+        human_peak: largest |v_h| so far.
     """
 
     tick: int
@@ -92,6 +96,7 @@ class Motion(NamedTuple):
     target_value: Floats
     side: Ints
     stalled: Floats
+    rung: Ints
     fire_radius: Floats
     fire_progress: Floats
     fire_burning: Bools
@@ -99,6 +104,8 @@ class Motion(NamedTuple):
     path_status: int
     path_idle: float
     path_gap: float
+    robot_peak: float
+    human_peak: float
 
 
 class Intent(NamedTuple):
@@ -144,11 +151,14 @@ class SimState(NamedTuple):
 
 
 class World(NamedTuple):
-    """What does not change in a run: N robots, M fires, P circles, Q bars, W walls.
+    """What does not change in a run: N robots, M fires, P circles, Q bars, W walls; made by `control.world`.
+
+    Obstacles count twice: as parts, for barrier rows and sight, and as G groups, which the field goes round.
 
     Attributes:
         circles: (P, 3) x, y, radius [m].
-        bars: (Q, 5) ax, ay, bx, by, half width [m]; a bar is a capsule round its spine a-b.
+        bars: (Q, 5) ax, ay, bx, by, half width [m]; a bar is a capsule round its spine a-b. An irregular obstacle is a
+            closed chain of bars without width.
         walls: (W, 3) unit inward normal nx, ny and offset w [m]: inside means n.p >= w.
         fire_position: (M, 2) [m].
         fire_growth: (M,) [m/s].
@@ -157,6 +167,12 @@ class World(NamedTuple):
         link_start: (N + 1,) row i's links are link_to[link_start[i]:link_start[i + 1]]; (0,) when the communication
             range decides.
         link_to: (E,) neighbour index, each link twice.
+        ring: (G, 9) capsule ax, ay, bx, by, radius [m] of a lone part, or the circle round a hull; then the grid of its
+            pocket: x, y of the first node, cell width [m], columns (0 = no pocket).
+        ring_start: (3, G + 1) group g's rows in `hull`, `part` and `pocket`.
+        hull: (H, 2) corners of convex hulls, counter-clockwise [m]; a lone part has none.
+        part: (P + Q,) parts by group: circle k, then bar k - P.
+        pocket: (C, 2) unit vectors of the shortest way out of a hull, row by row of its grid.
     """
 
     circles: Floats
@@ -168,6 +184,11 @@ class World(NamedTuple):
     formation: Floats
     link_start: Ints
     link_to: Ints
+    ring: Floats
+    ring_start: Ints
+    hull: Floats
+    part: Ints
+    pocket: Floats
 
 
 class Trace(NamedTuple):
@@ -181,6 +202,7 @@ class Trace(NamedTuple):
         infeasible: (N,) no velocity met all rows: the least violation was taken.
         deadlocked: (N,) the detector of stalls holds.
         clearance: (N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k [m]; negative = violation.
+        barrier: (N,) smallest h of [20] and [26], dimensionless; negative = violation.
         links: (E, 2) communication links i < j.
         component: (N,) connected component, named by its smallest robot index.
         crew: (M,) robots that count towards extinguishing each fire.
@@ -193,6 +215,7 @@ class Trace(NamedTuple):
     infeasible: Bools
     deadlocked: Bools
     clearance: Floats
+    barrier: Floats
     links: Ints
     component: Ints
     crew: Ints

@@ -7,9 +7,9 @@ import numpy as np
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.control.gains import Gains
+from higvf_console.control.world import make_world
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import initial_state
-from higvf_console.state import World
 from higvf_console.viewport import Arena
 
 TRIANGLE = ((100.0, 350.0), (60.0, 320.0), (60.0, 380.0))
@@ -24,22 +24,17 @@ def team(
     growth: float = 1.0,
     needs: int = 2,
     arena: Arena | None = None,
+    polygons: Sequence[Floats] = (),
 ) -> Setup:
     """Robots (x, y), fires (x, y, radius), circles (x, y, radius), bars (ax, ay, bx, by, half width) [m]; no walls."""
     burning = floats(fires, -1, 3)
-    world = World(
-        circles=floats(circles, -1, 3),
-        bars=floats(bars, -1, 5),
-        walls=np.zeros((0, 3)),
-        fire_position=floats(burning[:, :2]),
-        fire_growth=floats([growth] * len(fires)),
-        fire_needs=ints([needs] * len(fires)),
-        formation=floats(robots, -1, 2),
-        link_start=ints([]),
-        link_to=ints([]),
-    )
+    gains = gains or Gains()
+    world = make_world(
+        floats(circles, -1, 3), floats(bars, -1, 5), np.zeros((0, 3)), burning[:, :2], floats([growth] * len(fires)),
+        ints([needs] * len(fires)), floats(robots, -1, 2), gains.safety.obstacle_clearance, polygons=polygons,
+    )  # fmt: skip
     start = initial_state(world.formation, floats(burning[:, 2]), world)
-    return Setup(arena or Arena(0.0, 0.0, 1200.0, 700.0), world, gains or Gains(), start)
+    return Setup(arena or Arena(0.0, 0.0, 1200.0, 700.0), world, gains, start)
 
 
 def stroke(points: Sequence[tuple[float, float]] | Floats, robot: int | None = None) -> list[OperatorCommand]:

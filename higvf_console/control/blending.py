@@ -2,24 +2,33 @@
 
 import math
 
+from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.gains import BlendingGains
 from higvf_console.control.kernel import kernel
 
 
 @kernel
-def blending_weight(a: float, b: float, gains: BlendingGains) -> float:
-    """Lambda, [19] made continuous at (0, 0): k_s a / (k_s a + k_f b + delta), a = |v_s|, b = |v_f|."""
+def blending_weight(a: float, b: float, gains: BlendingGains, forms: Forms) -> float:
+    """Lambda, [19] made continuous at (0, 0): k_s a / (k_s a + k_f b + delta), a = |v_s|, b = |v_f|.
+
+    As printed, delta is 0.
+    """
     pull = gains.intention_gain * a
-    return pull / (pull + gains.formation_gain * b + gains.intention_floor)
+    floor = 0.0 if forms.blending == PRINTED else gains.intention_floor
+    return pull / (pull + gains.formation_gain * b + floor)
 
 
 @kernel
-def blended_velocity(sx: float, sy: float, fx: float, fy: float, gains: BlendingGains) -> tuple[float, float, float]:
+def blended_velocity(
+    sx: float, sy: float, fx: float, fy: float, gains: BlendingGains, forms: Forms
+) -> tuple[float, float, float]:
     """Velocity [18] and its lambda, of the shared intention (sx, sy) and the formation velocity (fx, fy) [m/s].
 
-    The shared intention's direction is driven at cruise speed, slower below the floor: C v / max(|v|, delta), [17].
+    The shared intention's direction is driven at cruise speed, slower below the floor: C v / max(|v|, delta), [17];
+    as printed, without the floor, it is 0/0 at rest.
     """
     a, b = math.hypot(sx, sy), math.hypot(fx, fy)
-    weight = blending_weight(a, b, gains)
-    drive = weight * gains.cruise_speed / max(a, gains.intention_floor)
+    weight = blending_weight(a, b, gains, forms)
+    floor = 0.0 if forms.speed == PRINTED else gains.intention_floor
+    drive = weight * gains.cruise_speed / max(a, floor)
     return drive * sx + (1.0 - weight) * fx, drive * sy + (1.0 - weight) * fy, weight

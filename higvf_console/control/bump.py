@@ -2,21 +2,24 @@
 
 import math
 
+from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.gains import RingGains
 from higvf_console.control.kernel import kernel
 
 
 @kernel
-def zero_in(distance: float, radius: float, rings: RingGains) -> float:
+def zero_in(distance: float, radius: float, rings: RingGains, forms: Forms) -> float:
     """S at `distance` [m] from the centre of an obstacle of `radius` [m]: 0 inside Q, 1 outside R, C-infinity between.
 
     With varphi = distance^2 / rho_R^2 - 1 and c = rho_Q^2 / rho_R^2 - 1 both dimensionless, S falls over the whole
-    ring; in squared pixels, as printed, it jumps within 0.01 px.
+    ring; in squared lengths, as printed, it jumps within 0.01 m.
     """
     reactive = radius + rings.reactive_margin
     repulsive = radius + rings.repulsive_margin
     varphi = (distance / reactive) ** 2 - 1.0
     c = (repulsive / reactive) ** 2 - 1.0
+    if forms.bump == PRINTED:
+        varphi, c = varphi * reactive * reactive, c * reactive * reactive
     if varphi >= 0.0:
         return 1.0
     if varphi <= c:

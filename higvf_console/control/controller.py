@@ -2,7 +2,8 @@
 
     links, components            who talks to whom
     perceive                     what each robot sees and wants: theta, target, v_t       [10]-[13]
-    progress, guide              what the human wants of one robot: w, v_h                [2]
+    climb                        the way out of a deadlock, a rung at a time
+    progress, guide              what the human wants of one robot: w, v_h                [2], [9]
     share                        what the team makes of it together: v_s                  [15], [16]
     keep_formation, blend        the formation, blended in: v_f, lambda, v                [14], [17]-[19]
     go_round                     the way round obstacles, on one side                     [7], [8]
@@ -17,17 +18,25 @@ import numpy as np
 
 from higvf_console.arrays import Bools, Floats, Ints
 from higvf_console.control.blending import blended_velocity
-from higvf_console.control.following import following, progress
+from higvf_console.control.deadlock import climb, forgotten, receptivity
+from higvf_console.control.following import broken_away, destination, progress
 from higvf_console.control.formation import formation_velocity
+from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains
-from higvf_console.control.guiding import agree_sides, composite_velocity, guiding_vector, has_human
+from higvf_console.control.guiding import (
+    agree_sides,
+    composite_velocity,
+    guiding_vector,
+    has_human,
+    zero_in_product,
+)
 from higvf_console.control.intention import shared_intention
 from higvf_console.control.kernel import kernel
 from higvf_console.control.neighbours import components, within
-from higvf_console.control.obstacles import fire_ring, ring_table
 from higvf_console.control.paths import WINDOW
 from higvf_console.control.perception import choose_target, fire_value, interval_room, robot_intention
-from higvf_console.state import NOBODY, Intent, Motion, PathStatus, World
+from higvf_console.control.rings import Rings, find_rings, fire_ring
+from higvf_console.state import NOBODY, Intent, Motion, PathKind, PathStatus, World
 
 
 class Sight(NamedTuple):
@@ -47,6 +56,7 @@ class Plan(NamedTuple):
     target: Ints
     target_value: Floats
     side: Ints
+    rung: Ints
     path_parameter: float
     path_status: int
     path_idle: float
@@ -69,27 +79,36 @@ def compute(motion: Motion, intent: Intent, world: World, gains: Gains) -> Plan:
     start, to = links(motion.position, world, gains)
     component = components(start, to)
     sight = perceive(motion, world, gains)
-    w, status, idle, gap = progress(motion, intent, gains)
-    human = following(motion, intent) and status == PathStatus.FOLLOWING
+    rung, flip = climb(motion, component, gains)
+    status = broken_away(motion, intent, sight.fire_value, sight.target, component, gains)
+    w, status, idle, gap = progress(motion, intent, status, rung[intent.influenced], gains)
+    human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
     leader = intent.influenced if human else NOBODY
     steered = has_human(component, intent.influenced, human)
-    human_intention = guide(leader, w, motion, intent, gains)
+    wanted, human_intention = sight.robot_intention, guide(leader, w, motion, intent, gains)
+    formation = keep_formation(motion.position, world, start, to, gains)
+    if gains.forms.human == PRINTED:
+        _fade(wanted, human_intention, formation, motion, world, gains)
     if intent.paused:
         intention = motion.intention.copy()
     else:
         awake = is_awake(sight.target, steered, component)
-        intention = share(leader, awake, sight.robot_intention, human_intention, motion, start, to, gains)
-    formation = keep_formation(motion.position, world, start, to, gains)
+        psi = receptivity(leader, rung, wanted, human_intention, motion.intention, start, to, gains)
+        intention = share(leader, psi, awake, wanted, human_intention, motion, start, to, gains)
     blended, blending = blend(intention, formation, gains)
-    table = ring_table(motion, world)
-    side = agree_sides(blended, motion.position, motion.side, component, leader, table, gains.rings)
+    rings = find_rings(motion, world, gains.safety.obstacle_clearance)
+    side = agree_sides(blended, motion.position, motion.side, component, leader, flip, rings, gains.rings)
     if intent.paused or intent.stopped:
         nominal = np.zeros(blended.shape)
+    elif gains.forms.human == PRINTED:
+        nominal = limit_speed(blended, gains)
     else:
-        nominal = go_round(blended, sight.target, steered, side, table, motion, world, gains)
+        goal = destination(intent.path, w)
+        nominal = limit_speed(go_round(blended, sight.target, steered, goal, side, rings, motion, world, gains), gains)
     return Plan(
-        nominal, intention, sight.target, sight.target_value, side, w, status, idle, gap, steered, sight.fire_value,
-        sight.robot_intention, human_intention, formation, blending, blended, start, to, component,
+        nominal, intention, sight.target, sight.target_value, side, forgotten(rung, side, motion.stalled), w, status,
+        idle, gap, steered, sight.fire_value, wanted, human_intention, formation, blending, blended, start, to,
+        component,
     )  # fmt: skip
 
 
@@ -129,6 +148,7 @@ def perceive(motion: Motion, world: World, gains: Gains) -> Sight:
             wanted[i, 0], wanted[i, 1] = robot_intention(
                 x, y, value[i, j] if value[i, j] > 0.0 else target_value[i], world.fire_position[j, 0],
                 world.fire_position[j, 1], float(motion.fire_radius[j]), gains.perception, gains.safety, gains.fires,
+                gains.forms,
             )  # fmt: skip
     return Sight(value, target, target_value, wanted)
 
@@ -155,15 +175,17 @@ def is_awake(target: Ints, steered: Bools, component: Ints) -> Bools:
 
 @kernel
 def share(
-    leader: int, awake: Bools, robot: Floats, human: Floats, motion: Motion, start: Ints, to: Ints, gains: Gains
-) -> Floats:
-    """Shared intention v_s (N, 2) after one period; zero for an idle component."""
+    leader: int, psi: float, awake: Bools, robot: Floats, human: Floats, motion: Motion, start: Ints, to: Ints,
+    gains: Gains,
+) -> Floats:  # fmt: skip
+    """Shared intention v_s (N, 2) after one period; zero for an idle component. The leader receives v_h with `psi`."""
     intention, before = np.zeros(robot.shape), motion.intention
     for i in range(robot.shape[0]):
         if awake[i]:
             intention[i, 0], intention[i, 1] = shared_intention(
                 i, before[i, 0], before[i, 1], robot[i, 0], robot[i, 1], human[i, 0], human[i, 1],
-                1.0 if i == leader else 0.0, before, start, to, gains.intention, gains.safety.control_period,
+                psi if i == leader else 0.0, before, start, to, gains.intention, gains.forms,
+                gains.safety.control_period,
             )  # fmt: skip
     return intention
 
@@ -174,7 +196,7 @@ def keep_formation(position: Floats, world: World, start: Ints, to: Ints, gains:
     formation = np.zeros(position.shape)
     for i in range(position.shape[0]):
         formation[i, 0], formation[i, 1] = formation_velocity(
-            i, position[i, 0], position[i, 1], position, world.formation, start, to, gains.formation
+            i, position[i, 0], position[i, 1], position, world.formation, start, to, gains.formation, gains.forms
         )
     return formation
 
@@ -185,25 +207,54 @@ def blend(intention: Floats, formation: Floats, gains: Gains) -> tuple[Floats, F
     blended, weight = np.zeros(intention.shape), np.zeros(intention.shape[0])
     for i in range(intention.shape[0]):
         blended[i, 0], blended[i, 1], weight[i] = blended_velocity(
-            intention[i, 0], intention[i, 1], formation[i, 0], formation[i, 1], gains.blending
+            intention[i, 0], intention[i, 1], formation[i, 0], formation[i, 1], gains.blending, gains.forms
         )
     return blended, weight
 
 
 @kernel
 def go_round(
-    blended: Floats, target: Ints, steered: Bools, side: Ints, table: Floats, motion: Motion, world: World, gains: Gains
-) -> Floats:
-    """Nominal velocities (N, 2) [m/s]: the composite step, clipped to the speed limit.
+    blended: Floats, target: Ints, steered: Bools, goal: tuple[float, float], side: Ints, rings: Rings, motion: Motion,
+    world: World, gains: Gains,
+) -> Floats:  # fmt: skip
+    """Velocities (N, 2) [m/s] after the composite step.
 
-    A robot's own fire is no obstacle to it unless the human leads: then the path may pass it.
+    A robot's own fire is no obstacle to it unless the human leads: then the path, to its `goal` [m], may pass it.
     """
     nominal = np.zeros(blended.shape)
     for i in range(blended.shape[0]):
-        own_ring = NOBODY if steered[i] else fire_ring(target[i], world)
-        x, y = motion.position[i, 0], motion.position[i, 1]
-        vx, vy = composite_velocity(blended[i, 0], blended[i, 1], x, y, i, side, own_ring, table, gains.rings)
+        own_ring, (goal_x, goal_y) = NOBODY, goal
+        if not steered[i]:
+            own_ring = fire_ring(target[i], world)
+            goal_x, goal_y = math.nan, math.nan
+            if target[i] != NOBODY:
+                goal_x, goal_y = world.fire_position[target[i], 0], world.fire_position[target[i], 1]
+        nominal[i, 0], nominal[i, 1] = composite_velocity(
+            blended[i, 0], blended[i, 1], motion.position[i, 0], motion.position[i, 1], i, side, own_ring, goal_x,
+            goal_y, rings, world, gains.rings, gains.forms,
+        )  # fmt: skip
+    return nominal
+
+
+@kernel
+def limit_speed(velocity: Floats, gains: Gains) -> Floats:
+    """Nominal velocities (N, 2) [m/s]: clipped to the speed limit."""
+    nominal = np.zeros(velocity.shape)
+    for i in range(velocity.shape[0]):
+        vx, vy = velocity[i, 0], velocity[i, 1]
         speed = math.sqrt(vx * vx + vy * vy)
         share = gains.safety.speed_limit / speed if speed > gains.safety.speed_limit else 1.0
         nominal[i, 0], nominal[i, 1] = share * vx, share * vy
     return nominal
+
+
+@kernel
+def _fade(robot: Floats, human: Floats, formation: Floats, motion: Motion, world: World, gains: Gains) -> None:
+    """[9], [13], [14] as printed: each intention and velocity times the product of the zero-in bumps, in place."""
+    for i in range(robot.shape[0]):
+        x, y = motion.position[i, 0], motion.position[i, 1]
+        product = zero_in_product(x, y, motion, world, gains.rings, gains.forms)
+        for axis in range(2):
+            robot[i, axis] *= product
+            human[i, axis] *= product
+            formation[i, axis] *= product

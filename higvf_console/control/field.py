@@ -8,15 +8,15 @@ import numpy as np
 from higvf_console.arrays import Floats
 from higvf_console.control.blending import blended_velocity
 from higvf_console.control.controller import links
-from higvf_console.control.following import following
+from higvf_console.control.following import destination, following
 from higvf_console.control.formation import formation_velocity
 from higvf_console.control.gains import Gains, PackedGains, packed
 from higvf_console.control.guiding import composite_velocity, guiding_vector
 from higvf_console.control.intention import shared_intention
 from higvf_console.control.kernel import kernel
-from higvf_console.control.obstacles import fire_ring, ring_table
 from higvf_console.control.paths import EVERYWHERE, WINDOW
 from higvf_console.control.perception import fire_value, interval_room, robot_intention
+from higvf_console.control.rings import find_rings, fire_ring
 from higvf_console.state import NOBODY, Intent, Motion, SimState, World
 
 
@@ -48,8 +48,11 @@ def _field(
     target = motion.target[robot]
     start, to = links(motion.position, world, gains)
     hidden = interval_room(world.circles, world.bars)
-    table = ring_table(motion, world)
+    rings = find_rings(motion, world, gains.safety.obstacle_clearance)
     own_ring = NOBODY if human else fire_ring(target, world)
+    goal_x, goal_y = destination(intent.path, motion.path_parameter)
+    if not human and target != NOBODY:
+        goal_x, goal_y = world.fire_position[target, 0], world.fire_position[target, 1]
     window = EVERYWHERE if kind != FieldKind.BLENDED or intent.path.closed else WINDOW
     field = np.zeros(points.shape)
     for g in range(points.shape[0]):
@@ -61,14 +64,18 @@ def _field(
             rx, ry = _wanted(robot, x, y, motion, world, gains, hidden)
             sx, sy = shared_intention(
                 robot, motion.intention[robot, 0], motion.intention[robot, 1], rx, ry, vx, vy, 1.0 if human else 0.0,
-                motion.intention, start, to, gains.intention, math.inf,
+                motion.intention, start, to, gains.intention, gains.forms, math.inf,
             )  # fmt: skip
-            fx, fy = formation_velocity(robot, x, y, motion.position, world.formation, start, to, gains.formation)
-            vx, vy, _ = blended_velocity(sx, sy, fx, fy, gains.blending)
+            fx, fy = formation_velocity(
+                robot, x, y, motion.position, world.formation, start, to, gains.formation, gains.forms
+            )
+            vx, vy, _ = blended_velocity(sx, sy, fx, fy, gains.blending, gains.forms)
         else:
             vx, vy = gains.blending.cruise_speed * vx, gains.blending.cruise_speed * vy
         if kind != FieldKind.PATH:
-            vx, vy = composite_velocity(vx, vy, x, y, robot, motion.side, own_ring, table, gains.rings)
+            vx, vy = composite_velocity(
+                vx, vy, x, y, robot, motion.side, own_ring, goal_x, goal_y, rings, world, gains.rings, gains.forms
+            )
         field[g, 0], field[g, 1] = vx, vy
     return field
 
@@ -84,4 +91,4 @@ def _wanted(
     fx, fy, radius = world.fire_position[j, 0], world.fire_position[j, 1], float(motion.fire_radius[j])
     value = fire_value(x, y, fx, fy, radius, gains.perception.perception_range, world.circles, world.bars, hidden)
     seen = value if value > 0.0 else motion.target_value[robot]
-    return robot_intention(x, y, seen, fx, fy, radius, gains.perception, gains.safety, gains.fires)
+    return robot_intention(x, y, seen, fx, fy, radius, gains.perception, gains.safety, gains.fires, gains.forms)

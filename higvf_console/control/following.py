@@ -2,12 +2,14 @@
 
 import math
 
+from higvf_console.arrays import Floats, Ints
+from higvf_console.control.deadlock import ASK
 from higvf_console.control.gains import Gains
 from higvf_console.control.kernel import kernel
-from higvf_console.control.paths import WINDOW, nearest, travel_left
-from higvf_console.state import Intent, Motion, PathKind, PathStatus
+from higvf_console.control.paths import WINDOW, nearest, point_at, travel_left
+from higvf_console.state import NOBODY, Intent, Motion, Path, PathKind, PathStatus
 
-EN_ROUTE_PATIENCE = 10.0  # a robot that moves may go round obstacles this many times longer than one that stands
+EN_ROUTE_PATIENCE = 10.0  # a robot on its way round obstacles may take this many times longer than one that stands
 
 
 @kernel
@@ -17,15 +19,41 @@ def following(motion: Motion, intent: Intent) -> bool:
 
 
 @kernel
-def progress(motion: Motion, intent: Intent, gains: Gains) -> tuple[float, int, float, float]:
-    """Path parameter w [m], status, idle time [s] and least travel left [m] after one control period.
+def broken_away(motion: Motion, intent: Intent, value: Floats, target: Ints, component: Ints, gains: Gains) -> int:
+    """Path status (a `PathStatus`) after a look at the fires: a great one makes the team leave its path for the time.
+
+    A fire that looks larger than `break_away` to a robot of the influenced one's component starts it; it ends, with w
+    kept, when nobody there has a target any more.
+
+    Args:
+        motion: with the status so far.
+        intent: path and influenced robot.
+        value: (N, M) observed fire values [rad].
+        target: (N,) the fires that the robots want.
+        component: (N,) names of connected components.
+        gains: with the threshold.
+    """
+    leaving = following(motion, intent) and gains.perception.break_away < math.inf
+    away = motion.path_status == PathStatus.BREAK_AWAY
+    if not leaving and not away:
+        return motion.path_status
+    found = False
+    for i in range(target.shape[0]):
+        if component[i] == component[intent.influenced] and target[i] != NOBODY:
+            found = found or away or value[i, target[i]] >= gains.perception.break_away
+    return PathStatus.BREAK_AWAY.value if found else PathStatus.FOLLOWING.value
+
+
+@kernel
+def progress(motion: Motion, intent: Intent, status: int, rung: int, gains: Gains) -> tuple[float, int, float, float]:
+    """Path parameter w [m], status, idle time [s] and least travel left [m] after one control period from `status`.
 
     An open path is finished when w is at its end and the robot within the end radius of it. Without progress (no new
     least travel left, or on an endless path no motion) for `patience` it is given up and flagged as BLOCKED; a robot
-    that still moves is granted ten times that, since it may be on its way round an obstacle.
+    that still moves, or climbs the ladder out of a deadlock (`rung` is its own), is granted ten times that.
     """
-    status, idle, gap = motion.path_status, motion.path_idle, motion.path_gap
-    if not following(motion, intent):
+    idle, gap = motion.path_idle, motion.path_gap
+    if intent.path.kind == PathKind.NONE or status != PathStatus.FOLLOWING:
         return motion.path_parameter, status, idle, gap
     path, robot = intent.path, intent.influenced
     x, y = motion.position[robot]
@@ -43,7 +71,20 @@ def progress(motion: Motion, intent: Intent, gains: Gains) -> tuple[float, int, 
     if left < gap - 1e-6 or (left == math.inf and moving):
         idle, gap = 0.0, min(gap, left)
     else:
-        idle += gains.safety.control_period / (EN_ROUTE_PATIENCE if moving else 1.0)
+        hopeful = moving or 0 < rung < ASK
+        idle += gains.safety.control_period / (EN_ROUTE_PATIENCE if hopeful else 1.0)
     if idle >= gains.path.patience:
         status = PathStatus.BLOCKED.value
     return w, status, idle, gap
+
+
+@kernel
+def destination(path: Path, w: float) -> tuple[float, float]:
+    """Where a path leads [m]: an open one to its end, a closed one half a lap ahead of w; a line nowhere, NaN."""
+    if path.kind == PathKind.NONE or path.length == math.inf:
+        return math.nan, math.nan
+    if path.closed:
+        x, y, _, _, _, _ = point_at(path, w + 0.5 * path.direction * path.length)
+    else:
+        x, y, _, _, _, _ = point_at(path, path.length if path.direction > 0.0 else 0.0)
+    return x, y

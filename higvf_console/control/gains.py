@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from higvf_console.control.forms import CORRECTED, Forms
 from higvf_console.quantity import Quantity as Q  # noqa: N817
 
 INFINITE = float("inf")
@@ -46,6 +47,9 @@ class PerceptionGains(NamedTuple):
         50.0
     )
     target_margin: A[float, Q("", 1.0, 10.0, "", "Factor by which another fire must look larger to win.")] = 1.05
+    break_away: A[
+        float, Q("rad", 0.0, INFINITE, "", "A fire that looks this large makes robots leave the human's path for it.")
+    ] = INFINITE
 
 
 class FormationGains(NamedTuple):
@@ -84,6 +88,7 @@ class SafetyGains(NamedTuple):
     obstacle_rate: A[float, Q("1/s", 0.01, 1000.0, "beta", "Rate at which a robot may close in on an obstacle.")] = 20.0
     speed_limit: A[float, Q("m/s", 0.1, 600.0, "v_max", "No robot is ever faster.")] = 90.0
     control_period: A[float, Q("s", 0.001, 0.1, "dt", "Time between two control steps.")] = 0.02
+    h_index: float = CORRECTED  # set by `Gains.forms`: which margin an obstacle's row takes
 
 
 class FireGains(NamedTuple):
@@ -95,14 +100,17 @@ class FireGains(NamedTuple):
 
 
 class StallGains(NamedTuple):
-    """The deadlock detector."""
+    """The deadlock detector, and the ladder out of a deadlock."""
 
     stall_fraction: A[float, Q("", 0.001, 0.5, "", "Slower than this share of the cruise speed is a stall.")] = 0.05
     stall_time: A[float, Q("s", 0.1, 60.0, "", "A stall this long is a deadlock.")] = 1.0
+    human_boost: A[
+        float, Q("", 1.0, 100.0, "", "Factor of the human weight, where that turns a robot out of a deadlock.")
+    ] = 4.0
 
 
 class Gains(NamedTuple):
-    """All tunables."""
+    """All tunables, and the forms of the equations."""
 
     path: PathGains = PathGains()
     rings: RingGains = RingGains()
@@ -113,6 +121,7 @@ class Gains(NamedTuple):
     safety: SafetyGains = SafetyGains()
     fires: FireGains = FireGains()
     stall: StallGains = StallGains()
+    forms: Forms = Forms()
 
 
 PackedGains: TypeAlias = NDArray[Any]  # (1,) of one record; kernels read `packed[0].path.capture_distance`

@@ -19,7 +19,9 @@ _KEPT_CACHES = 8  # older builds' caches are removed
 def _cache_folder() -> Path:
     house = Path(__file__).parents[1]
     digest = hashlib.sha256()
-    for source in sorted([*house.glob("*.py"), *house.glob("control/**/*.py"), *house.glob("sim/**/*.py")]):
+    sources = [*house.glob("*.py"), *house.glob("control/**/*.py")]
+    sources += [source for source in house.glob("sim/**/*.py") if "@kernel" in source.read_text(encoding="utf-8")]
+    for source in sorted(sources):
         digest.update(source.read_bytes())
     root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "higvf")
     folder = root / digest.hexdigest()[:16]

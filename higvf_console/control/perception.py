@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from higvf_console.arrays import Floats
+from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.gains import FireGains, PerceptionGains, SafetyGains
 from higvf_console.control.kernel import kernel
 from higvf_console.control.obstacles import spine_point
@@ -142,17 +143,21 @@ def choose_target(value: Floats, target: int, memory: float, margin: float) -> t
 @kernel
 def robot_intention(
     x: float, y: float, value: float, fx: float, fy: float, radius: float,
-    perception: PerceptionGains, safety: SafetyGains, fires: FireGains,
+    perception: PerceptionGains, safety: SafetyGains, fires: FireGains, forms: Forms,
 ) -> tuple[float, float]:  # fmt: skip
     """Robot intention v_t, [11] corrected: theta * sat(distance to the hold ring / band) * unit vector to the fire.
 
     The hold ring lies midway between the clearance and the stand-off, so that a robot that holds there is in reach of
-    its fire and clear of it while the fire grows.
+    its fire and clear of it while the fire grows. As printed, -theta phi grad(phi) with phi = distance^2 - radius^2, it
+    is 1e6 to 1e8 where a human intention is at most 1.
     """
     dx, dy = fx - x, fy - y
     distance = math.sqrt(dx * dx + dy * dy)
     if distance == 0.0:
         return 0.0, 0.0
+    if forms.target == PRINTED:
+        slope = 2.0 * value * (distance * distance - radius * radius)
+        return slope * dx, slope * dy
     gap = distance - radius - 0.5 * (safety.obstacle_clearance + fires.stand_off)
     pull = value * min(max(gap / perception.target_band, -1.0), 1.0) / distance
     return pull * dx, pull * dy

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from higvf_console.control.forms import name_of
 from higvf_console.session.run import TrajectoryDigest
 from higvf_console.session.session import Session
-
-FORMS = "corrected"  # of the equations, see the table of symbols
+from higvf_console.sim.certificates import certificates
 
 
 def run_headless(session: Session, duration: float | None = None) -> dict[str, Any]:
@@ -38,7 +38,7 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
             break
     return {
         "scenario": session.scenario.name,
-        "forms": FORMS,
+        "forms": name_of(session.scenario.gains.forms),
         "seed": session.seed,
         "duration_s": round(done * dt, 9),
         "ticks": done,
@@ -61,4 +61,8 @@ def _outcome(session: Session) -> dict[str, Any]:
         "min_clearance_m": now.min_clearance if math.isfinite(now.min_clearance) else None,
         "infeasible_ticks": now.infeasible_ticks,
         "deadlock_s": round(now.deadlock_s, 9),
+        "certificates": [
+            {**item._asdict(), "value": item.value if math.isfinite(item.value) else None, "met": item.met}
+            for item in certificates(session.setup, now.state, now.trace, now.worst)
+        ],
     }

@@ -11,10 +11,10 @@ from scipy.spatial import KDTree
 from higvf_console.arrays import Floats, Ints, ints
 from higvf_console.control.barriers.certificate import check_sampling, least_stand_off
 from higvf_console.control.gains import Gains
+from higvf_console.control.intention import map_radius
 from higvf_console.errors import FilterError, ScenarioError
+from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
 from higvf_console.state import World
-
-FORMATION_LIMIT = 2.0  # of dt k_form 2 deg: explicit Euler on the formation's springs is stable below
 
 
 def check_start(position: Floats, fire_radius: Floats, world: World, gains: Gains, place: str) -> None:
@@ -84,6 +84,36 @@ def start_network(position: Floats, links: tuple[tuple[int, int], ...] | None, r
     graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(robots, robots))
     degree = np.bincount(edges.ravel(), minlength=robots).max()
     return Network(int(degree), int(connected_components(graph, directed=False)[0]))
+
+
+def intention_radius(
+    position: Floats, links: tuple[tuple[int, int], ...] | None, influenced: int, gains: Gains
+) -> float:
+    """Spectral radius of the intention update as printed, on the communication graph at the start.
+
+    Args:
+        position: (N, 2) [m].
+        links: given links; None = all pairs within the communication range.
+        influenced: the robot that feels the human.
+        gains: weights and communication range.
+    """
+    robots = len(position)
+    reach = min(gains.formation.communication_range, 1e9)
+    edges = ints(links, -1, 2) if links is not None else KDTree(position).query_pairs(reach, output_type="ndarray")
+    return map_radius(laplacian(ints(edges, -1, 2), robots), influenced, gains.intention)
+
+
+def check_intention(radius: float, source: str) -> None:
+    """Refuses an intention update in its printed form that diverges.
+
+    Raises:
+        ScenarioError: the spectral `radius` is not below 1; the message gives it and the way out.
+    """
+    if radius >= 1.0:
+        raise ScenarioError(
+            f"{source}: forms.intention: the printed update has spectral radius {radius:.3g} and diverges from 1 on; "
+            f"multiply all four weights of parameters.intention by less than {1.0 / radius:.3g}, or take 'corrected'"
+        )
 
 
 def check_barriers(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 
 from higvf_console.arrays import Floats, floats
 from higvf_console.commands import Command, OperatorCommand
+from higvf_console.control.forms import WORDS, Forms
 from higvf_console.errors import InputError
 from higvf_console.session.run import Run, TrajectoryDigest
 from higvf_console.session.scenario import Scenario, parse_scenario
@@ -45,7 +46,8 @@ class Recorder:
         self._mark_every = max(1, round(1.0 / scenario.gains.safety.control_period))
         self._flushed = time.monotonic()
         header = {"recording": FORMAT, "scenario": scenario.name, "source": scenario.source, "seed": seed}
-        self._write({**header, "versions": versions(), "text": scenario.text})
+        forms = scenario.gains.forms.words()
+        self._write({**header, "forms": forms, "versions": versions(), "text": scenario.text})
 
     def command(self, command: OperatorCommand) -> None:
         """A command was applied before the next tick."""
@@ -151,6 +153,8 @@ def read_recording(file: Path) -> Recording:
     if header is None or header.get("recording") != FORMAT:
         raise InputError(f"{file}: not a recording of version {FORMAT}: its first line is not a header")
     scenario = parse_scenario(header["text"], header["source"])
+    if "forms" in header:
+        scenario = scenario.with_forms(Forms(**{name: WORDS[word] for name, word in header["forms"].items()}))
     recording = Recording(scenario, header["seed"], header["versions"], {}, [], False)
     for number, line in enumerate(lines[1:-1], 2):
         entry = _parsed(line)

@@ -12,6 +12,7 @@ from higvf_console.commands import OperatorCommand, ResetRun
 from higvf_console.control.coupled_filter import CoupledFilter
 from higvf_console.session.sections import FilterKind
 from higvf_console.sim import simulation
+from higvf_console.sim.certificates import Worst, watched
 from higvf_console.sim.events import events_between
 from higvf_console.sim.operator import apply_command
 from higvf_console.sim.setup import Event, Setup
@@ -32,6 +33,7 @@ class Run:
         min_clearance: smallest clearance so far [m].
         infeasible_ticks: control periods in which a robot could not meet all barrier rows.
         deadlock_ticks: control periods in which a robot was deadlocked.
+        worst: what the certificates of single ticks came to.
     """
 
     def __init__(self, setup: Setup, filter_kind: FilterKind = FilterKind.DISTRIBUTED) -> None:
@@ -49,6 +51,7 @@ class Run:
         self.min_clearance = float("inf")
         self.infeasible_ticks = 0
         self.deadlock_ticks = 0
+        self.worst = Worst()
 
     @property
     def time(self) -> float:
@@ -79,6 +82,7 @@ class Run:
         self.min_clearance = min(self.min_clearance, float(trace.clearance.min()))
         self.infeasible_ticks += bool(trace.infeasible.any())
         self.deadlock_ticks += bool(trace.deadlocked.any())
+        self.worst = watched(self.worst, self.state.motion, trace, self.setup.gains)
 
 
 def _advance_by(filter_kind: FilterKind, setup: Setup) -> Advance:

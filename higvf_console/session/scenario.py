@@ -12,6 +12,7 @@
     influenced: 1                            # robots and fires count from 1
     strokes: [{name: Round the bar, robot: 1, points_m: [...]}]        # "show me" buttons
     parameters: {safety: {robot_clearance: 25}}                        # groups and names of `control.gains`
+    forms: corrected                         # or zero-in, printed; or a word for each of `control.forms`
     filter: distributed                      # or centralised
     inputs: {emg: {labels: {fist: pause}}}   # settings by interface
     demo: ["gaze=assets/recordings/barrier-gaze.tsv:frame=screen"]     # what --demo plays, as --input
@@ -26,7 +27,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
 from higvf_console.arrays import Floats, floats, ints
+from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.gains import Gains
+from higvf_console.control.world import NO_LINKS, make_world
 from higvf_console.errors import ScenarioError
 from higvf_console.quantity import Quantity
 from higvf_console.session.channels import unknown_settings
@@ -34,7 +37,9 @@ from higvf_console.session.placement import (
     Network,
     check_barriers,
     check_formation,
+    check_intention,
     check_start,
+    intention_radius,
     late_stand_off,
     link_table,
     start_network,
@@ -49,6 +54,7 @@ from higvf_console.session.sections import (
     read_arena,
     read_fires,
     read_formation,
+    read_forms,
     read_inputs,
     read_links,
     read_obstacles,
@@ -66,8 +72,10 @@ from higvf_console.viewport import Arena
 VERSION = 1
 KEYS = (
     "version", "name", "title", "description", "arena", "robots", "links", "formation_m", "fires", "obstacles", "path",
-    "influenced", "strokes", "parameters", "filter", "inputs", "demo", "duration_s",
+    "influenced", "strokes", "parameters", "forms", "filter", "inputs", "demo", "duration_s",
 )  # fmt: skip
+PRINTED_RADIUS = 0.9  # spectral radius to which the printed intention update is scaled
+_WEIGHTS = ("decay", "robot_weight", "neighbour_weight", "human_weight")
 _DURATION = Quantity("s", 0.001, 1e6, "", "How long a run lasts.")
 
 
@@ -135,23 +143,34 @@ class Scenario:
         start = start._replace(intent=start.intent._replace(influenced=self.influenced))
         return Setup(self.arena, world, self.gains, follow(start, self.path))
 
+    def with_forms(self, forms: Forms) -> "Scenario":
+        """The same scenario with other forms of the equations.
+
+        The intention update as printed diverges with weights that suit the corrected one, so they are then scaled to
+        a spectral radius of `PRINTED_RADIUS`, and a warning says so.
+        """
+        gains, warnings = self.gains._replace(forms=forms), self.warnings
+        radius = intention_radius(self.robots.points, self.links, self.influenced, gains)
+        if forms.intention == PRINTED and radius >= 1.0:
+            scale = PRINTED_RADIUS / radius
+            weights = {name: scale * getattr(gains.intention, name) for name in _WEIGHTS}
+            gains = gains._replace(intention=gains.intention._replace(**weights))
+            warnings += (
+                f"the intention update as printed has spectral radius {radius:.3g} and diverges: "
+                f"its weights are multiplied by {scale:.3g}, which makes it {PRINTED_RADIUS:g}",
+            )
+        return replace(self, gains=gains, warnings=warnings)
+
     def _world(self, position: Floats) -> World:
         sides = [(1, 0, self.arena.x_min), (-1, 0, -self.arena.x_max)]
         sides += [(0, 1, self.arena.y_min), (0, -1, -self.arena.y_max)]
-        link_start, link_to = ints([]), ints([])
-        if self.links is not None:
-            link_start, link_to = link_table(self.links, len(position))
-        return World(
-            circles=floats(self.obstacles.circles),
-            bars=floats(self.obstacles.bars),
-            walls=floats(sides if self.walls else [], -1, 3),
-            fire_position=floats([fire.position for fire in self.fires], -1, 2),
-            fire_growth=floats([fire.growth for fire in self.fires], -1),
-            fire_needs=ints([fire.needs for fire in self.fires], -1),
-            formation=floats(position if self.formation is None else self.formation),
-            link_start=link_start,
-            link_to=link_to,
-        )
+        return make_world(
+            self.obstacles.circles, self.obstacles.bars, floats(sides if self.walls else [], -1, 3),
+            floats([fire.position for fire in self.fires], -1, 2), floats([fire.growth for fire in self.fires], -1),
+            ints([fire.needs for fire in self.fires], -1), position if self.formation is None else self.formation,
+            self.gains.safety.obstacle_clearance,
+            NO_LINKS if self.links is None else link_table(self.links, len(position)),
+        )  # fmt: skip
 
 
 def data_folder() -> FilePath:
@@ -214,7 +233,7 @@ def parse_scenario(text: str, source: str) -> Scenario:
     arena, walls = read_arena(entries["arena"])
     robots = read_robots(entries["robots"], arena)
     count = len(robots.points)
-    gains = read_parameters(entry("parameters", {}))
+    gains = read_parameters(entry("parameters", {}))._replace(forms=read_forms(entry("forms", "corrected")))
     inputs = read_inputs(entry("inputs", {}))
     links = read_links(entries["links"], count) if "links" in entries else None
     network = start_network(robots.points, links, gains.formation.communication_range)
@@ -246,6 +265,8 @@ def parse_scenario(text: str, source: str) -> Scenario:
     start = scenario.setup(seed=0)
     fire_radius = start.start.motion.fire_radius
     check_barriers(start.world, fire_radius, gains, source)
+    if gains.forms.intention == PRINTED:
+        check_intention(intention_radius(robots.points, links, scenario.influenced, gains), source)
     late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, gains)
     return replace(scenario, warnings=(*scenario.warnings, *late))
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
+from higvf_console.control.forms import FORMS, WORDS, Forms
 from higvf_console.control.gains import Gains
 from higvf_console.control.paths import circle_path, ellipse_path, line_path, sketch_path
 from higvf_console.errors import PathError
@@ -226,7 +227,8 @@ _PATHS = {"line": _line, "circle": _circle, "ellipse": _ellipse, "sketch": _sket
 def read_parameters(node: Node) -> Gains:
     """All tunables: the defaults, and what the file says otherwise."""
     gains = Gains()
-    for group, section in node.section(Gains._fields).items():
+    groups = tuple(name for name in Gains._fields if name != "forms")
+    for group, section in node.section(groups).items():
         part = getattr(gains, group)
         section.section(tuple(quantities(type(part))))
         gains = gains._replace(**{group: with_values(part, section.value, f"{section.source}: {section.place}")})
@@ -239,6 +241,14 @@ def read_parameters(node: Node) -> Gains:
         place = Node(None, node.source, f"{node.place}.rings")
         raise place.error(f"reactive_margin is {reactive:g} m and must be above repulsive_margin, {repulsive:g} m")
     return gains
+
+
+def read_forms(node: Node) -> Forms:
+    """The forms of the equations: the name of a set, or a section with a word for each equation."""
+    if isinstance(node.value, str):
+        return FORMS[node.choice(tuple(FORMS))]
+    entries = node.section(Forms._fields)
+    return Forms(**{name: WORDS[entry.choice(tuple(WORDS))] for name, entry in entries.items()})
 
 
 def read_inputs(node: Node) -> dict[str, dict[str, object]]:

@@ -35,6 +35,7 @@ from higvf_console.session.recording import Recorder
 from higvf_console.session.run import Run
 from higvf_console.session.scenario import Scenario
 from higvf_console.session.sections import FilterKind
+from higvf_console.sim.certificates import Worst
 from higvf_console.sim.metrics import loss_area
 from higvf_console.sim.setup import Event, Severity
 from higvf_console.state import SimState, Trace
@@ -62,6 +63,7 @@ class Snapshot(NamedTuple):
         tick_ms: how long the tick took [ms].
         infeasible_ticks: control periods in which a robot could not meet all barrier rows.
         deadlock_s: time in which a robot was deadlocked [s].
+        worst: what the certificates of single ticks came to so far.
         extinguished: fire indices in the order in which they went out.
         channels: how each interface is.
         events: what happened, oldest first; the last `EVENTS_KEPT`.
@@ -77,6 +79,7 @@ class Snapshot(NamedTuple):
     tick_ms: float
     infeasible_ticks: int
     deadlock_s: float
+    worst: Worst
     extinguished: tuple[int, ...]
     channels: tuple[tuple[str, ChannelHealth], ...]
     events: tuple[Event, ...]
@@ -283,6 +286,7 @@ class Session:
             tick_ms=1e3 * (perf_counter() - started),
             infeasible_ticks=run.infeasible_ticks,
             deadlock_s=run.deadlock_ticks * self.setup.gains.safety.control_period,
+            worst=run.worst,
             extinguished=run.extinguished,
             channels=self._health,
             events=self._events,

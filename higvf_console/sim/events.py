@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from higvf_console.control.deadlock import ASK, MORE_HUMAN, OTHER_SIDE
 from higvf_console.control.gains import Gains
 from higvf_console.sim.setup import Event, Severity
 from higvf_console.state import NOBODY, PathStatus, SimState, Trace
@@ -20,22 +21,34 @@ def events_between(
             text = f"Fire {fire + 1} is out; it burnt {area:,.0f} m²."
             events.append(Event(time, Severity.GOOD, "extinguished", text))
     if was.path_status != now.path_status:
-        events.extend(_path_event(now.path_status, after.intent.influenced, time))
+        events.extend(_path_event(was.path_status, now.path_status, after.intent.influenced, time))
     if was.target.tobytes() != now.target.tobytes():
         target = _common_target(now.target)
         if target not in (NOBODY, _common_target(was.target)):
             events.append(Event(time, Severity.INFO, "target", f"The team's target is fire {target + 1}."))
     if trace.infeasible.any():
         events.extend(_robots(trace.infeasible, trace_before.infeasible if trace_before else None, time, "infeasible"))
-    if trace.deadlocked.any():
-        events.extend(_robots(trace.deadlocked, trace_before.deadlocked if trace_before else None, time, "deadlock"))
+    if was.rung.tobytes() != now.rung.tobytes():
+        events.extend(_climbed(was.rung, now.rung, time))
     return tuple(events)
 
 
 _TROUBLE = {
     "infeasible": (Severity.ALARM, "has no safe velocity: it takes the least violation"),
-    "deadlock": (Severity.WARNING, "is held by its barriers: a new stroke can free it"),
 }
+_RUNGS = {
+    OTHER_SIDE: (Severity.INFO, "is held by its barriers: the team tries the other side"),
+    MORE_HUMAN: (Severity.INFO, "is still held: the human intention weighs more, where that turns it"),
+    ASK: (Severity.WARNING, "is held by its barriers: a new stroke can free it"),
+}
+
+
+def _climbed(was: np.ndarray, now: np.ndarray, time: float) -> list[Event]:
+    return [
+        Event(time, _RUNGS[rung][0], "deadlock", f"Robot {i + 1} {_RUNGS[rung][1]}.")
+        for i, rung in enumerate(now.tolist())
+        if rung > was[i] and rung in _RUNGS
+    ]
 
 
 def _robots(now: np.ndarray, was: np.ndarray | None, time: float, kind: str) -> list[Event]:
@@ -44,9 +57,13 @@ def _robots(now: np.ndarray, was: np.ndarray | None, time: float, kind: str) -> 
     return [Event(time, severity, kind, f"Robot {i + 1} {sentence}.") for i in fresh]
 
 
-def _path_event(status: int, influenced: int, time: float) -> list[Event]:
+def _path_event(before: int, status: int, influenced: int, time: float) -> list[Event]:
+    if before == PathStatus.BREAK_AWAY and status == PathStatus.FOLLOWING:
+        return [Event(time, Severity.INFO, "break-away", "The team returns to its path.")]
     if status == PathStatus.FINISHED:
         return [Event(time, Severity.GOOD, "path", f"Robot {influenced + 1} has finished its path.")]
+    if status == PathStatus.BREAK_AWAY:
+        return [Event(time, Severity.INFO, "break-away", "The team leaves its path for a fire that it has found.")]
     if status == PathStatus.BLOCKED:
         text = f"Robot {influenced + 1} made no progress on its path; the human intention is released."
         return [Event(time, Severity.WARNING, "path", text)]

@@ -9,7 +9,7 @@ from higvf_console.control.controller import Plan
 from higvf_console.control.gains import Gains
 from higvf_console.control.kernel import kernel
 from higvf_console.control.neighbours import within
-from higvf_console.control.obstacles import NO_RING, ring_at, ring_table
+from higvf_console.control.obstacles import part_at, part_radius
 from higvf_console.control.safety_filter import blocked
 from higvf_console.state import NOBODY, Motion, World
 
@@ -20,23 +20,43 @@ def loss_area(motion: Motion) -> Floats:
 
 
 @kernel
-def clearances(motion: Motion, world: World, gains: Gains) -> Floats:
-    """(N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k [m]; exact below R_r, inf when nothing is that near."""
+def clearances(motion: Motion, world: World, gains: Gains) -> tuple[Floats, Floats]:
+    """Each robot's nearest danger: what is left of the clearance, and its barrier function.
+
+    Returns:
+        clearance: (N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k [m]; exact below R_r, inf when nothing is near.
+        barrier: (N,) smallest h = d^2/R^2 - 1 of [20] and [26], and of the walls; inf likewise.
+    """
     safety = gains.safety
     nearest = np.full(motion.position.shape[0], math.inf)
-    table = ring_table(motion, world)
+    barrier = np.full(motion.position.shape[0], math.inf)
     start, to = within(motion.position, 2.0 * safety.robot_clearance)
     for i in range(nearest.shape[0]):
         x, y = motion.position[i, 0], motion.position[i, 1]
         for entry in range(start[i], start[i + 1]):
             dx, dy = motion.position[to[entry], 0] - x, motion.position[to[entry], 1] - y
-            nearest[i] = min(nearest[i], math.sqrt(dx * dx + dy * dy) - safety.robot_clearance)
-        for k in range(table.shape[0]):
-            distance, _, _, radius = ring_at(table, k, x, y)
-            gap = distance - radius - safety.obstacle_clearance
-            if radius > NO_RING and gap < safety.robot_clearance:
-                nearest[i] = min(nearest[i], gap)
-    return nearest
+            _note(i, math.sqrt(dx * dx + dy * dy), safety.robot_clearance, math.inf, nearest, barrier)
+        for k in range(world.circles.shape[0] + world.bars.shape[0]):
+            gap, _, _ = part_at(k, x, y, world)
+            radius = part_radius(k, world)
+            _note(i, gap + radius, radius + safety.obstacle_clearance, safety.robot_clearance, nearest, barrier)
+        for j in range(world.fire_position.shape[0]):
+            if motion.fire_burning[j]:
+                dx, dy = x - world.fire_position[j, 0], y - world.fire_position[j, 1]
+                clearance = motion.fire_radius[j] + safety.obstacle_clearance
+                _note(i, math.sqrt(dx * dx + dy * dy), clearance, safety.robot_clearance, nearest, barrier)
+        for k in range(world.walls.shape[0]):
+            inside = world.walls[k, 0] * x + world.walls[k, 1] * y - world.walls[k, 2]
+            barrier[i] = min(barrier[i], inside / safety.obstacle_clearance - 1.0)
+    return nearest, barrier
+
+
+@kernel
+def _note(i: int, distance: float, clearance: float, reach: float, nearest: Floats, barrier: Floats) -> None:
+    gap = distance - clearance
+    if gap < reach:
+        nearest[i] = min(nearest[i], gap)
+        barrier[i] = min(barrier[i], (distance / clearance) ** 2 - 1.0)
 
 
 @kernel

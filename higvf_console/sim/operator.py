@@ -96,7 +96,9 @@ def follow(state: SimState, path: Path) -> SimState:
     else:
         x, y = motion.position[intent.influenced]
         status, w = PathStatus.FOLLOWING, start_parameter(path, float(x), float(y))
-    motion = motion._replace(path_parameter=w, path_status=int(status), path_idle=0.0, path_gap=math.inf)
+    motion = motion._replace(
+        path_parameter=w, path_status=int(status), path_idle=0.0, path_gap=math.inf, rung=np.zeros_like(motion.rung)
+    )
     return state._replace(motion=motion, intent=intent._replace(path=path))
 
 
@@ -146,7 +148,7 @@ def _reverse(state: SimState, time: float) -> Outcome:
 
 
 def _finish(state: SimState, time: float) -> Outcome:
-    if state.motion.path_status != PathStatus.FOLLOWING:
+    if state.motion.path_status not in (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY):
         return state, ()
     motion = state.motion._replace(path_status=int(PathStatus.FINISHED))
     return state._replace(motion=motion), _say(time, "path", "The team goes on with its own task.")

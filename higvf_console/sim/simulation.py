@@ -15,6 +15,7 @@ from higvf_console.arrays import Bools, Floats, Ints, bools, floats, ints
 from higvf_console.control.controller import Plan, compute
 from higvf_console.control.coupled_filter import CoupledFilter
 from higvf_console.control.field import FieldKind, field_at
+from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains, PackedGains, SafetyGains, packed
 from higvf_console.control.kernel import closed, kernel
 from higvf_console.control.safety_filter import filter_velocities
@@ -47,8 +48,9 @@ def initial_state(position: Floats, fire_radius: Floats, world: World) -> SimSta
         intention=np.zeros((robots, 2)),
         target=ints([NOBODY] * robots),
         target_value=np.zeros(robots),
-        side=np.zeros((robots, len(world.circles) + len(world.bars) + fires), np.int64),
+        side=np.zeros((robots, len(world.ring) + fires), np.int64),
         stalled=np.zeros(robots),
+        rung=np.zeros(robots, np.int64),
         fire_radius=floats(fire_radius, -1),
         fire_progress=np.zeros(fires),
         fire_burning=bools([True] * fires),
@@ -56,6 +58,8 @@ def initial_state(position: Floats, fire_radius: Floats, world: World) -> SimSta
         path_status=int(PathStatus.NONE),
         path_idle=0.0,
         path_gap=math.inf,
+        robot_peak=0.0,
+        human_peak=0.0,
     )
     intent = Intent(NO_PATH, 0, False, False)
     return SimState(motion, intent, Drawing(np.full(2, np.nan), np.zeros((0, 2)), "", False, False))
@@ -72,7 +76,8 @@ def advance_coupled(state: SimState, world: World, gains: Gains, safety: Coupled
     plan, crew, rate = decide(state.motion, state.intent, world, packed(gains))
     filtered = safety.filter_velocities(
         state.motion.position, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
-        state.motion.fire_radius, rate, state.motion.fire_burning, gains.safety,
+        state.motion.fire_radius, _seen_rate(rate, packed(gains)), state.motion.fire_burning,
+        _safety_gains(packed(gains)),
     )  # fmt: skip
     motion, trace = settle(state.motion, state.intent, plan, crew, rate, *filtered, world, packed(gains))
     return SimState(motion, state.intent, state.drawing), trace
@@ -90,7 +95,7 @@ def tick(motion: Motion, intent: Intent, world: World, gains: PackedGains) -> tu
     plan, crew, rate = decide(motion, intent, world, gains)
     velocity, active_rows, infeasible = filter_velocities(
         motion.position, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
-        motion.fire_radius, rate, motion.fire_burning, _safety_gains(gains),
+        motion.fire_radius, _seen_rate(rate, gains), motion.fire_burning, _safety_gains(gains),
     )  # fmt: skip
     return settle(motion, intent, plan, crew, rate, velocity, active_rows, infeasible, world, gains)
 
@@ -116,11 +121,13 @@ def settle(
     moved = Motion(
         motion.tick + 1, motion.position + gains.safety.control_period * velocity, velocity, plan.intention,
         plan.target, plan.target_value, plan.side, stalls(motion, plan, velocity, active_rows, crew, world, gains),
-        radius, fire_progress, burning, plan.path_parameter, plan.path_status, plan.path_idle, plan.path_gap,
+        plan.rung, radius, fire_progress, burning, plan.path_parameter, plan.path_status, plan.path_idle, plan.path_gap,
+        max(motion.robot_peak, _largest(plan.robot_intention)), max(motion.human_peak, _largest(plan.human_intention)),
     )  # fmt: skip
+    clearance, barrier = clearances(moved, world, gains)
     trace = Trace(
         plan.fire_value, _terms(plan), plan.blending, active_rows, infeasible,
-        moved.stalled >= gains.stall.stall_time, clearances(moved, world, gains),
+        moved.stalled >= gains.stall.stall_time, clearance, barrier,
         _pairs(plan.link_start, plan.link_to), plan.component, crew,
     )  # fmt: skip
     return moved, trace
@@ -132,8 +139,23 @@ def _safety_gains(gains: PackedGains) -> SafetyGains:
     safety = gains[0].safety
     return SafetyGains(
         safety.robot_clearance, safety.obstacle_clearance, safety.pair_rate, safety.obstacle_rate, safety.speed_limit,
-        safety.control_period,
+        safety.control_period, gains[0].forms.h_index,
     )  # fmt: skip
+
+
+@kernel
+def _seen_rate(rate: Floats, gains: PackedGains) -> Floats:
+    """Growth of the fires (M,) as the filter's rows know it [m/s]; none in [27] as printed."""
+    return np.zeros(rate.shape[0]) if gains[0].forms.fire_row == PRINTED else rate
+
+
+@kernel
+def _largest(vectors: Floats) -> float:
+    """Length of the longest of vectors (N, 2)."""
+    square = 0.0
+    for i in range(vectors.shape[0]):
+        square = max(square, vectors[i, 0] * vectors[i, 0] + vectors[i, 1] * vectors[i, 1])
+    return math.sqrt(square)
 
 
 @kernel

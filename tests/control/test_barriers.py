@@ -21,6 +21,7 @@ from higvf_console.control.barriers.robot_pair import pair_row
 from higvf_console.control.barriers.row import class_k
 from higvf_console.control.barriers.speed_limit import clipped
 from higvf_console.control.gains import SafetyGains
+from higvf_console.control.world import make_world
 from higvf_console.errors import FilterError
 from higvf_console.state import World
 
@@ -140,9 +141,9 @@ def test_robots_sense_each_other_at_35_metres_with_the_default_gains() -> None:
 
 
 def world(circles: Floats, walls: Floats, fires: int) -> World:
-    return World(
-        circles, np.zeros((0, 5)), walls, np.zeros((fires, 2)), np.ones(fires), ints([2] * fires),
-        np.zeros((3, 2)), ints([]), ints([]),
+    return make_world(
+        circles, np.zeros((0, 5)), walls, np.zeros((fires, 2)), np.ones(fires), ints([2] * fires), np.zeros((3, 2)),
+        SAFETY.obstacle_clearance,
     )  # fmt: skip
 
 

@@ -7,15 +7,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from higvf_console.arrays import Ints, floats, ints
+from higvf_console.arrays import Ints, bools, floats, ints
 from higvf_console.control.bump import zero_in
+from higvf_console.control.forms import Forms
 from higvf_console.control.gains import PathGains, RingGains
 from higvf_console.control.guiding import agree_sides, composite_velocity, guiding_vector
 from higvf_console.control.paths import EVERYWHERE, circle_path, line_path, sketch_path
+from higvf_console.control.rings import find_rings
 from higvf_console.state import NOBODY
+from tests.teams import team
 
 GAINS, RINGS = PathGains(), RingGains()
-DISC = floats([(0.0, 0.0, 0.0, 0.0, 50.0)])  # one ring round the origin
+SETUP = team(circles=[(0.0, 0.0, 50.0)])
+WORLD, DISC = SETUP.world, find_rings(SETUP.start.motion, SETUP.world, 12.0)  # one ring round the origin
+NOWHERE = (math.nan, math.nan)  # bound for nowhere
 
 
 def test_on_the_path_the_field_is_its_tangent_and_far_away_it_points_at_the_path() -> None:
@@ -55,21 +60,21 @@ def test_following_the_field_leads_to_the_circle() -> None:
 
 def test_the_bump_is_zero_inside_q_one_outside_r_and_rises_between() -> None:
     radii = np.linspace(50.0, 80.0, 301)
-    bump = np.array([zero_in(d, 50.0, RINGS) for d in radii])
+    bump = np.array([zero_in(d, 50.0, RINGS, Forms()) for d in radii])
     assert (bump[radii <= 64.0] == 0.0).all()
     assert (bump[radii >= 75.0] == 1.0).all()
     assert (np.diff(bump) >= 0.0).all()
-    assert 0.05 < zero_in(69.5, 50.0, RINGS) < 0.95
+    assert 0.05 < zero_in(69.5, 50.0, RINGS, Forms()) < 0.95
 
 
 def test_the_bump_has_no_overflow_next_to_its_boundaries() -> None:
     edges = [64.0, 75.0]
-    bumps = [zero_in(math.nextafter(e, to), 50.0, RINGS) for e in edges for to in (0.0, 100.0)]
+    bumps = [zero_in(math.nextafter(e, to), 50.0, RINGS, Forms()) for e in edges for to in (0.0, 100.0)]
     assert all(0.0 <= b <= 1.0 for b in bumps)
 
 
 def composite(vx: float, vy: float, x: float, y: float, side: int, own: int = NOBODY) -> tuple[float, float]:
-    return composite_velocity(vx, vy, x, y, 0, ints([[side]]), own, DISC, RINGS)
+    return composite_velocity(vx, vy, x, y, 0, ints([[side]]), own, *NOWHERE, DISC, WORLD, RINGS, Forms())
 
 
 def test_outside_every_ring_the_velocity_passes_bit_for_bit() -> None:
@@ -100,8 +105,8 @@ def test_a_robots_own_fire_is_no_obstacle_to_it() -> None:
 def sides(
     positions: list[tuple[float, float]], velocities: list[tuple[float, float]], influenced: int, before: Ints
 ) -> Ints:
-    team = np.zeros(len(positions), np.int64)
-    return agree_sides(floats(velocities), floats(positions), before, team, influenced, DISC, RINGS)
+    one, nobody = np.zeros(len(positions), np.int64), np.zeros(len(positions), np.bool_)
+    return agree_sides(floats(velocities), floats(positions), before, one, influenced, nobody, DISC, RINGS)
 
 
 def test_the_first_robot_that_heads_inward_sets_the_side_for_its_whole_component() -> None:
@@ -121,5 +126,5 @@ def test_the_side_is_cleared_when_the_ring_is_empty() -> None:
 
 def test_components_agree_apart() -> None:
     position, velocity = floats([(70, 0), (-70, 0)]), floats([(-5, 1), (5, 1)])
-    agreed = agree_sides(velocity, position, ints([[0], [0]]), ints([0, 1]), NOBODY, DISC, RINGS)
+    agreed = agree_sides(velocity, position, ints([[0], [0]]), ints([0, 1]), NOBODY, bools([False, False]), DISC, RINGS)
     assert agreed.tolist() == [[1], [-1]]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from higvf_console.arrays import Floats, floats
+from higvf_console.control.forms import Forms
 from higvf_console.control.gains import FireGains, PerceptionGains, SafetyGains
 from higvf_console.control.perception import choose_target, fire_value, interval_room, robot_intention
 from higvf_console.state import NOBODY
@@ -105,8 +106,10 @@ def test_without_a_target_the_largest_visible_fire_is_chosen_or_none() -> None:
 
 def test_the_robot_intention_points_at_the_fire_and_fades_at_the_hold_ring() -> None:
     hold = 30.0 + 0.5 * (SAFETY.obstacle_clearance + FIRES.stand_off)
-    far = robot_intention(0, 0, 0.4, 300, 400, 30, PERCEPTION, SAFETY, FIRES)
+    far = robot_intention(0, 0, 0.4, 300, 400, 30, PERCEPTION, SAFETY, FIRES, Forms())
     assert far == pytest.approx((0.24, 0.32))
-    assert robot_intention(300 + hold, 400, 0.4, 300, 400, 30, PERCEPTION, SAFETY, FIRES) == pytest.approx((0.0, 0.0))
-    inside = robot_intention(300 + hold - 5, 400, 0.4, 300, 400, 30, PERCEPTION, SAFETY, FIRES)
+    assert robot_intention(300 + hold, 400, 0.4, 300, 400, 30, PERCEPTION, SAFETY, FIRES, Forms()) == pytest.approx(
+        (0.0, 0.0)
+    )
+    inside = robot_intention(300 + hold - 5, 400, 0.4, 300, 400, 30, PERCEPTION, SAFETY, FIRES, Forms())
     assert inside == pytest.approx((0.04, 0.0))

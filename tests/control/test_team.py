@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from higvf_console.arrays import Floats, Ints, floats, ints
 from higvf_console.control.blending import blended_velocity, blending_weight
 from higvf_console.control.formation import formation_velocity
+from higvf_console.control.forms import Forms
 from higvf_console.control.gains import BlendingGains, FormationGains, IntentionGains
 from higvf_console.control.intention import shared_intention
 
@@ -24,7 +25,7 @@ def complete(robots: int) -> tuple[Ints, Ints]:
 
 def pull(i: int, position: Floats, shape: Floats, links: tuple[Ints, Ints]) -> tuple[float, float]:
     x, y = position[i]
-    return formation_velocity(i, x, y, position, shape, links[0], links[1], FORMATION)
+    return formation_velocity(i, x, y, position, shape, links[0], links[1], FORMATION, Forms())
 
 
 @pytest.mark.parametrize(("distance", "sign"), [(30.0, -1.0), (90.0, 1.0)])
@@ -63,7 +64,7 @@ def step(state: Floats, robot: Floats, human: Floats, dt: float, gains: Intentio
     def after(i: int) -> tuple[float, float]:
         (vx, vy), (rx, ry), (hx, hy) = state[i], robot[i], human[i]
         psi = 1.0 if i == 0 else 0.0
-        return shared_intention(i, vx, vy, rx, ry, hx, hy, psi, state, start, to, gains, dt)
+        return shared_intention(i, vx, vy, rx, ry, hx, hy, psi, state, start, to, gains, Forms(), dt)
 
     return floats([after(i) for i in range(len(state))])
 
@@ -115,19 +116,19 @@ def test_an_endless_step_gives_the_fixed_point() -> None:
 
 def test_the_blending_weight_meets_its_conditions() -> None:
     a = np.linspace(0.0, 5.0, 101)
-    assert blending_weight(0.0, 0.0, BLENDING) == 0.0
-    assert (np.diff([blending_weight(x, 10.0, BLENDING) for x in a]) > 0.0).all()
-    assert (np.diff([blending_weight(1.0, 20.0 * x, BLENDING) for x in a]) < 0.0).all()
-    assert blending_weight(1e9, 10.0, BLENDING) == pytest.approx(1.0)
-    assert blending_weight(1.0, 1e9, BLENDING) == pytest.approx(0.0, abs=1e-6)
+    assert blending_weight(0.0, 0.0, BLENDING, Forms()) == 0.0
+    assert (np.diff([blending_weight(x, 10.0, BLENDING, Forms()) for x in a]) > 0.0).all()
+    assert (np.diff([blending_weight(1.0, 20.0 * x, BLENDING, Forms()) for x in a]) < 0.0).all()
+    assert blending_weight(1e9, 10.0, BLENDING, Forms()) == pytest.approx(1.0)
+    assert blending_weight(1.0, 1e9, BLENDING, Forms()) == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_clear_intention_is_driven_at_cruise_speed_and_a_faint_one_slower() -> None:
-    vx, vy, weight = blended_velocity(3.0, 4.0, 0.0, 0.0, BLENDING)
+    vx, vy, weight = blended_velocity(3.0, 4.0, 0.0, 0.0, BLENDING, Forms())
     assert math.hypot(vx, vy) == pytest.approx(weight * BLENDING.cruise_speed)
-    faint = blended_velocity(0.01, 0.0, 0.0, 0.0, BLENDING)
+    faint = blended_velocity(0.01, 0.0, 0.0, 0.0, BLENDING, Forms())
     assert faint[0] == pytest.approx(faint[2] * BLENDING.cruise_speed * 0.01 / BLENDING.intention_floor)
 
 
 def test_without_intention_only_the_formation_moves_a_robot() -> None:
-    assert blended_velocity(0.0, 0.0, 3.0, -2.0, BLENDING) == (3.0, -2.0, 0.0)
+    assert blended_velocity(0.0, 0.0, 3.0, -2.0, BLENDING, Forms()) == (3.0, -2.0, 0.0)

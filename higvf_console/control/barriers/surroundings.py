@@ -1,5 +1,6 @@
 """All rows of one robot: the row kernels called in turn, skipping whatever is too far away to matter in this tick."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,8 @@ from higvf_console.control.barriers.arena import wall_row
 from higvf_console.control.barriers.fire import fire_reach, fire_row
 from higvf_console.control.barriers.obstacle import bar_row, circle_row, obstacle_reach
 from higvf_console.control.barriers.robot_pair import pair_row, sensing_radius
+from higvf_console.control.barriers.row import class_k
+from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import SafetyGains
 from higvf_console.control.kernel import kernel
 from higvf_console.control.neighbours import within
@@ -127,6 +130,7 @@ def rows_of(i: int, around: Surroundings, rows: Floats, other: Ints) -> int:
 @kernel
 def _obstacle_rows(x: float, y: float, around: Surroundings, rows: Floats, count: int) -> int:
     circles, bars, walls, safety = around.circles, around.bars, around.walls, around.safety
+    first = count
     for k in range(circles.shape[0]):
         if (x - circles[k, 0]) ** 2 + (y - circles[k, 1]) ** 2 < around.circle_reach[k]:
             rows[count, 0], rows[count, 1], rows[count, 2] = circle_row(
@@ -140,11 +144,29 @@ def _obstacle_rows(x: float, y: float, around: Surroundings, rows: Floats, count
                 x, y, bars[k, 0], bars[k, 1], bars[k, 2], bars[k, 3], bars[k, 4], safety
             )
             count += 1
+    if safety.h_index == PRINTED:
+        _misindex(x, y, around, rows, first, count)
     for k in range(walls.shape[0]):
         rows[count, 0], rows[count, 1], rows[count, 2] = wall_row(x, y, walls[k, 0], walls[k, 1], walls[k, 2], safety)
         if rows[count, 2] < safety.speed_limit:
             count += 1
     return count
+
+
+@kernel
+def _misindex(x: float, y: float, around: Surroundings, rows: Floats, first: int, count: int) -> None:
+    """[27] as printed has h_ij for h_ik: rows of all obstacles get the margin of one, here of the first."""
+    margin = around.safety.obstacle_clearance
+    if around.circles.shape[0] > 0:
+        centre_x, centre_y, radius = around.circles[0, 0], around.circles[0, 1], around.circles[0, 2]
+    else:
+        ax, ay, bx, by, radius = around.bars[0]
+        centre_x, centre_y = spine_point(x, y, ax, ay, bx, by)
+    clearance = radius + margin
+    square = (x - centre_x) ** 2 + (y - centre_y) ** 2
+    bound = 0.5 * around.safety.obstacle_rate * clearance * clearance * class_k(square / (clearance * clearance) - 1.0)
+    for k in range(first, count):
+        rows[k, 2] = max(bound / math.sqrt(square), -around.safety.speed_limit)
 
 
 @kernel

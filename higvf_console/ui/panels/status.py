@@ -80,6 +80,7 @@ def operator_line(state: SimState) -> str:
         return f'{robot} <span class="dim">no path yet</span>'
     status = {
         PathStatus.FINISHED: "path finished",
+        PathStatus.BREAK_AWAY: "path left for a fire",
         PathStatus.BLOCKED: '<span class="warn">path given up</span>',
     }.get(PathStatus(motion.path_status))
     if status is None and math.isfinite(intent.path.length) and not intent.path.closed:

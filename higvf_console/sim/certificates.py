@@ -1,0 +1,130 @@
+"""Certificates: the conditions under which the method keeps its promises, each as a number beside its limit.
+
+sampling         barriers hold between two control steps                           known before the run
+formation        explicit Euler on the formation's springs is stable               known before the run
+intention map    the printed update's spectral radius; the corrected one has no limit
+intention bound  |v_s| against its bound, independent of N                          each tick
+connectivity     lambda_2 of the communication links: 0 = parts that do not hear each other
+barrier          the smallest h so far: never negative
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.arrays import Floats, Ints
+from higvf_console.control.barriers.certificate import SAMPLING_LIMIT, sampling_conditions
+from higvf_console.control.forms import PRINTED
+from higvf_console.control.gains import Gains
+from higvf_console.control.intention import map_radius
+from higvf_console.sim.setup import Setup
+from higvf_console.state import Motion, SimState, Trace
+
+FORMATION_LIMIT = 2.0  # of dt k_form 2 deg
+CONNECTED = 1e-6  # lambda_2 of a connected graph is above it
+ROUNDING = 1e-9  # of a bound that is met with equality
+
+
+class Certificate(NamedTuple):
+    """One condition.
+
+    Attributes:
+        name: what is certified.
+        symbol: the value as a formula.
+        value: now, or the worst so far.
+        limit: what it must not pass.
+        least: whether the limit is the least value allowed; else the largest.
+    """
+
+    name: str
+    symbol: str
+    value: float
+    limit: float
+    least: bool = False
+
+    @property
+    def met(self) -> bool:
+        """Whether the condition holds, up to rounding."""
+        if self.least:
+            return self.value >= self.limit - ROUNDING
+        return self.value <= self.limit * (1.0 + ROUNDING)
+
+
+class Worst(NamedTuple):
+    """The worst of a run so far.
+
+    Attributes:
+        barrier: smallest h of any robot; inf when nobody came near anything.
+        intention: largest |v_s| over its bound of the same tick.
+    """
+
+    barrier: float = math.inf
+    intention: float = 0.0
+
+
+def watched(worst: Worst, motion: Motion, trace: Trace, gains: Gains) -> Worst:
+    """The worst of a run with one more tick."""
+    bound = intention_bound(motion, gains)
+    ratio = intention_norm(motion) / bound if bound > 0.0 else 0.0
+    return Worst(min(worst.barrier, float(trace.barrier.min(initial=math.inf))), max(worst.intention, ratio))
+
+
+def intention_norm(motion: Motion) -> float:
+    """The largest |v_s| of the team."""
+    return math.sqrt(float(np.square(motion.intention).sum(axis=1).max(initial=0.0)))
+
+
+def intention_bound(motion: Motion, gains: Gains) -> float:
+    """Bound on |v_s|, [15] corrected: no robot's can exceed what its own pulls weigh, whatever its neighbours do.
+
+    max(w1 T/(w0 + w1), (w1 T + w3 H)/(w0 + w1 + w3)), T and H the largest |v_t| and |v_h| so far, and the second term
+    with w3 boosted as on the way out of a deadlock. Infinite for the printed update.
+    """
+    if gains.forms.intention == PRINTED:
+        return math.inf
+    weights, robot, human = gains.intention, motion.robot_peak, motion.human_peak
+    own = weights.robot_weight * robot
+    alone = weights.decay + weights.robot_weight
+    bounds = [own / alone] if alone > 0.0 else []
+    for boost in (1.0, gains.stall.human_boost) if human > 0.0 else ():
+        pull = boost * weights.human_weight
+        bounds.append((own + pull * human) / max(alone + pull, 1e-300))
+    return max(bounds, default=math.inf)
+
+
+def connectivity(links: Ints, robots: int) -> float:
+    """lambda_2, the second smallest eigenvalue of the Laplacian of `links` (E, 2); a lone robot has none: inf."""
+    if robots < 2:
+        return math.inf
+    if len(links) == robots * (robots - 1) // 2:
+        return float(robots)
+    return float(np.linalg.eigvalsh(laplacian(links, robots))[1])
+
+
+def laplacian(links: Ints, robots: int) -> Floats:
+    """Graph Laplacian (N, N) of links (E, 2)."""
+    matrix = np.zeros((robots, robots))
+    matrix[links[:, 0], links[:, 1]] = matrix[links[:, 1], links[:, 0]] = -1.0
+    return matrix - np.diag(matrix.sum(axis=1))
+
+
+def certificates(setup: Setup, state: SimState, trace: Trace, worst: Worst) -> tuple[Certificate, ...]:
+    """All conditions of a run as they are now; those of single ticks at their worst so far."""
+    gains, robots = setup.gains, len(state.motion.position)
+    sampling = max(
+        sampling_conditions(setup.world, setup.start.motion.fire_radius, gains.safety), key=lambda kind: kind.value
+    )
+    degree = int(np.bincount(trace.links.ravel(), minlength=robots).max(initial=0))
+    stiffness = 2.0 * gains.safety.control_period * gains.formation.formation_rate * degree
+    found = [
+        Certificate(f"Sampling ({sampling.kind})", "dt beta h_near²", sampling.value, SAMPLING_LIMIT),
+        Certificate("Formation", "dt k_form 2 deg", stiffness, FORMATION_LIMIT),
+        Certificate("Intention", "largest |v_s| / bound", worst.intention, 1.0),
+        Certificate("Connectivity", "lambda_2", connectivity(trace.links, robots), CONNECTED, least=True),
+        Certificate("Barrier", "least h", worst.barrier, 0.0, least=True),
+    ]
+    if gains.forms.intention == PRINTED:
+        radius = map_radius(laplacian(trace.links, robots), state.intent.influenced, gains.intention)
+        found[2] = Certificate("Intention map", "spectral radius", radius, 1.0)
+    return tuple(found)
