@@ -16,7 +16,7 @@ from higvf_console.sim.metrics import loss_area
 from higvf_console.sim.operator import apply_command
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import roll
-from higvf_console.state import NOBODY, PathKind, SimState
+from higvf_console.state import PathKind, SimState
 
 _CHUNK = 64  # ticks
 
@@ -29,14 +29,12 @@ class FireRun(NamedTuple):
         loss_area: (M,) burnt by each fire [m^2].
         ticks: control periods until all were out, or until the run was ended.
         min_clearance: smallest of the run [m].
-        idle_after: fire numbers whose end left the team without a target, for no robot saw another fire.
     """
 
     order: tuple[int, ...]
     loss_area: Floats
     ticks: int
     min_clearance: float
-    idle_after: tuple[int, ...]
 
 
 def fight(
@@ -52,25 +50,19 @@ def fight(
     """
     state, clearance = (setup.start if operator else departure(setup)), math.inf
     out: tuple[int, ...] = ()
-    idle: tuple[int, ...] = ()
     last = math.ceil(duration / setup.gains.safety.control_period - 1e-9)
-    fresh = False  # whether the last tick put a fire out, so that the next one chooses targets anew
     while state.motion.tick < last and state.motion.fire_burning.any():
         if enough is not None and (loss_area(state.motion) > enough).any():
             break
-        ticks = 1 if fresh else min(_CHUNK, last - state.motion.tick)
+        ticks = min(_CHUNK, last - state.motion.tick)
         if operator is not None:
             state, busy = _attend(state, operator, out, setup)
             operator, ticks = (operator, 1) if busy else (None, ticks)
         burning = state.motion.fire_burning
         state, nearest = _roll_to_change(state, setup, ticks)
         clearance = min(clearance, nearest)
-        if fresh and (state.motion.target == NOBODY).all():
-            idle += out[-1:]
-        gone = tuple(int(fire) for fire in (burning & ~state.motion.fire_burning).nonzero()[0])
-        out, fresh = out + gone, bool(gone)
-    numbers, left = tuple(fire + 1 for fire in out), tuple(fire + 1 for fire in idle)
-    return FireRun(numbers, loss_area(state.motion), state.motion.tick, clearance, left)
+        out += tuple(int(fire) for fire in (burning & ~state.motion.fire_burning).nonzero()[0])
+    return FireRun(tuple(fire + 1 for fire in out), loss_area(state.motion), state.motion.tick, clearance)
 
 
 def departure(setup: Setup) -> SimState:

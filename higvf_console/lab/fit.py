@@ -3,8 +3,7 @@
 The rule, stated before any search:
 
 1. Admissible is a sample (`fit_space.SPACE`) whose gains a scenario file would accept, and whose run without a human
-   puts the fires out in the printed order 1-2-3-4-5, with no clearance below zero, and is as the paper tells it: when
-   fire 4 is out, no robot sees fire 5 "until the fire spreads further".
+   puts the fires out in the printed order 1-2-3-4-5 with no clearance below zero.
 2. The best sample has the smallest largest relative error over the five loss areas of column 1, to 0.1 percentage
    points: one control period moves the area of fire 1 by that much.
 3. Ties go to the smallest relative error of column 1's total, to 0.1 percentage points; then to the sample nearest to
@@ -27,7 +26,7 @@ from higvf_console.arrays import Floats
 from higvf_console.errors import HigvfError, ScenarioError
 from higvf_console.lab.fire_run import FireRun, fight
 from higvf_console.lab.fit_space import DURATION, SPACE, Sample, distance, on_grid, world_of
-from higvf_console.lab.table2 import ALONE, HIDDEN_AFTER, PAPER, relative_errors
+from higvf_console.lab.table2 import ALONE, PAPER, relative_errors
 from higvf_console.sim.setup import Setup
 
 NEAR = 0.01  # a near-best sample's largest relative error may exceed the best one's by this
@@ -74,7 +73,7 @@ def judged(sample: Sample, run: FireRun) -> Trial:
     errors = tuple(relative_errors(run, column))
     out = [errors[fire - 1] for fire in run.order]
     left = len(errors) - len(out)
-    admissible = run.order == column.order and run.min_clearance >= 0.0 and run.idle_after == HIDDEN_AFTER
+    admissible = run.order == column.order and run.min_clearance >= 0.0
     worst = max((abs(error) for error in out), default=0.0)
     return Trial(sample, errors, admissible, worst if admissible else worst + 0.2 * left + 1.0)
 

@@ -12,11 +12,13 @@ import numpy as np
 
 from higvf_console.arrays import Floats, floats
 from higvf_console.control.gains import Gains
+from higvf_console.control.world import make_world
 from higvf_console.errors import ScenarioError
 from higvf_console.quantity import quantities
 from higvf_console.session.placement import check_barriers, late_stand_off
 from higvf_console.session.sections import SPEED_LIMIT_FACTOR
 from higvf_console.sim.setup import Setup
+from higvf_console.sim.simulation import initial_state
 
 DURATION = 60.0  # [s]; the paper's last fire is out after some 41 s
 BAR_HALF_WIDTH = 6.0  # [m]
@@ -49,7 +51,7 @@ SPACE: tuple[Free, ...] = (
     Free("perception.target_band", 10.0, 150.0, 0.5),
     Free("bar.x", 780.0, 1000.0, 1.0),  # anywhere between the team's start and fire 5
     Free("bar.y_low", 100.0, 300.0, 1.0),
-    Free("bar.y_high", 360.0, 540.0, 1.0),
+    Free("bar.y_high", 360.0, 500.0, 1.0),
 )
 NAMES = tuple(free.name for free in SPACE)
 
@@ -95,13 +97,17 @@ def world_of(sample: Sample, base: Setup) -> Setup:
     given = dict(zip(NAMES, sample, strict=True))
     gains = gains_of(given, base.gains)
     bar = floats([[given["bar.x"], given["bar.y_low"], given["bar.x"], given["bar.y_high"], BAR_HALF_WIDTH]])
-    world = base.world._replace(bars=bar)
-    radius = base.start.motion.fire_radius
+    old, motion = base.world, base.start.motion
+    world = make_world(
+        old.circles, bar, old.walls, old.fire_position, old.fire_growth, old.fire_needs, old.formation,
+        gains.safety.obstacle_clearance, (old.link_start, old.link_to),
+    )  # fmt: skip
+    radius = motion.fire_radius
     check_barriers(world, radius, gains, "sample")
     late = late_stand_off(radius, world.fire_growth, DURATION, gains)
     if late:
         raise ScenarioError(f"sample: {late[0]}")
-    return base._replace(world=world, gains=gains)
+    return base._replace(world=world, gains=gains, start=initial_state(motion.position, radius, world))
 
 
 def gains_of(given: Mapping[str, float], gains: Gains) -> Gains:

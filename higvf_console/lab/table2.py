@@ -57,7 +57,6 @@ PAPER: Mapping[str, Column] = {
     ),
 }  # fmt: skip
 ALONE = "without_human"
-HIDDEN_AFTER = (4,)  # fires whose end leaves no other fire in sight, without a human
 
 
 class Verdict(NamedTuple):
@@ -152,7 +151,7 @@ def reduction(runs: Columns, name: str) -> float:
 
 
 def verdicts(runs: Columns) -> tuple[Verdict, ...]:
-    """Every target: fires of column 1, totals, reductions, orders, signs of the changes, sight, clearance."""
+    """Every target: fires of column 1, totals, reductions, orders, signs of the changes, clearance."""
     alone = zip(range(1, 6), PAPER[ALONE].loss_area, runs[ALONE].loss_area, strict=True)
     changed = [name for name in PAPER if name != ALONE]
     return (
@@ -164,7 +163,6 @@ def verdicts(runs: Columns) -> tuple[Verdict, ...]:
         *(_reduction_verdict(name, runs) for name in changed),
         *(_order_verdict(name, runs) for name in PAPER),
         *(_changes_verdict(name, runs) for name in changed),
-        _hidden_verdict(runs[ALONE]),
         _clearance_verdict(runs),
     )
 
@@ -200,12 +198,6 @@ def _changes_verdict(name: str, runs: Columns) -> Verdict:
 def _sign(change: float) -> str:
     """Equal means equal to the last bit: until the operator acts, two runs are the same run."""
     return "=" if change == 0.0 else "+" if change > 0.0 else "-"
-
-
-def _hidden_verdict(run: FireRun) -> Verdict:
-    printed, found = (", ".join(map(str, fires)) or "none" for fires in (HIDDEN_AFTER, run.idle_after))
-    target = "fires whose end leaves no other in sight, without human"
-    return Verdict(target, printed, found, None, None, run.idle_after == HIDDEN_AFTER)
 
 
 def _clearance_verdict(runs: Columns) -> Verdict:

@@ -40,7 +40,9 @@ def moved(name: str, by: float) -> Sample:
 
 def test_samples_lie_on_their_grid_and_stay_there() -> None:
     for point in np.random.default_rng(1).random((20, len(SPACE))):
-        sample = on_grid(np.array([free.low + share * (free.high - free.low) for free, share in zip(SPACE, point, strict=True)]))
+        sample = on_grid(
+            np.array([free.low + share * (free.high - free.low) for free, share in zip(SPACE, point, strict=True)])
+        )
         assert on_grid(np.array(sample)) == sample
         for free, value in zip(SPACE, sample, strict=True):
             assert free.low <= value <= free.high
@@ -74,7 +76,9 @@ def test_a_world_without_its_bar_is_no_sample(base: Setup) -> None:
 def test_the_written_scenario_is_the_world_that_was_run(base: Setup, shipped: Sample) -> None:
     text = scenario_text(trial(shipped), load_scenario(BASE))
     setup = parse_scenario(text, "written.yaml").setup()
-    for one, other in zip((*setup.world, *setup.gains), (*(world := world_of(shipped, base)).world, *world.gains), strict=True):
+    for one, other in zip(
+        (*setup.world, *setup.gains), (*(world := world_of(shipped, base)).world, *world.gains), strict=True
+    ):
         assert np.asarray(one).tobytes() == np.asarray(other).tobytes()
     assert parse_scenario(text, "written.yaml").warnings == ()
 
@@ -118,7 +122,9 @@ def test_ties_go_to_the_total_then_to_the_nearest_defaults() -> None:
 
 def test_the_choice_does_not_depend_on_the_order_of_the_trials() -> None:
     random.seed(3)
-    trials = [trial(moved("bar.x", float(k)), errors=[random.uniform(-0.01, 0.01) for _ in range(5)]) for k in range(50)]
+    trials = [
+        trial(moved("bar.x", float(k)), errors=[random.uniform(-0.01, 0.01) for _ in range(5)]) for k in range(50)
+    ]
     best = choose(trials, CENTRE)
     for _ in range(5):
         random.shuffle(trials)
@@ -178,7 +184,8 @@ def test_a_small_study_predicts_judges_and_writes_its_world(monkeypatch: pytest.
     monkeypatch.setattr(fit, "POPULATION", 6)
     monkeypatch.setattr(fit_study, "SPREAD_SAMPLES", 2)
     near = tuple(
-        free._replace(low=value - 2 * free.step, high=value + 2 * free.step) for free, value in zip(SPACE, shipped, strict=True)
+        free._replace(low=value - 2 * free.step, high=value + 2 * free.step)
+        for free, value in zip(SPACE, shipped, strict=True)
     )
     for module in (fit, fit_space, fit_study):
         monkeypatch.setattr(module, "SPACE", near)
