@@ -8,8 +8,8 @@ The second and third column are predictions: their world is that of the first, `
 are fixed files.
 """
 
+import json
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from higvf_console.commands import InputSpec, Interface
@@ -107,15 +107,22 @@ def open_strokes(scenario: Scenario) -> dict[str, Interface]:
     }
 
 
-def table2(name_or_path: str | Path = SCENARIO) -> dict[str, Any]:
-    """Runs the three columns and judges them, ready for JSON.
+def table2() -> dict[str, Any]:
+    """Runs the three columns of the shipped world and judges them; beside them what its fit left open, as it was kept.
 
     Returns:
-        "table2": {column: {order, loss_area_m2 of fires 1 to 5, total_m2}}; "paper": the same of the paper;
-        "relative_error": {column: {loss_area of fires 1 to 5, total}}; "targets": the verdicts.
+        Ready for JSON. "table2": {column: {order, loss_area_m2 of fires 1 to 5, total_m2}}; "paper": the same of the
+        paper; "relative_error": {column: {loss_area of fires 1 to 5, total}}; "targets": the verdicts; and the other
+        entries of `fit_study.study`: space, chosen, spread, sensitivity.
     """
-    scenario = load_scenario(name_or_path)
-    return as_json(run_columns(scenario.setup(), scenario.duration, open_strokes(scenario)))
+    scenario = load_scenario(SCENARIO)
+    runs = run_columns(scenario.setup(), scenario.duration, open_strokes(scenario))
+    return {**kept_fit(), **as_json(runs)}
+
+
+def kept_fit() -> dict[str, Any]:
+    """The result of `higvf fit` that chose the shipped world, as the file beside it keeps it."""
+    return json.loads((data_folder() / "scenarios" / f"{SCENARIO}-fit.json").read_text(encoding="utf-8"))
 
 
 def as_json(runs: Columns) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import pytest
 
 from higvf_console.arrays import floats
 from higvf_console.lab.fire_run import FireRun
-from higvf_console.lab.table2 import PAPER, Verdict, table2, verdicts
+from higvf_console.lab.table2 import PAPER, Verdict, kept_fit, table2, verdicts
 
 ALONE, PRIORITY, HIDDEN = PAPER
 
@@ -91,3 +91,20 @@ def test_the_shipped_world_meets_the_targets_of_the_column_that_it_was_fitted_to
     fitted = [target for target in targets if "without human" in target.target]
     assert len(fitted) == 7
     assert [target.target for target in fitted if not target.met] == []
+
+
+def test_the_kept_fit_is_of_this_engine_and_this_world(found: dict[str, Any]) -> None:
+    """Where this fails, the engine has changed: run `higvf fit` again and ship what it writes."""
+    kept = kept_fit()
+    for name, column in found["table2"].items():
+        assert kept["table2"][name]["loss_area_m2"] == pytest.approx(column["loss_area_m2"], rel=1e-9)
+    assert kept["targets"] == found["targets"]
+
+
+def test_the_spread_holds_the_chosen_world(found: dict[str, Any]) -> None:
+    for name, value in found["chosen"].items():
+        ranges = found["spread"]["parameters"][name]
+        assert ranges["low"] <= value == ranges["chosen"] <= ranges["high"]
+    for name, column in found["table2"].items():
+        ranges = found["spread"]["predictions"][f"total_m2.{name}"]
+        assert ranges["low"] <= column["total_m2"] <= ranges["high"]
