@@ -48,6 +48,7 @@ SPACE: tuple[Free, ...] = (
     Free("fires.stand_off", 18.0, 50.0, 0.1),  # below, no robot could hold at the larger fires
     Free("blending.cruise_speed", 60.0, 235.0, 0.5),  # above, the barriers' sampling condition fails
     Free("blending.intention_floor", 0.002, 0.1, 0.001),
+    Free("blending.formation_gain", 0.001, 0.04, 0.0005),
     Free("perception.target_band", 10.0, 150.0, 0.5),
     Free("bar.x", 780.0, 1000.0, 1.0),  # anywhere between the team's start and fire 5
     Free("bar.y_low", 100.0, 300.0, 1.0),
