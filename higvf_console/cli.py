@@ -1,6 +1,7 @@
-"""`higvf`: run a scenario in the browser or headless, replay a recording, list scenarios, measure.
+"""`higvf`: run a scenario, replay a recording, inspect a file, reproduce the paper, measure.
 
-Exit status: 0; 1 where a replay differs; 2 on input that cannot be used (one line on stderr says why); 130 on Ctrl-C.
+Exit status: 0; 1 where a replay differs or an interface breaks its contract; 2 on input that cannot be used (one line
+on stderr says why); 130 on Ctrl-C.
 """
 # ruff: noqa: PLC0415 (each command imports what it needs, so that `--help` loads no compiler)
 
@@ -62,16 +63,37 @@ def _parser() -> argparse.ArgumentParser:
     replay = commands.add_parser("replay", help="run a recording again and compare the digests")
     replay.add_argument("file", type=Path, metavar="FILE", help="made by `higvf run --record FILE`")
     replay.set_defaults(command=_replay)
-    bench = commands.add_parser("bench", help="measure the engine")
-    bench.add_argument(
-        "--suite", choices=("filter", "tick"), required=True, help="the safety filter, or the whole tick"
-    )
-    bench.add_argument("--json", action="store_true", help="write JSON")
-    bench.set_defaults(command=_bench)
+    _add_reproduce(commands)
     _add_fit(commands)
+    _add_bench(commands)
+    _add_inspect(commands)
     compiling = commands.add_parser("compile", help="compile the engine now, so that the first run starts at once")
     compiling.set_defaults(command=_compile)
+    _add_check_interface(commands)
     return parser
+
+
+def _add_bench(commands: Any) -> None:
+    bench = commands.add_parser("bench", help="measure the engine")
+    bench.add_argument(
+        "--suite", choices=("filter", "tick", "deadlock"), required=True,
+        help="the safety filter, the whole tick, or who arrives in random scenes",
+    )  # fmt: skip
+    bench.add_argument("--json", action="store_true", help="write JSON")
+    deadlock = bench.add_argument_group("suite deadlock")
+    deadlock.add_argument("--scenes", type=_count, metavar="N", help="spaced scenes to run, the others in proportion")
+    deadlock.add_argument("--scene", metavar="KIND:SEED", help="tell what happens in one scene, e.g. crowded:17")
+    deadlock.add_argument("--save", type=Path, metavar="FILE", help="with --scene: write it as a scenario, and end")
+    bench.set_defaults(command=_bench)
+
+
+def _add_check_interface(commands: Any) -> None:
+    check = commands.add_parser("check-interface", help="hold an operator interface to its contract")
+    check.set_defaults(command=_check_interface)
+    check.add_argument("name", metavar="NAME", help="of an installed interface, e.g. gaze")
+    check.add_argument("--input", metavar="NAME=FILE[:OPTION=VALUE,...]", help="what it reads, as for `higvf run`")
+    check.add_argument("--scenario", default="firefighting", metavar="SCENARIO", help="with its arena and settings")
+    check.add_argument("--seconds", type=_positive, default=60.0, metavar="S", help="of session time (default 60)")
 
 
 def _add_run(commands: Any) -> None:
@@ -103,6 +125,30 @@ def _add_run(commands: Any) -> None:
     console.add_argument("--no-browser", action="store_true", help="do not open a browser")
 
 
+def _add_reproduce(commands: Any) -> None:
+    reproduce = commands.add_parser("reproduce", help="run the paper's cases and report them beside the paper")
+    reproduce.set_defaults(command=_reproduce)
+    reproduce.add_argument("cases", nargs="*", metavar="CASE", help="a case's name (default: all of them)")
+    reproduce.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of report.html, report.md, report.json (default reproduction)"
+    )
+    reproduce.add_argument("--json", metavar="FILE", help="another place for the JSON; - is standard output, no report")
+
+
+def _add_inspect(commands: Any) -> None:
+    inspect = commands.add_parser("inspect", help="say what a file is, and what it would become as operator input")
+    inspect.set_defaults(command=_inspect)
+    inspect.add_argument(
+        "file", metavar="FILE[:OPTION=VALUE,...]", help="a recording or a log, with the options that --input takes"
+    )
+    inspect.add_argument("--json", action="store_true", help="write JSON")
+    inspect.add_argument("--plot", type=Path, metavar="FILE.png", help="write a small picture, e.g. a heat map of gaze")
+    inspect.add_argument("--steps", action="store_true", help="tell each step from samples to a path")
+    inspect.add_argument(
+        "--scenario", default="firefighting", metavar="SCENARIO", help="whose arena is looked at (default firefighting)"
+    )
+
+
 def _add_fit(commands: Any) -> None:
     fit = commands.add_parser("fit", help="fit what the paper leaves open to Table II, column 1, and predict the rest")
     fit.set_defaults(command=_fit)
@@ -126,6 +172,13 @@ def _seed(text: str) -> int:
     return number
 
 
+def _count(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 1")
+    return number
+
+
 def _port(text: str) -> int:
     return 0 if text == "auto" else int(text)
 
@@ -138,10 +191,54 @@ def _scenarios(_: argparse.Namespace) -> int:
     return 0
 
 
+def _inspect(given: argparse.Namespace) -> int:
+    from higvf_console.session.inputs import input_spec
+    from higvf_console.session.inspection import as_json, as_text, inspect
+    from higvf_console.session.scenario import load_scenario
+
+    spec = input_spec(f"inspect={given.file}", load_scenario(given.scenario))
+    description = inspect(spec, given.plot, given.steps)
+    print(as_json(description) if given.json else as_text(description))
+    return 0
+
+
 def _bench(given: argparse.Namespace) -> int:
     from higvf_console.lab import bench
 
-    bench.main(given.suite, given.json)
+    only = {"--scenes": given.scenes, "--scene": given.scene, "--save": given.save}
+    misplaced = [option for option, value in only.items() if value is not None]
+    if misplaced and given.suite != bench.DEADLOCK:
+        raise HigvfError(f"{misplaced[0]} belongs to --suite {bench.DEADLOCK}, not {given.suite}")
+    if given.save is not None and given.scene is None:
+        raise HigvfError("--save writes one scene: add --scene KIND:SEED")
+    if given.scene is not None:
+        return _scene(given.scene, given.save)
+    bench.main(given.suite, given.json, given.scenes)
+    return 0
+
+
+def _scene(name: str, file: Path | None) -> int:
+    """Tells the story of a random scene, or saves it as a scenario."""
+    from higvf_console.lab.bench_deadlock import scene_named
+    from higvf_console.lab.deadlock_report import story
+    from higvf_console.lab.scene_file import scene_yaml
+
+    scene = scene_named(name)
+    if file is None:
+        print(story(scene))
+        return 0
+    try:
+        file.write_text(scene_yaml(scene), encoding="utf-8")
+    except OSError as error:
+        raise HigvfError(f"--save {file}: {error.strerror}") from error
+    return 0
+
+
+def _reproduce(given: argparse.Namespace) -> int:
+    from higvf_console.lab.reproduce.command import reproduce
+    from higvf_console.session.scenario import load_scenario
+
+    reproduce(given.cases, given.out, given.json, prepare=lambda: _warm_up(load_scenario("firefighting").setup()))
     return 0
 
 
@@ -167,6 +264,20 @@ def _compile(_: argparse.Namespace) -> int:
     seconds = _warm_up(load_scenario("firefighting").setup())
     print(f"The engine is compiled ({seconds:.1f} s).")
     return 0
+
+
+def _check_interface(given: argparse.Namespace) -> int:
+    from higvf_console.session.inputs import input_spec
+    from higvf_console.session.interface_check import check_interface
+    from higvf_console.session.scenario import load_scenario
+
+    spec = input_spec(given.input or given.name, load_scenario(given.scenario))
+    if spec.channel != given.name:
+        raise HigvfError(f"--input {given.input}: is not for the interface '{given.name}'")
+    findings = check_interface(spec, given.seconds)
+    for finding in findings:
+        print(f"{'ok    ' if finding.kept else 'BROKEN'} {finding.rule}: {finding.detail}")
+    return 0 if all(finding.kept for finding in findings) else 1
 
 
 def _warm_up(setup: "Setup") -> float:

@@ -68,8 +68,9 @@ class Motion(NamedTuple):
 
     Attributes:
         tick: control periods since the start.
-        position: (N, 2) [m].
-        velocity: (N, 2) velocity commanded by the safety filter in the last tick [m/s].
+        position: (N, 2) controlled points [m]: the robots' centres, or the look-ahead points of unicycles.
+        heading: (N,) of unicycles, not wrapped [rad].
+        velocity: (N, 2) velocity of the controlled point commanded by the safety filter in the last tick [m/s].
         intention: (N, 2) shared intention v_s, [15].
         target: (N,) fire index that the robot wants, or NOBODY.
         target_value: (N,) largest observed fire value of the target since it was chosen [rad].
@@ -90,6 +91,7 @@ class Motion(NamedTuple):
 
     tick: int
     position: Floats
+    heading: Floats
     velocity: Floats
     intention: Floats
     target: Ints
@@ -201,7 +203,7 @@ class Trace(NamedTuple):
         active_rows: (N,) barrier rows that shaped the robot's velocity.
         infeasible: (N,) no velocity met all rows: the least violation was taken.
         deadlocked: (N,) the detector of stalls holds.
-        clearance: (N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k [m]; negative = violation.
+        clearance: (N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k of the bodies [m]; negative = violation.
         barrier: (N,) smallest h of [20] and [26], dimensionless; negative = violation.
         links: (E, 2) communication links i < j.
         component: (N,) connected component, named by its smallest robot index.

@@ -6,7 +6,7 @@ import numpy as np
 
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
-from higvf_console.control.gains import Gains
+from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.world import make_world
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import initial_state
@@ -31,7 +31,8 @@ def team(
     gains = gains or Gains()
     world = make_world(
         floats(circles, -1, 3), floats(bars, -1, 5), np.zeros((0, 3)), burning[:, :2], floats([growth] * len(fires)),
-        ints([needs] * len(fires)), floats(robots, -1, 2), gains.safety.obstacle_clearance, polygons=polygons,
+        ints([needs] * len(fires)), floats(robots, -1, 2), controlled(gains).safety.obstacle_clearance,
+        polygons=polygons,
     )  # fmt: skip
     start = initial_state(world.formation, floats(burning[:, 2]), world)
     return Setup(arena or Arena(0.0, 0.0, 1200.0, 700.0), world, gains, start)

@@ -59,6 +59,12 @@ def test_the_demonstration_guides_the_team_without_a_mouse(tmp_path: Path) -> No
     ]
 
 
+def test_strokes_lead_the_team_to_fires_behind_the_walls_of_a_floor_plan(tmp_path: Path) -> None:
+    guided = report(tmp_path, "building", "--script", str(SCRIPTS / "building.yaml"))
+    assert sorted(guided["extinguished"]) == [1, 2, 3]
+    assert guided["min_clearance_m"] >= 0.0
+
+
 def test_a_real_eye_tracker_recording_steers_a_run(sample: Callable[[str], Path], tmp_path: Path) -> None:
     file = sample("tobii_prolab_de_excerpt/prolab_de_first600rows.tsv")
     alone = report(tmp_path, "empty", "--duration", "20")
@@ -68,7 +74,7 @@ def test_a_real_eye_tracker_recording_steers_a_run(sample: Callable[[str], Path]
     assert gazed["min_clearance_m"] is None or gazed["min_clearance_m"] >= 0.0
 
 
-@pytest.mark.parametrize("name", ["circle-obstacles", "swarm"])
+@pytest.mark.parametrize("name", ["circle-obstacles", "circle-irregular", "building", "swarm"])
 def test_the_other_scenarios_run_without_a_violation(name: str, tmp_path: Path) -> None:
     run = report(tmp_path, name, "--duration", "12")
     assert run["infeasible_ticks"] == 0

@@ -18,8 +18,9 @@ import numpy as np
 
 from higvf_console.arrays import Bools, Floats, Ints
 from higvf_console.control.blending import blended_velocity
-from higvf_console.control.deadlock import climb, forgotten, receptivity
-from higvf_console.control.following import broken_away, destination, progress
+from higvf_console.control.deadlock import climb, forgotten, formation_grip, receptivity
+from higvf_console.control.disturbances import heard
+from higvf_console.control.following import broken_away, destination, following, progress
 from higvf_console.control.formation import formation_velocity
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains
@@ -79,22 +80,24 @@ def compute(motion: Motion, intent: Intent, world: World, gains: Gains) -> Plan:
     start, to = links(motion.position, world, gains)
     component = components(start, to)
     sight = perceive(motion, world, gains)
-    rung, flip = climb(motion, component, gains)
+    rung, flip = climb(motion, intent.influenced if following(motion, intent) else NOBODY, gains)
     status = broken_away(motion, intent, sight.fire_value, sight.target, component, gains)
     w, status, idle, gap = progress(motion, intent, status, rung[intent.influenced], gains)
     human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
     leader = intent.influenced if human else NOBODY
     steered = has_human(component, intent.influenced, human)
     wanted, human_intention = sight.robot_intention, guide(leader, w, motion, intent, gains)
-    formation = keep_formation(motion.position, world, start, to, gains)
+    heard_start, heard_to = heard(start, to, motion.tick, gains.robots)
+    grip = formation_grip(rung, component, leader, idle, gains)
+    formation = keep_formation(motion.position, grip, world, heard_start, heard_to, gains)
     if gains.forms.human == PRINTED:
         _fade(wanted, human_intention, formation, motion, world, gains)
     if intent.paused:
         intention = motion.intention.copy()
     else:
         awake = is_awake(sight.target, steered, component)
-        psi = receptivity(leader, rung, wanted, human_intention, motion.intention, start, to, gains)
-        intention = share(leader, psi, awake, wanted, human_intention, motion, start, to, gains)
+        psi = receptivity(leader, rung, wanted, human_intention, motion.intention, heard_start, heard_to, gains)
+        intention = share(leader, psi, awake, wanted, human_intention, motion, heard_start, heard_to, gains)
     blended, blending = blend(intention, formation, gains)
     rings = find_rings(motion, world, gains.safety.obstacle_clearance)
     side = agree_sides(blended, motion.position, motion.side, component, leader, flip, rings, gains.rings)
@@ -191,13 +194,14 @@ def share(
 
 
 @kernel
-def keep_formation(position: Floats, world: World, start: Ints, to: Ints, gains: Gains) -> Floats:
-    """Formation velocities v_f (N, 2) [m/s]."""
+def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to: Ints, gains: Gains) -> Floats:
+    """Formation velocities v_f (N, 2) [m/s], each times the robot's `grip` (N,)."""
     formation = np.zeros(position.shape)
     for i in range(position.shape[0]):
         formation[i, 0], formation[i, 1] = formation_velocity(
             i, position[i, 0], position[i, 1], position, world.formation, start, to, gains.formation, gains.forms
         )
+        formation[i, 0], formation[i, 1] = grip[i] * formation[i, 0], grip[i] * formation[i, 1]
     return formation
 
 

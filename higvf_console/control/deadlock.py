@@ -5,9 +5,12 @@ frees nobody: the filtered speed is zero exactly when the nominal velocity lies 
 with it every multiple. So each rung changes a direction, is climbed when the stall lasts or comes again, and is
 forgotten once the robot has left all rings:
 
-    1  the component goes round on the other side
-    2  the human intention weighs more, where that turns the influenced robot's shared intention
-    3  the operator is asked for a new stroke; after that both sides are tried in turn
+    1  the component goes round on the other side, and lets go of its formation
+    2  the first side again; the human intention weighs more, where that turns the influenced robot's shared intention
+    3  the operator is asked for a new stroke; on rungs 4, 8, 16 ... the side changes again
+
+A team can also hold itself: the formation, at its cap, may cancel a weak intention, and no barrier is active. So the
+formation loosens as well while the influenced robot makes no progress on its path.
 """
 
 import math
@@ -16,39 +19,70 @@ import numpy as np
 
 from higvf_console.arrays import Bools, Floats, Ints
 from higvf_console.control.forms import PRINTED
-from higvf_console.control.gains import Gains, StallGains
+from higvf_console.control.gains import Gains
 from higvf_console.control.intention import shared_intention
 from higvf_console.control.kernel import kernel
 from higvf_console.state import NOBODY, Motion
 
 OTHER_SIDE, MORE_HUMAN, ASK = 1, 2, 3
+GIVE_UP = 9  # a robot on a higher rung has tried enough
+EN_ROUTE_PATIENCE = 40.0  # a robot on its way round obstacles may take this many times longer than one that stands
+_LOOSENING = 0.1  # share of the path's patience after which an idle team keeps no formation
+_SHUTTLE = 0.125  # share of the path's patience that passes between two rungs of a robot that moves in vain
 _TURNED = 0.985  # cosine of ten degrees: a smaller turn is none
 
 
 @kernel
-def climb(motion: Motion, component: Ints, gains: Gains) -> tuple[Ints, Bools]:
+def climb(motion: Motion, leader: int, gains: Gains) -> tuple[Ints, Bools]:
     """Rungs (N,) after this tick, and the robots (N,) for which the other side is to be tried now.
 
-    A stalled robot climbs each time that its stall has lasted another `stall_time`; its component climbs with it.
+    A stalled robot climbs each time that its stall has lasted another `stall_time`; the influenced robot, `leader`,
+    also when it moves without progress on its path: then it may shuttle where a ring turns it back.
     """
     rung, flip = motion.rung.copy(), np.zeros(motion.rung.shape[0], np.bool_)
     if gains.forms.human == PRINTED:
         return rung, flip
+    period = gains.safety.control_period
+    slow = gains.stall.stall_fraction * gains.blending.cruise_speed
     for i in range(rung.shape[0]):
-        if climbs(float(motion.stalled[i]), gains.stall, gains.safety.control_period):
-            highest = 0
-            for j in range(rung.shape[0]):
-                if component[j] == component[i]:
-                    highest = max(highest, motion.rung[j])
-            rung[i] = highest + 1
-            flip[i] = rung[i] == OTHER_SIDE or (rung[i] > ASK and rung[i] % 2 == 0)
+        climbs = passes(float(motion.stalled[i]), gains.stall.stall_time, period)
+        if i == leader and math.hypot(motion.velocity[i, 0], motion.velocity[i, 1]) > slow:
+            climbs = climbs or passes(motion.path_idle, _SHUTTLE * gains.path.patience, period / EN_ROUTE_PATIENCE)
+        if climbs:
+            rung[i] += 1
+            flip[i] = rung[i] & (rung[i] - 1) == 0  # 1, 2, 4, 8, ...
     return rung, flip
 
 
 @kernel
-def climbs(stalled: float, gains: StallGains, period: float) -> bool:
-    """Whether a stall [s] has just lasted a whole number of `stall_time`."""
-    return stalled >= gains.stall_time and stalled % gains.stall_time < period
+def formation_grip(rung: Ints, component: Ints, leader: int, idle: float, gains: Gains) -> Floats:
+    """How firmly each robot keeps the formation, (N,) from 0 to 1.
+
+    Args:
+        rung: (N,) from `climb`.
+        component: (N,) names of connected components.
+        leader: the influenced robot, or NOBODY.
+        idle: how long it has made no progress on its path [s], see `following.progress`.
+        gains: with the patience for that.
+    """
+    grip = np.ones(rung.shape[0])
+    if gains.forms.human == PRINTED:
+        return grip
+    loose = np.zeros(rung.shape[0], np.bool_)  # by component
+    for i in range(rung.shape[0]):
+        loose[component[i]] = loose[component[i]] or rung[i] > 0
+    for i in range(rung.shape[0]):
+        if loose[component[i]]:
+            grip[i] = 0.0
+        elif leader != NOBODY and component[i] == component[leader]:
+            grip[i] = max(0.0, 1.0 - idle / (_LOOSENING * gains.path.patience))
+    return grip
+
+
+@kernel
+def passes(time: float, step: float, period: float) -> bool:
+    """Whether `time` has passed a whole multiple of `step` (not 0) within the last `period` [s]."""
+    return time >= step and time % step < period
 
 
 @kernel

@@ -3,13 +3,11 @@
 import math
 
 from higvf_console.arrays import Floats, Ints
-from higvf_console.control.deadlock import ASK
+from higvf_console.control.deadlock import EN_ROUTE_PATIENCE, GIVE_UP
 from higvf_console.control.gains import Gains
 from higvf_console.control.kernel import kernel
 from higvf_console.control.paths import WINDOW, nearest, point_at, travel_left
 from higvf_console.state import NOBODY, Intent, Motion, Path, PathKind, PathStatus
-
-EN_ROUTE_PATIENCE = 10.0  # a robot on its way round obstacles may take this many times longer than one that stands
 
 
 @kernel
@@ -50,7 +48,7 @@ def progress(motion: Motion, intent: Intent, status: int, rung: int, gains: Gain
 
     An open path is finished when w is at its end and the robot within the end radius of it. Without progress (no new
     least travel left, or on an endless path no motion) for `patience` it is given up and flagged as BLOCKED; a robot
-    that still moves, or climbs the ladder out of a deadlock (`rung` is its own), is granted ten times that.
+    that still moves, or climbs the ladder out of a deadlock (`rung` is its own), is granted forty times that.
     """
     idle, gap = motion.path_idle, motion.path_gap
     if intent.path.kind == PathKind.NONE or status != PathStatus.FOLLOWING:
@@ -71,7 +69,7 @@ def progress(motion: Motion, intent: Intent, status: int, rung: int, gains: Gain
     if left < gap - 1e-6 or (left == math.inf and moving):
         idle, gap = 0.0, min(gap, left)
     else:
-        hopeful = moving or 0 < rung < ASK
+        hopeful = moving or 0 < rung < GIVE_UP
         idle += gains.safety.control_period / (EN_ROUTE_PATIENCE if hopeful else 1.0)
     if idle >= gains.path.patience:
         status = PathStatus.BLOCKED.value

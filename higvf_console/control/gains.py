@@ -4,6 +4,7 @@ One definition serves the kernels, the YAML checks, the sliders and the document
 takes all of them as one record (`packed`): passing 45 numbers one by one would cost more than the step.
 """
 
+import math
 from functools import lru_cache
 from typing import Annotated as A  # noqa: N817 (a table needs narrow columns)
 from typing import Any, NamedTuple, TypeAlias
@@ -109,6 +110,18 @@ class StallGains(NamedTuple):
     ] = 4.0
 
 
+class RobotGains(NamedTuple):
+    """The robots' model, `sim.unicycle`, and what disturbs it, `control.disturbances`."""
+
+    look_ahead: A[float, Q("m", 0.0, 100.0, "l", "Centre of a unicycle to its controlled point; 0 = no unicycles.")] = (
+        0.0
+    )
+    turn_rate_limit: A[float, Q("rad/s", 0.0, INFINITE, "omega_max", "No unicycle ever turns faster.")] = INFINITE
+    position_noise: A[float, Q("m", 0.0, 100.0, "e", "Largest error of a measured position.")] = 0.0
+    packet_loss: A[float, Q("", 0.0, 1.0, "", "Probability that a link carries nothing in a control period.")] = 0.0
+    seed: float = 0.0  # of errors and losses; set by the run
+
+
 class Gains(NamedTuple):
     """All tunables, and the forms of the equations."""
 
@@ -121,17 +134,41 @@ class Gains(NamedTuple):
     safety: SafetyGains = SafetyGains()
     fires: FireGains = FireGains()
     stall: StallGains = StallGains()
+    robots: RobotGains = RobotGains()
     forms: Forms = Forms()
 
 
 PackedGains: TypeAlias = NDArray[Any]  # (1,) of one record; kernels read `packed[0].path.capture_distance`
 
 
+def controlled(gains: Gains) -> Gains:
+    """The same tunables for the point of a robot that is controlled, as that robot measures it.
+
+    Its clearances are those of the body, enlarged by its distance l from the centre and by the largest error e of a
+    measured position (twice both between robots); its speed limit is one that a unicycle can always drive.
+    """
+    robots, safety = gains.robots, gains.safety
+    margin, limit = robots.look_ahead + robots.position_noise, safety.speed_limit
+    if robots.look_ahead > 0.0:
+        half_turn = 0.5 * min(robots.turn_rate_limit * safety.control_period, math.pi)
+        limit = min(limit, 2.0 * robots.look_ahead * math.sin(half_turn) / safety.control_period)
+    return gains._replace(
+        safety=safety._replace(
+            robot_clearance=safety.robot_clearance + 2.0 * margin,
+            obstacle_clearance=safety.obstacle_clearance + margin,
+            speed_limit=limit,
+        )
+    )
+
+
 @lru_cache(maxsize=64)
 def packed(gains: Gains) -> PackedGains:
-    """All tunables as an array (1,) of one record with the same names; the same array for equal gains."""
+    """All tunables of the controlled points as an array (1,) of one record with the same names.
+
+    One more part, `body`, keeps the safety gains of the bodies. Equal gains give the same array.
+    """
+    groups = {**controlled(gains)._asdict(), "body": gains.safety}
     parts = [
-        (name, np.dtype((np.record, [(key, np.float64) for key in part._fields])))
-        for name, part in gains._asdict().items()
+        (name, np.dtype((np.record, [(key, np.float64) for key in part._fields]))) for name, part in groups.items()
     ]
-    return np.array([tuple(tuple(part) for part in gains)], dtype=np.dtype((np.record, parts)))
+    return np.array([tuple(tuple(part) for part in groups.values())], dtype=np.dtype((np.record, parts)))

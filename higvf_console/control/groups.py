@@ -70,67 +70,70 @@ def group_obstacles(circles: Floats, bars: Floats, clearance: float) -> Groups:
 
 def _labels(parts: Floats, least: float) -> Ints:
     """Group number (n,) of each part: first by the parts' gaps, then by the gaps of the hulls that these make."""
-    count = len(parts)
-    label = _joined(count, [(i, j) for i in range(count) for j in range(i) if _gap(parts[i], parts[j]) < least])
+    label = _joined(len(parts), _gaps(parts) < least)
     while True:
-        groups = label.max(initial=-1) + 1
-        hulls = [_hull(parts[label == name]) for name in range(groups)]
-        sizes = np.bincount(label, minlength=groups)
-        pairs = [
-            (i, j)
-            for i in range(groups)
-            for j in range(i)
-            if max(sizes[i], sizes[j]) > 1 and _polygon_gap(hulls[i], hulls[j]) < least
-        ]
-        if not pairs:
+        sizes = np.bincount(label)
+        hulls = [_hull(parts[label == name]) for name in range(len(sizes))]
+        near = np.zeros((len(hulls), len(hulls)), np.bool_)
+        for i, j in _neighbours(hulls, least):
+            near[i, j] = max(sizes[i], sizes[j]) > 1 and _polygon_gap(hulls[i], hulls[j]) < least
+        if not near.any():
             return label
-        label = _joined(groups, pairs)[label]
+        label = _joined(len(hulls), near)[label]
 
 
-def _joined(count: int, pairs: list[tuple[int, int]]) -> Ints:
-    edges = ints(pairs, -1, 2)
-    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
-    return ints(connected_components(graph, directed=False)[1]) if count else ints([])
+def _joined(count: int, near: Bools) -> Ints:
+    return ints(connected_components(coo_array(near), directed=False)[1]) if count else ints([])
+
+
+def _neighbours(hulls: list[Floats], least: float) -> list[tuple[int, int]]:
+    """Pairs i > j of hulls whose bounding boxes are nearer than `least` [m]."""
+    if not hulls:
+        return []
+    low, high = (np.array([side(hull, axis=0) for hull in hulls]) for side in (np.min, np.max))
+    apart = np.maximum(low[:, None] - high[None], low[None] - high[:, None]).max(axis=2)
+    return [(int(i), int(j)) for i, j in np.argwhere(np.tril(apart < least, -1))]
 
 
 def _hull(parts: Floats) -> Floats:
     return convex_hull(floats(np.concatenate([capsule_corners(floats(part)) for part in parts])))
 
 
-def _gap(a: Floats, b: Floats) -> float:
-    """Gap between two capsules (5,) [m]; at most 0 where they touch."""
-    return _segment_distance(a[:2], a[2:4], b[:2], b[2:4]) - a[4] - b[4]
+def _gaps(parts: Floats) -> Floats:
+    """Gaps (n, n) between capsules (n, 5) [m]; at most 0 where they touch."""
+    a, b, radius = parts[:, :2], parts[:, 2:4], parts[:, 4]
+    ends = np.minimum(_to_spines(a, a, b), _to_spines(b, a, b))
+    distance = np.minimum(ends, ends.T)
+    across = _side(a, b, a) * _side(a, b, b) < 0.0
+    distance[across & across.T] = 0.0
+    return distance - radius[:, None] - radius[None]
 
 
-def _segment_distance(a: Floats, b: Floats, c: Floats, d: Floats) -> float:
-    def side(p: Floats, q: Floats, r: Floats) -> float:
-        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-
-    if side(a, b, c) * side(a, b, d) < 0.0 and side(c, d, a) * side(c, d, b) < 0.0:
-        return 0.0
-    return float(min(_to_spine(p, q, r[None])[0] for p, q, r in ((c, d, a), (c, d, b), (a, b, c), (a, b, d))))
+def _side(a: Floats, b: Floats, points: Floats) -> Floats:
+    """On which side of line i through a (n, 2) and b point j of (m, 2) lies: (n, m), positive to the left."""
+    along, to = (b - a)[:, None], points[None] - a[:, None]
+    return along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]
 
 
-def _to_spine(a: Floats, b: Floats, points: Floats) -> Floats:
-    """Distance (n,) of points (n, 2) from the segment a-b [m]."""
-    along = b - a
-    share = np.clip((points - a) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
-    return np.hypot(*(points - a - share[:, None] * along).T)
+def _to_spines(points: Floats, a: Floats, b: Floats) -> Floats:
+    """Distance (m, n) of points (m, 2) from the segments a-b (n, 2) [m]."""
+    along, to = (b - a)[None], points[:, None] - a[None]
+    share = np.clip((to * along).sum(axis=2) / np.maximum((along * along).sum(axis=2), 1e-300), 0.0, 1.0)
+    return np.hypot(*np.moveaxis(to - share[..., None] * along, 2, 0))
 
 
 def _polygon_gap(a: Floats, b: Floats) -> float:
-    """Gap between two convex polygons [m]: the widest strip that an edge of either opens; 0 where they overlap."""
-    apart = max(_widest_strip(a, b), _widest_strip(b, a))
-    if apart <= 0.0:
+    """Gap between two convex polygons [m]; 0 where they overlap, as no edge of either then parts them."""
+    if not (_parted(a, b) or _parted(b, a)):
         return 0.0
-    sides = [(one[k - 1], one[k], other) for one, other in ((a, b), (b, a)) for k in range(len(one))]
-    return float(min(_to_spine(start, end, other).min() for start, end, other in sides))
+    return float(min(_to_spines(b, a, np.roll(a, -1, 0)).min(), _to_spines(a, b, np.roll(b, -1, 0)).min()))
 
 
-def _widest_strip(a: Floats, b: Floats) -> float:
+def _parted(a: Floats, b: Floats) -> bool:
+    """Whether an edge of a convex polygon has the whole other one outside."""
     along = np.roll(a, -1, 0) - a
-    outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
-    return float(((b[None] - a[:, None]) @ outward[:, :, None]).min(axis=(1, 2)).max())
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    return bool((((b[None] - a[:, None]) * outward[:, None]).sum(axis=2).min(axis=1) > 0.0).any())
 
 
 def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floats]:
@@ -145,8 +148,8 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
     columns, rows = (math.ceil(side / cell) + 3 for side in high - low)
     xs, ys = low[0] + cell * (np.arange(columns) - 1), low[1] + cell * (np.arange(rows) - 1)
     nodes = np.stack([axis.ravel() for axis in np.meshgrid(xs, ys)], axis=1)
-    depth = -_outside(hull, nodes)
-    room = np.min([_to_spine(part[:2], part[2:4], nodes) - part[4] for part in parts], axis=0)
+    depth = _depth(hull, nodes)
+    room = (_to_spines(nodes, parts[:, :2], parts[:, 2:4]) - parts[None, :, 4]).min(axis=1)
     free = (room >= clearance).reshape(rows, columns)
     region = np.zeros(free.shape, np.int64)
     label_regions(free, output=region)
@@ -160,11 +163,11 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
     return floats([xs[0], ys[0], cell, columns]), np.stack([(across / length).ravel(), (down / length).ravel()], axis=1)
 
 
-def _outside(hull: Floats, points: Floats) -> Floats:
-    """Signed distance (n,) of points from the lines of a convex polygon [m]; at most 0 inside."""
+def _depth(hull: Floats, points: Floats) -> Floats:
+    """How deep points (n, 2) lie inside a convex polygon (n,) [m]; negative outside."""
     along = np.roll(hull, -1, 0) - hull
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
-    return ((points[:, None] - hull[None]) * outward[None]).sum(axis=2).max(axis=1)
+    return -((points[:, None] - hull[None]) * outward[None]).sum(axis=2).max(axis=1)
 
 
 def _travel(room: Floats, out: Bools, clearance: float, cell: float, rows: int, columns: int) -> Floats:

@@ -8,12 +8,13 @@ team; there is no `parallel` and no `fastmath`, so that results agree bit for bi
 import hashlib
 import os
 import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-_KEPT_CACHES = 8  # older builds' caches are removed
+_KEPT_FOR = 14 * 86400.0  # [s]; caches of builds that nobody has run for so long are removed
 
 
 def _cache_folder() -> Path:
@@ -27,8 +28,9 @@ def _cache_folder() -> Path:
     folder = root / digest.hexdigest()[:16]
     folder.mkdir(parents=True, exist_ok=True)
     folder.touch()
-    for old in sorted(root.iterdir(), key=lambda path: path.stat().st_mtime, reverse=True)[_KEPT_CACHES:]:
-        shutil.rmtree(old, ignore_errors=True)
+    for old in root.iterdir():
+        if time.time() - old.stat().st_mtime > _KEPT_FOR:
+            shutil.rmtree(old, ignore_errors=True)
     return folder
 
 

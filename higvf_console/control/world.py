@@ -29,7 +29,7 @@ def make_world(
         links: rows of neighbours, see `World`; none = the communication range decides.
         polygons: corners (n, 2) of irregular obstacles [m]; their edges follow the bars.
     """
-    bars = floats(np.concatenate([floats(bars, -1, 5), *(edges(corners) for corners in polygons)]))
+    bars = floats(np.concatenate([floats(bars, -1, 5), edge_bars(polygons)]))
     circles = floats(circles, -1, 3)
     return World(
         circles, bars, floats(walls, -1, 3), floats(fire_position, -1, 2), floats(fire_growth, -1),
@@ -40,3 +40,8 @@ def make_world(
 def edges(corners: Floats) -> Floats:
     """The edges of a closed polygon (n, 2) as bars (n, 5) without width [m]."""
     return np.concatenate([corners, np.roll(corners, -1, axis=0), np.zeros((len(corners), 1))], axis=1)
+
+
+def edge_bars(polygons: Sequence[Floats]) -> Floats:
+    """The edges (E, 5) of closed polygons, in order, as bars without width [m]."""
+    return np.concatenate([np.zeros((0, 5)), *(edges(corners) for corners in polygons)])

@@ -1,6 +1,7 @@
 """Benchmarks, as a table or as JSON: `higvf bench --suite NAME`.
 
-Compare the ratios; the milliseconds are this machine's.
+filter, tick   what a tick costs: compare the ratios, the milliseconds are this machine's
+deadlock       who arrives in random scenes, by the forms of the equations
 """
 
 import json
@@ -8,26 +9,36 @@ from collections.abc import Callable
 from typing import Any
 
 from higvf_console.errors import HigvfError
-from higvf_console.lab import bench_filter, bench_tick
+from higvf_console.lab import bench_deadlock, bench_filter, bench_tick, deadlock_report
 from higvf_console.lab.timing import Case, Suite
 
-_SUITES: dict[str, Callable[[], Suite]] = {"filter": bench_filter.run, "tick": bench_tick.run}
+_TIMINGS: dict[str, Callable[[], Suite]] = {"filter": bench_filter.run, "tick": bench_tick.run}
+DEADLOCK = "deadlock"
+SUITES = (*_TIMINGS, DEADLOCK)
 
 
-def main(suite: str, as_json: bool) -> None:
+def main(suite: str, as_json: bool, scenes: int | None = None) -> None:
     """Runs a suite and prints its table, or one JSON object."""
-    print(run_suite(suite, as_json))
+    print(run_suite(suite, as_json, scenes))
 
 
-def run_suite(name: str, as_json: bool) -> str:
+def run_suite(name: str, as_json: bool, scenes: int | None = None) -> str:
     """The table of a suite, or its JSON.
+
+    Args:
+        name: one of `SUITES`.
+        as_json: whether JSON is wanted.
+        scenes: how many spaced scenes of `DEADLOCK` to run, and the same share of the others; None = all.
 
     Raises:
         HigvfError: no such suite; the message lists them.
     """
-    if name not in _SUITES:
-        raise HigvfError(f"no benchmark suite {name!r}; choose {', '.join(_SUITES)}")
-    suite = _SUITES[name]()
+    if name == DEADLOCK:
+        outcomes = bench_deadlock.run_all(scenes)
+        return deadlock_report.as_json(outcomes) if as_json else deadlock_report.table(outcomes)
+    if name not in _TIMINGS:
+        raise HigvfError(f"no benchmark suite {name!r}; choose {', '.join(SUITES)}")
+    suite = _TIMINGS[name]()
     return json.dumps(_plain(name, suite), indent=2) if as_json else _table(suite)
 
 

@@ -4,13 +4,14 @@ The rule, stated before any search:
 
 1. Admissible is a sample (`fit_space.SPACE`) whose gains a scenario file would accept, and whose run without a human
    puts the fires out in the printed order 1-2-3-4-5 with no clearance below zero.
-2. The best sample has the smallest largest relative error over the five loss areas of column 1, to 0.1 percentage
-   points: one control period moves the area of fire 1 by that much.
-3. Ties go to the smallest relative error of column 1's total, to 0.1 percentage points; then to the sample nearest to
-   the project's default gains and bar.
+2. The misfit of a sample is the largest of its relative errors in column 1, each in units of what is allowed: 5 % for
+   each of the five loss areas, 2 % for their total. The best sample has the smallest misfit, to 0.02: one control
+   period moves the area of fire 1 by 0.1 %.
+3. Ties go to the sample nearest to the project's default gains and bar, each parameter as a share of its range.
 
 Columns 2 and 3 have no part in it. The search is differential evolution from latin hypercubes, restarted; every sample
-that was ever run is kept, so that the near-best fits show what column 1 leaves open.
+that was ever run is kept. Those with a misfit of at most 1 are equally good by what is asked of column 1: they show
+what it leaves open.
 
 Storn, Price, Differential evolution, J. Global Optimization 11 (1997).
 """
@@ -26,15 +27,16 @@ from higvf_console.arrays import Floats
 from higvf_console.errors import HigvfError, ScenarioError
 from higvf_console.lab.fire_run import FireRun, fight
 from higvf_console.lab.fit_space import DURATION, SPACE, Sample, distance, on_grid, world_of
-from higvf_console.lab.table2 import ALONE, PAPER, relative_errors
+from higvf_console.lab.reproduce.paper import COLUMNS
+from higvf_console.lab.table2 import ALONE, FIRE_LIMIT, TOTAL_LIMIT, relative_errors, summed, total
 from higvf_console.sim.setup import Setup
 
-NEAR = 0.01  # a near-best sample's largest relative error may exceed the best one's by this
+ACCEPTABLE = 1.0  # misfit
 RESTARTS = 4
 POPULATION = 48
 _HOPELESS = 0.15  # relative error of one fire at which a run is ended
-_DIGITS = 3  # of errors that are compared
-_REFUSED = 10.0  # objective of a sample that cannot be run
+_RESOLUTION = 0.02  # of the misfit
+_REFUSED = 100.0  # objective of a sample that cannot be run
 
 
 class Trial(NamedTuple):
@@ -44,7 +46,7 @@ class Trial(NamedTuple):
         sample: on the grid.
         errors: relative errors of the five loss areas of column 1; empty where the sample cannot be run.
         admissible: by the first part of the rule.
-        objective: largest relative error; more by 0.2 a fire that is left, and by 1 where not admissible.
+        objective: the misfit; where not admissible, that of the fires that are out, and 10, and 5 a fire that is left.
     """
 
     sample: Sample
@@ -62,20 +64,24 @@ def attempt(sample: Sample, base: Setup) -> Trial:
         setup = world_of(sample, base)
     except ScenarioError:
         return Trial(sample, (), False, _REFUSED)
-    column = PAPER[ALONE]
+    column = COLUMNS[ALONE]
     run = fight(setup, DURATION, enough=(1.0 + _HOPELESS) * np.array(column.loss_area))
     return judged(sample, run)
 
 
 def judged(sample: Sample, run: FireRun) -> Trial:
     """A sample with the errors of its run."""
-    column = PAPER[ALONE]
+    column = COLUMNS[ALONE]
     errors = tuple(relative_errors(run, column))
-    out = [errors[fire - 1] for fire in run.order]
-    left = len(errors) - len(out)
-    admissible = run.order == column.order and run.min_clearance >= 0.0
-    worst = max((abs(error) for error in out), default=0.0)
-    return Trial(sample, errors, admissible, worst if admissible else worst + 0.2 * left + 1.0)
+    if run.order == column.order and run.min_clearance >= 0.0:
+        return Trial(sample, errors, True, misfit(errors, total(run) / summed(column) - 1.0))
+    left = len(errors) - len(run.order)
+    return Trial(sample, errors, False, misfit([errors[fire - 1] for fire in run.order], 0.0) + 10.0 + 5.0 * left)
+
+
+def misfit(errors: Iterable[float], total_error: float) -> float:
+    """The largest relative error of column 1 in units of what is allowed."""
+    return max([abs(error) / FIRE_LIMIT for error in errors] + [abs(total_error) / TOTAL_LIMIT])
 
 
 def search(runs: int, seed: int, evaluate: Evaluate) -> list[Trial]:
@@ -130,25 +136,23 @@ def choose(trials: Iterable[Trial], defaults: Sample) -> Trial:
     if not admissible:
         raise HigvfError("no sample puts the fires out in the printed order; give more --runs")
 
-    def rank(trial: Trial) -> tuple[float, float, float, Sample]:
-        worst, total = round(trial.objective, _DIGITS), round(abs(total_error(trial)), _DIGITS)
-        return worst, total, distance(trial.sample, defaults), trial.sample
+    def rank(trial: Trial) -> tuple[float, float, Sample]:
+        return round(trial.objective / _RESOLUTION), distance(trial.sample, defaults), trial.sample
 
     return min(admissible, key=rank)
 
 
-def total_error(trial: Trial) -> float:
-    """Relative error of column 1's total."""
-    printed = np.array(PAPER[ALONE].loss_area)
-    return float(printed @ np.array(trial.errors) / printed.sum())
+def acceptable(trials: Iterable[Trial], best: Trial) -> list[Trial]:
+    """Admissible samples that meet what is asked of column 1; where not even the best does, those as good as it."""
+    most = max(best.objective, ACCEPTABLE)
+    return sorted(trial for trial in trials if trial.admissible and trial.objective <= most)
 
 
-def near_best(trials: Iterable[Trial], best: Trial, most: int) -> list[Trial]:
-    """At most `most` admissible samples within `NEAR` of the best: it first, then each the farthest from all before."""
-    rest = sorted(trial for trial in trials if trial.admissible and trial.objective <= best.objective + NEAR)
-    rest = [trial for trial in rest if trial.sample != best.sample]
-    kept = [best]
-    gap = np.array([distance(trial.sample, best.sample) for trial in rest])
+def widest(trials: Iterable[Trial], first: Trial, most: int) -> list[Trial]:
+    """At most `most` samples that show how far they lie apart: `first`, then each the farthest from all before."""
+    rest = [trial for trial in trials if trial.sample != first.sample]
+    kept = [first]
+    gap = np.array([distance(trial.sample, first.sample) for trial in rest])
     while len(kept) < min(most, len(rest) + 1):
         farthest = int(np.argmax(gap))
         kept.append(rest[farthest])

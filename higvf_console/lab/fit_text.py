@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from higvf_console.lab.table2 import ALONE, PAPER
+from higvf_console.lab.reproduce.paper import COLUMNS
+from higvf_console.lab.table2 import ALONE, summed
 
 
 def summary(result: Mapping[str, Any]) -> str:
@@ -12,7 +13,10 @@ def summary(result: Mapping[str, Any]) -> str:
     Args:
         result: of `fit_study.study`.
     """
-    head = f"{result['runs']} runs without a human, seed {result['seed']}; {result['near_best']} near-best samples"
+    head = (
+        f"{result['runs']} runs without a human, seed {result['seed']}: misfit {result['misfit']:.2f}; "
+        f"{result['acceptable']} samples meet what is asked of column 1"
+    )
     parts = [_parameters(result), _columns(result), _targets(result), _predictions(result), _influence(result)]
     return "\n\n".join([head, *parts])
 
@@ -30,7 +34,7 @@ def aligned(rows: Sequence[Sequence[str]]) -> str:
 
 
 def _parameters(result: Mapping[str, Any]) -> str:
-    rows: list[Sequence[str]] = [("parameter", "chosen", "near-best from", "to", "sought from", "to", "unit")]
+    rows: list[Sequence[str]] = [("parameter", "chosen", "others from", "to", "sought from", "to", "unit")]
     for free in result["space"]:
         found = result["spread"]["parameters"][free["name"]]
         numbers = (found["chosen"], found["low"], found["high"], free["low"], free["high"])
@@ -40,23 +44,23 @@ def _parameters(result: Mapping[str, Any]) -> str:
 
 def _columns(result: Mapping[str, Any]) -> str:
     rows: list[Sequence[str]] = [
-        ("loss area [m²]", *(cell for column in PAPER.values() for cell in (column.title, "paper", "error")))
+        ("loss area [m²]", *(cell for column in COLUMNS.values() for cell in (column.title, "paper", "error")))
     ]
     for fire in range(5):
         cells = [f"fire {fire + 1}"]
-        for name, column in PAPER.items():
+        for name, column in COLUMNS.items():
             found, error = result["table2"][name]["loss_area_m2"][fire], result["relative_error"][name]["loss_area"]
             cells += [f"{found:,.1f}", f"{column.loss_area[fire]:,.1f}", f"{100.0 * error[fire]:+.2f} %"]
         rows.append(tuple(cells))
     cells = ["total"]
-    for name, column in PAPER.items():
+    for name, column in COLUMNS.items():
         error = 100.0 * result["relative_error"][name]["total"]
-        cells += [f"{result['table2'][name]['total_m2']:,.1f}", f"{column.total:,.1f}", f"{error:+.2f} %"]
+        cells += [f"{result['table2'][name]['total_m2']:,.1f}", f"{summed(column):,.1f}", f"{error:+.2f} %"]
     return aligned([*rows, tuple(cells)])
 
 
 def _targets(result: Mapping[str, Any]) -> str:
-    rows: list[Sequence[str]] = [("target", "paper", "found", "off by", "allowed", "", "near-best that meet it")]
+    rows: list[Sequence[str]] = [("target", "paper", "found", "off by", "allowed", "", "others that meet it")]
     for verdict in result["targets"]:
         off, limit = verdict["error"], verdict["limit"]
         share = result["spread"]["targets_met"][verdict["target"]]
@@ -65,12 +69,17 @@ def _targets(result: Mapping[str, Any]) -> str:
             "" if limit is None else f"{100.0 * limit:g} %", "met" if verdict["met"] else "MISSED",
             f"{100.0 * share:.0f} %",
         ))  # fmt: skip
-    return aligned(rows)
+    missed = [verdict["target"] for verdict in result["spread"]["nearest"]["targets"] if not verdict["met"]]
+    last = (
+        f"{100.0 * result['spread']['all_met']:.0f} % of the {result['spread']['samples']} meet all; "
+        f"the nearest misses {', '.join(missed) or 'none'}"
+    )
+    return f"{aligned(rows)}\n{last}"
 
 
 def _predictions(result: Mapping[str, Any]) -> str:
     rows: list[Sequence[str]] = [
-        (f"{result['spread']['samples']} near-best samples", "paper", "least", "median", "most")
+        (f"{result['spread']['samples']} samples that meet column 1", "paper", "least", "median", "most")
     ]
     for name, found in result["spread"]["predictions"].items():
         numbers = (found[key] for key in ("paper", "low", "median", "high"))
@@ -79,9 +88,9 @@ def _predictions(result: Mapping[str, Any]) -> str:
 
 
 def _influence(result: Mapping[str, Any]) -> str:
-    changed = [name for name in PAPER if name != ALONE]
+    changed = [name for name in COLUMNS if name != ALONE]
     fires = [f"a(s{fire})" for fire in range(1, 6)]
-    totals, reductions = [f"total {name}" for name in PAPER], [f"reduction {name}" for name in changed]
+    totals, reductions = [f"total {name}" for name in COLUMNS], [f"reduction {name}" for name in changed]
     rows: list[Sequence[str]] = [("change [%] of", "for", *fires, *totals, *reductions)]
     for name, found in result["sensitivity"].items():
         if found is None:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from higvf_console.commands import InputSpec, Interface
 from higvf_console.lab.fire_run import FireRun, fight
+from higvf_console.lab.reproduce.paper import COLUMNS, Column
 from higvf_console.session.channels import open_interface
 from higvf_console.session.scenario import Scenario, data_folder, load_scenario
 from higvf_console.sim.setup import Setup
@@ -22,40 +23,7 @@ SCENARIO = "table2"
 FIRE_LIMIT = 0.05  # relative error of a fire of column 1
 TOTAL_LIMIT = 0.02  # relative error of a column's total
 REDUCTION_LIMIT = 0.01  # error of a reduction, as a share of the total without a human
-
-
-class Column(NamedTuple):
-    """A column of the paper's Table II.
-
-    Attributes:
-        title: as the paper heads it.
-        script: file of the operator's stroke under `scenarios/scripts`; empty where nobody intervenes.
-        order: fire numbers as they go out.
-        loss_area: of fires 1 to 5 [m^2].
-    """
-
-    title: str
-    script: str
-    order: tuple[int, ...]
-    loss_area: tuple[float, ...]
-
-    @property
-    def total(self) -> float:
-        """Sum of the five [m^2]; the paper prints 48253.9 under the second column, whose sum is 48251.9."""
-        return round(sum(self.loss_area), 2)
-
-
-PAPER: Mapping[str, Column] = {
-    "without_human": Column(
-        "Without human", "", (1, 2, 3, 4, 5), (3512.61, 7026.29, 16203.8, 4646.9, 20157.5)
-    ),
-    "change_priority": Column(
-        "Change target priority", "table2-priority.yaml", (1, 3, 2, 4, 5), (3512.61, 8639.3, 14491.39, 4273.0, 17335.6)
-    ),
-    "find_hidden": Column(
-        "Find undetected target", "table2-hidden.yaml", (1, 2, 3, 4, 5), (3512.61, 7026.29, 16203.8, 4646.9, 17920.2)
-    ),
-}  # fmt: skip
+STROKES: Mapping[str, str] = {"change_priority": "table2-priority.yaml", "find_hidden": "table2-hidden.yaml"}
 ALONE = "without_human"
 
 
@@ -79,7 +47,7 @@ class Verdict(NamedTuple):
     met: bool
 
 
-Columns = Mapping[str, FireRun]  # by the names in `PAPER`
+Columns = Mapping[str, FireRun]  # by the names of the paper's columns
 
 
 def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Interface]) -> Columns:
@@ -90,7 +58,7 @@ def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Interface])
         duration: the longest that a run may last [s].
         strokes: from `open_strokes`.
     """
-    return {name: fight(setup, duration, strokes.get(name)) for name in PAPER}
+    return {name: fight(setup, duration, strokes.get(name)) for name in COLUMNS}
 
 
 def open_strokes(scenario: Scenario) -> dict[str, Interface]:
@@ -101,9 +69,8 @@ def open_strokes(scenario: Scenario) -> dict[str, Interface]:
     """
     folder, robots = data_folder() / "scenarios" / "scripts", len(scenario.robots.points)
     return {
-        name: open_interface(InputSpec("script", str(folder / column.script), {}, {}, scenario.arena, robots))
-        for name, column in PAPER.items()
-        if column.script
+        name: open_interface(InputSpec("script", str(folder / file), {}, {}, scenario.arena, robots))
+        for name, file in STROKES.items()
     }
 
 
@@ -129,9 +96,11 @@ def as_json(runs: Columns) -> dict[str, Any]:
     """Three runs beside the paper's columns, as `table2` returns them."""
     return {
         "table2": {name: _column(run.order, run.loss_area.tolist(), total(run)) for name, run in runs.items()},
-        "paper": {name: _column(column.order, list(column.loss_area), column.total) for name, column in PAPER.items()},
+        "paper": {
+            name: _column(column.order, list(column.loss_area), summed(column)) for name, column in COLUMNS.items()
+        },
         "relative_error": {
-            name: {"loss_area": relative_errors(run, PAPER[name]), "total": total(run) / PAPER[name].total - 1.0}
+            name: {"loss_area": relative_errors(run, COLUMNS[name]), "total": total(run) / summed(COLUMNS[name]) - 1.0}
             for name, run in runs.items()
         },
         "targets": [verdict._asdict() for verdict in verdicts(runs)],
@@ -140,6 +109,11 @@ def as_json(runs: Columns) -> dict[str, Any]:
 
 def _column(order: tuple[int, ...], loss_area: list[float], area: float) -> dict[str, Any]:
     return {"order": list(order), "loss_area_m2": loss_area, "total_m2": area}
+
+
+def summed(column: Column) -> float:
+    """Sum of a printed column [m^2]; the paper prints 48253.9 under the second one, whose sum is 48251.9."""
+    return round(sum(column.loss_area), 2)
 
 
 def total(run: FireRun) -> float:
@@ -159,16 +133,16 @@ def reduction(runs: Columns, name: str) -> float:
 
 def verdicts(runs: Columns) -> tuple[Verdict, ...]:
     """Every target: fires of column 1, totals, reductions, orders, signs of the changes, clearance."""
-    alone = zip(range(1, 6), PAPER[ALONE].loss_area, runs[ALONE].loss_area, strict=True)
-    changed = [name for name in PAPER if name != ALONE]
+    alone = zip(range(1, 6), COLUMNS[ALONE].loss_area, runs[ALONE].loss_area, strict=True)
+    changed = [name for name in COLUMNS if name != ALONE]
     return (
         *(
             _near(f"fire {fire} without human [m²]", printed, float(found), float(found) / printed - 1.0, FIRE_LIMIT)
             for fire, printed, found in alone
         ),
-        *(_total_verdict(name, runs) for name in PAPER),
+        *(_total_verdict(name, runs) for name in COLUMNS),
         *(_reduction_verdict(name, runs) for name in changed),
-        *(_order_verdict(name, runs) for name in PAPER),
+        *(_order_verdict(name, runs) for name in COLUMNS),
         *(_changes_verdict(name, runs) for name in changed),
         _clearance_verdict(runs),
     )
@@ -179,26 +153,26 @@ def _near(target: str, printed: float, found: float, error: float, limit: float)
 
 
 def _total_verdict(name: str, runs: Columns) -> Verdict:
-    printed, found = PAPER[name].total, total(runs[name])
-    return _near(f"total, {PAPER[name].title.lower()} [m²]", printed, found, found / printed - 1.0, TOTAL_LIMIT)
+    printed, found = summed(COLUMNS[name]), total(runs[name])
+    return _near(f"total, {COLUMNS[name].title.lower()} [m²]", printed, found, found / printed - 1.0, TOTAL_LIMIT)
 
 
 def _reduction_verdict(name: str, runs: Columns) -> Verdict:
-    printed, found = PAPER[name].total / PAPER[ALONE].total - 1.0, reduction(runs, name)
-    target = f"change of the total, {PAPER[name].title.lower()} [%]"
+    printed, found = summed(COLUMNS[name]) / summed(COLUMNS[ALONE]) - 1.0, reduction(runs, name)
+    target = f"change of the total, {COLUMNS[name].title.lower()} [%]"
     return _near(target, 100.0 * printed, 100.0 * found, found - printed, REDUCTION_LIMIT)
 
 
 def _order_verdict(name: str, runs: Columns) -> Verdict:
-    printed, found = PAPER[name].order, runs[name].order
-    target = f"order, {PAPER[name].title.lower()}"
+    printed, found = COLUMNS[name].order, runs[name].order
+    target = f"order, {COLUMNS[name].title.lower()}"
     return Verdict(target, "-".join(map(str, printed)), "-".join(map(str, found)), None, None, found == printed)
 
 
 def _changes_verdict(name: str, runs: Columns) -> Verdict:
-    printed = [_sign(new - old) for new, old in zip(PAPER[name].loss_area, PAPER[ALONE].loss_area, strict=True)]
+    printed = [_sign(new - old) for new, old in zip(COLUMNS[name].loss_area, COLUMNS[ALONE].loss_area, strict=True)]
     found = [_sign(float(new - old)) for new, old in zip(runs[name].loss_area, runs[ALONE].loss_area, strict=True)]
-    target = f"sign of each fire's change, {PAPER[name].title.lower()}"
+    target = f"sign of each fire's change, {COLUMNS[name].title.lower()}"
     return Verdict(target, " ".join(printed), " ".join(found), None, None, found == printed)
 
 

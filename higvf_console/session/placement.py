@@ -1,6 +1,7 @@
 """Checks that a run starts safe: nobody overlaps, nobody stands inside an obstacle, the gains fit the team."""
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -8,57 +9,96 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from higvf_console.arrays import Floats, Ints, ints
+from higvf_console.arrays import Floats, Ints, floats, ints
 from higvf_console.control.barriers.certificate import check_sampling, least_stand_off
-from higvf_console.control.gains import Gains
+from higvf_console.control.disturbances import noise_limit
+from higvf_console.control.forms import PRINTED
+from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.intention import map_radius
 from higvf_console.errors import FilterError, ScenarioError
+from higvf_console.session.polygons import obstacles_of, segment_distance, signed_distance
+from higvf_console.session.sections import Obstacles
 from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
 from higvf_console.state import World
 
+PRINTED_RADIUS = 0.9  # spectral radius to which the printed intention update is scaled
+_WEIGHTS = ("decay", "robot_weight", "neighbour_weight", "human_weight")
 
-def check_start(position: Floats, fire_radius: Floats, world: World, gains: Gains, place: str) -> None:
-    """Refuses start positions (N, 2) that already violate a safety barrier.
+
+def check_start(
+    position: Floats, fire_radius: Floats, world: World, obstacles: Obstacles, gains: Gains, place: str
+) -> None:
+    """Refuses starts that already violate a safety barrier.
+
+    Args:
+        position: (N, 2) controlled points [m].
+        fire_radius: (M,) [m].
+        world: fires and walls.
+        obstacles: circles, bars and polygons.
+        gains: those of the bodies.
+        place: what to call the section in errors.
 
     Raises:
-        ScenarioError: two robots overlap, or a robot is too near to an obstacle, a fire or a wall.
+        ScenarioError: two robots overlap, or a robot is too near to an obstacle, a fire or a wall, or inside it.
     """
-    _check_pairs(position, gains.safety.robot_clearance, place)
-    least = gains.safety.obstacle_clearance
-    for what, gap in _gaps(position, fire_radius, world):
+    body, point = gains.safety, controlled(gains).safety
+    _check_pairs(position, point.robot_clearance, _clearance("robot", body.robot_clearance, gains), place)
+    least = point.obstacle_clearance
+    for what, gap in chain(_obstacle_gaps(position, obstacles), _other_gaps(position, fire_radius, world)):
         robot = int(np.argmin(gap))
         if gap[robot] < least:
             x, y = position[robot]
             raise ScenarioError(
                 f"{place}: robot {robot + 1} at ({x:g}, {y:g}) is {gap[robot]:.2f} m from {what}; "
-                f"obstacle_clearance is {least:g} m"
+                f"{_clearance('obstacle', body.obstacle_clearance, gains)}"
             )
 
 
-def _check_pairs(position: Floats, least: float, place: str) -> None:
+def _clearance(kind: str, clearance: float, gains: Gains) -> str:
+    """The clearance of bodies in words, and that of controlled points where it differs."""
+    look_ahead, noise = gains.robots.look_ahead, gains.robots.position_noise
+    causes = [f"look_ahead {look_ahead:g} m"] * (look_ahead > 0.0) + [f"position_noise {noise:g} m"] * (noise > 0.0)
+    said = f"{kind}_clearance is {clearance:g} m"
+    if not causes:
+        return said
+    enlarged = clearance + (2.0 if kind == "robot" else 1.0) * (look_ahead + noise)
+    return f"{said}, enlarged to {enlarged:g} m by {' and '.join(causes)}"
+
+
+def _check_pairs(position: Floats, least: float, clearance: str, place: str) -> None:
     pairs = KDTree(position).query_pairs(least, output_type="ndarray")
     gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
     if (gap < least).any():
         nearest = int(np.argmin(gap))
         first, second = pairs[nearest] + 1
-        raise ScenarioError(
-            f"{place}: robots {first} and {second} start {gap[nearest]:.2f} m apart; robot_clearance is {least:g} m"
-        )
+        raise ScenarioError(f"{place}: robots {first} and {second} start {gap[nearest]:.2f} m apart; {clearance}")
 
 
-def _gaps(position: Floats, fire_radius: Floats, world: World) -> Iterator[tuple[str, Floats]]:
-    """Every surface by name, with the distance (N,) of each robot from it [m]."""
-    for number, (x, y, radius) in enumerate(world.circles, 1):
-        yield f"circle {number}", np.hypot(*(position - (x, y)).T) - radius
-    for number, (*ends, half_width) in enumerate(world.bars, 1):
-        start, end = np.array(ends[:2]), np.array(ends[2:])
-        along = (position - start) @ (end - start) / max(float((end - start) @ (end - start)), 1e-12)
-        nearest = start + np.clip(along, 0.0, 1.0)[:, None] * (end - start)
-        yield f"bar {number}", np.hypot(*(position - nearest).T) - half_width
+def _obstacle_gaps(points: Floats, obstacles: Obstacles) -> Iterator[tuple[str, Floats]]:
+    """Every obstacle by name, with the distance (N,) of each point (N, 2) from its surface [m], negative inside."""
+    for number, (x, y, radius) in enumerate(obstacles.circles, 1):
+        yield f"circle {number}", np.hypot(*(points - (x, y)).T) - radius
+    for number, (*ends, half_width) in enumerate(obstacles.bars, 1):
+        yield f"bar {number}", segment_distance(points, floats(ends[:2]), floats(ends[2:])) - half_width
+    for number, chains in enumerate(obstacles_of(obstacles.polygons), 1):
+        yield f"polygon {number}", signed_distance(chains, points)
+
+
+def _other_gaps(position: Floats, fire_radius: Floats, world: World) -> Iterator[tuple[str, Floats]]:
+    """Fires and walls, in the same way."""
     for number, (centre, radius) in enumerate(zip(world.fire_position, fire_radius, strict=True), 1):
         yield f"fire {number}", np.hypot(*(position - centre).T) - radius
     for normal_x, normal_y, offset in world.walls:
         yield "the arena's wall", position @ np.array([normal_x, normal_y]) - offset
+
+
+def buried_fires(fire_position: Floats, fire_radius: Floats, obstacles: Obstacles) -> tuple[str, ...]:
+    """A warning for each fire that lies inside an obstacle, where no robot can see it."""
+    return tuple(
+        f"fire {fire + 1} lies inside {what}; no robot sees it before it has grown out of there"
+        for what, gap in _obstacle_gaps(fire_position, obstacles)
+        for fire in np.flatnonzero(gap <= -fire_radius)
+    )
 
 
 def link_table(links: tuple[tuple[int, int], ...], robots: int) -> tuple[Ints, Ints]:
@@ -103,6 +143,25 @@ def intention_radius(
     return map_radius(laplacian(ints(edges, -1, 2), robots), influenced, gains.intention)
 
 
+def convergent(
+    gains: Gains, position: Floats, links: tuple[tuple[int, int], ...] | None, influenced: int
+) -> tuple[Gains, tuple[str, ...]]:
+    """The gains with weights for which the printed intention update converges, and a warning if that changed them.
+
+    Weights that suit the corrected update make the printed one diverge: they are scaled to `PRINTED_RADIUS`.
+    """
+    radius = intention_radius(position, links, influenced, gains)
+    if gains.forms.intention != PRINTED or radius < 1.0:
+        return gains, ()
+    scale = PRINTED_RADIUS / radius
+    weights = {name: scale * getattr(gains.intention, name) for name in _WEIGHTS}
+    warning = (
+        f"the intention update as printed has spectral radius {radius:.3g} and diverges: "
+        f"its weights are multiplied by {scale:.3g}, which makes it {PRINTED_RADIUS:g}"
+    )
+    return gains._replace(intention=gains.intention._replace(**weights)), (warning,)
+
+
 def check_intention(radius: float, source: str) -> None:
     """Refuses an intention update in its printed form that diverges.
 
@@ -116,19 +175,64 @@ def check_intention(radius: float, source: str) -> None:
         )
 
 
+def check_robots(gains: Gains, growth: float, source: str) -> None:
+    """Refuses unicycles that cannot move, and noise under which clearances are not kept.
+
+    Args:
+        gains: those of the bodies.
+        growth: of the fastest fire [m/s].
+        source: the scenario file.
+
+    Raises:
+        ScenarioError: with the value and the limit.
+    """
+    robots = gains.robots
+    if robots.look_ahead > 0.0 and robots.turn_rate_limit == 0.0:
+        raise ScenarioError(
+            f"{source}: parameters.robots.turn_rate_limit: unicycles that cannot turn cannot follow a velocity; "
+            "give more than 0 rad/s, or look_ahead 0 for single integrators"
+        )
+    limit = noise_limit(controlled(gains._replace(robots=robots._replace(position_noise=0.0))), growth)
+    if robots.position_noise > limit:
+        raise ScenarioError(
+            f"{source}: parameters.robots.position_noise: {robots.position_noise:g} m exceeds {limit:.3g} m, up to "
+            "which the barriers keep the true clearances; lower it, or raise the clearances, pair_rate, "
+            "obstacle_rate or speed_limit"
+        )
+
+
+def robot_warnings(gains: Gains) -> tuple[str, ...]:
+    """What the robots' model and noise make of other tunables without need to refuse them."""
+    robots, point, warnings = gains.robots, controlled(gains).safety, list[str]()
+    if robots.look_ahead == 0.0 and np.isfinite(robots.turn_rate_limit):
+        warnings.append("robots.turn_rate_limit has no effect on single integrators; unicycles have a look_ahead")
+    if point.speed_limit < gains.safety.speed_limit and point.speed_limit < gains.blending.cruise_speed:
+        warnings.append(
+            f"look_ahead and turn_rate_limit let unicycles go {point.speed_limit:.3g} m/s; "
+            f"cruise_speed is {gains.blending.cruise_speed:g} m/s"
+        )
+    if point != gains.safety and gains.rings.repulsive_margin <= point.obstacle_clearance:
+        warnings.append(
+            f"{_clearance('obstacle', gains.safety.obstacle_clearance, gains)}; it should stay below repulsive_margin "
+            f"({gains.rings.repulsive_margin:g} m), where robots circulate"
+        )
+    return tuple(warnings)
+
+
 def check_barriers(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:
     """Refuses gains with which the safety barriers do not hold in discrete time, or no robot could hold at a fire.
 
     Raises:
         ScenarioError: the sampling condition or the least stand-off is missed; the message gives limit and value.
     """
+    safety = controlled(gains).safety
     try:
-        check_sampling(world, fire_radius, gains.safety)
+        check_sampling(world, fire_radius, safety)
     except FilterError as error:
         raise ScenarioError(f"{source}: parameters.safety: {error}") from error
     stand_off = gains.fires.stand_off
     for number, (radius, growth) in enumerate(zip(fire_radius, world.fire_growth, strict=True), 1):
-        least = least_stand_off(float(radius), float(growth), gains.safety)
+        least = least_stand_off(float(radius), float(growth), safety)
         if stand_off < least:
             raise ScenarioError(
                 f"{source}: parameters.fires.stand_off: {stand_off:g} m is too near to fire {number} "
@@ -139,7 +243,8 @@ def check_barriers(world: World, fire_radius: Floats, gains: Gains, source: str)
 def late_stand_off(fire_radius: Floats, fire_growth: Floats, duration: float, gains: Gains) -> tuple[str, ...]:
     """A warning for each fire that grows, within `duration` [s], until no robot can hold at it."""
     grown = fire_radius + fire_growth * duration
-    least = [least_stand_off(float(r), float(g), gains.safety) for r, g in zip(grown, fire_growth, strict=True)]
+    safety = controlled(gains).safety
+    least = [least_stand_off(float(r), float(g), safety) for r, g in zip(grown, fire_growth, strict=True)]
     return tuple(
         f"fire {number} can grow to {radius:.0f} m, where its barrier holds robots {far:.1f} m off; "
         f"stand_off is {gains.fires.stand_off:g} m"

@@ -1,5 +1,7 @@
 """Recordings: the scenario's text, the seed and every command with its tick are enough to run a session again.
 
+The polygons that the scenario's masks came to are kept as well, so that a replay needs no image.
+
 JSON lines: a header; `{"tick": 120, "command": "Pick", ...}` for each command; `{"mark": 150, "digest": ...}` each
 second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`.
 """
@@ -47,7 +49,8 @@ class Recorder:
         self._flushed = time.monotonic()
         header = {"recording": FORMAT, "scenario": scenario.name, "source": scenario.source, "seed": seed}
         forms = scenario.gains.forms.words()
-        self._write({**header, "forms": forms, "versions": versions(), "text": scenario.text})
+        polygons = [chain.tolist() for chain in scenario.obstacles.polygons]
+        self._write({**header, "forms": forms, "versions": versions(), "text": scenario.text, "polygons": polygons})
 
     def command(self, command: OperatorCommand) -> None:
         """A command was applied before the next tick."""
@@ -152,7 +155,8 @@ def read_recording(file: Path) -> Recording:
     header = _parsed(lines[0])
     if header is None or header.get("recording") != FORMAT:
         raise InputError(f"{file}: not a recording of version {FORMAT}: its first line is not a header")
-    scenario = parse_scenario(header["text"], header["source"])
+    polygons = tuple(floats(chain, -1, 2) for chain in header["polygons"]) if "polygons" in header else None
+    scenario = parse_scenario(header["text"], header["source"], polygons)
     if "forms" in header:
         scenario = scenario.with_forms(Forms(**{name: WORDS[word] for name, word in header["forms"].items()}))
     recording = Recording(scenario, header["seed"], header["versions"], {}, [], False)

@@ -2,12 +2,17 @@
 
     version: 1                               # these three are required
     arena: {size_m: [1200, 700]}             # or x_min, y_min, x_max, y_max; walls: false opens it
-    robots: {start_m: [[700, 300], ...]}     # or count, spacing_m, centre_m; jitter_m, as the seed decides
+    robots: {start_m: [[700, 300], ...]}     # or count, spacing_m, centre_m; jitter_m, as the seed decides; heading_deg
     title, description, name: text           # the name defaults to the file's
     links: [[1, 2], ...]                     # else the communication range decides
     formation_m: [[0, 0], ...]               # the shape to keep, else the start positions
     fires: [{at_m: [500, 250], radius_m: 20, growth_m_per_s: 1, robots_needed: 2}, ...]
-    obstacles: {circles: [{at_m: ..., radius_m: 20}], bars: [{from_m: ..., to_m: ..., half_width_m: 6}]}
+    obstacles:
+      circles: [{at_m: ..., radius_m: 20}]
+      bars: [{from_m: ..., to_m: ..., half_width_m: 6}]
+      polygons: [{points_m: [[0, 0], [90, 0], [0, 60]]}]               # of any shape that does not cross itself
+      masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2}]    # dark pixels; at_m is its lower left corner;
+          # threshold: 128, obstacle: dark | bright, tolerance_m, least_area_m2; beside this file, or shipped
     path: {circle: {at_m: ..., radius_m: 250}, direction: forward}     # or line, ellipse, sketch
     influenced: 1                            # robots and fires count from 1
     strokes: [{name: Round the bar, robot: 1, points_m: [...]}]        # "show me" buttons
@@ -22,26 +27,33 @@ A key that is not known, a number out of range or a start that is not safe raise
 key path, the value and the choices.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
+import numpy as np
+
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import Gains
+from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.world import NO_LINKS, make_world
 from higvf_console.errors import ScenarioError
 from higvf_console.quantity import Quantity
 from higvf_console.session.channels import unknown_settings
 from higvf_console.session.placement import (
     Network,
+    buried_fires,
     check_barriers,
     check_formation,
     check_intention,
+    check_robots,
     check_start,
+    convergent,
     intention_radius,
     late_stand_off,
     link_table,
+    robot_warnings,
     start_network,
 )
 from higvf_console.session.reading import Node, closest, read_yaml
@@ -74,8 +86,7 @@ KEYS = (
     "version", "name", "title", "description", "arena", "robots", "links", "formation_m", "fires", "obstacles", "path",
     "influenced", "strokes", "parameters", "forms", "filter", "inputs", "demo", "duration_s",
 )  # fmt: skip
-PRINTED_RADIUS = 0.9  # spectral radius to which the printed intention update is scaled
-_WEIGHTS = ("decay", "robot_weight", "neighbour_weight", "human_weight")
+_SEEDS = 2**53  # whole numbers that a float can tell apart
 _DURATION = Quantity("s", 0.001, 1e6, "", "How long a run lasts.")
 
 
@@ -95,7 +106,7 @@ class Scenario:
         links: given communication links as index pairs i < j; None = the communication range decides.
         formation: (N, 2) shape [m]; None = the start positions.
         fires: in the order of their numbers.
-        obstacles: circles and bars.
+        obstacles: circles, bars and polygons.
         path: desired path in force from the start, or NO_PATH.
         influenced: index of the robot that is influenced first.
         strokes: what the "show me" buttons draw.
@@ -136,30 +147,22 @@ class Scenario:
             ScenarioError: the seed's jitter puts a robot where it would violate a safety barrier.
         """
         position = self.robots.positions(seed)
+        if self.gains.robots.look_ahead > 0.0:
+            ahead = np.array([math.cos(self.robots.heading), math.sin(self.robots.heading)])
+            position = position + self.gains.robots.look_ahead * ahead
         world = self._world(position)
         fire_radius = floats([fire.radius for fire in self.fires], -1)
-        check_start(position, fire_radius, world, self.gains, f"{self.source}: robots")
-        start = initial_state(position, fire_radius, world)
+        check_start(position, fire_radius, world, self.obstacles, self.gains, f"{self.source}: robots")
+        start = initial_state(position, fire_radius, world, self.robots.heading)
         start = start._replace(intent=start.intent._replace(influenced=self.influenced))
-        return Setup(self.arena, world, self.gains, follow(start, self.path))
+        gains = self.gains._replace(robots=self.gains.robots._replace(seed=float(seed % _SEEDS)))
+        return Setup(self.arena, world, gains, follow(start, self.path), self.obstacles.polygons)
 
     def with_forms(self, forms: Forms) -> "Scenario":
-        """The same scenario with other forms of the equations.
-
-        The intention update as printed diverges with weights that suit the corrected one, so they are then scaled to
-        a spectral radius of `PRINTED_RADIUS`, and a warning says so.
-        """
-        gains, warnings = self.gains._replace(forms=forms), self.warnings
-        radius = intention_radius(self.robots.points, self.links, self.influenced, gains)
-        if forms.intention == PRINTED and radius >= 1.0:
-            scale = PRINTED_RADIUS / radius
-            weights = {name: scale * getattr(gains.intention, name) for name in _WEIGHTS}
-            gains = gains._replace(intention=gains.intention._replace(**weights))
-            warnings += (
-                f"the intention update as printed has spectral radius {radius:.3g} and diverges: "
-                f"its weights are multiplied by {scale:.3g}, which makes it {PRINTED_RADIUS:g}",
-            )
-        return replace(self, gains=gains, warnings=warnings)
+        """The same scenario with other forms of the equations, and weights with which they converge."""
+        gains = self.gains._replace(forms=forms)
+        gains, warnings = convergent(gains, self.robots.points, self.links, self.influenced)
+        return replace(self, gains=gains, warnings=self.warnings + warnings)
 
     def _world(self, position: Floats) -> World:
         sides = [(1, 0, self.arena.x_min), (-1, 0, -self.arena.x_max)]
@@ -168,8 +171,9 @@ class Scenario:
             self.obstacles.circles, self.obstacles.bars, floats(sides if self.walls else [], -1, 3),
             floats([fire.position for fire in self.fires], -1, 2), floats([fire.growth for fire in self.fires], -1),
             ints([fire.needs for fire in self.fires], -1), position if self.formation is None else self.formation,
-            self.gains.safety.obstacle_clearance,
+            controlled(self.gains).safety.obstacle_clearance,
             NO_LINKS if self.links is None else link_table(self.links, len(position)),
+            self.obstacles.polygons,
         )  # fmt: skip
 
 
@@ -211,12 +215,14 @@ def load_scenario(name_or_path: str | FilePath) -> Scenario:
     return parse_scenario(text, str(file))
 
 
-def parse_scenario(text: str, source: str) -> Scenario:
+def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None = None) -> Scenario:
     """The scenario that a YAML text describes.
 
     Args:
         text: the YAML.
-        source: where it comes from, for errors; its stem names a scenario that does not name itself.
+        source: where it comes from, for errors; its stem names a scenario that does not name itself, images are looked
+            for in its folder and then in `data_folder()`.
+        polygons: what its polygons and masks came to when they were read before; None = read them.
 
     Raises:
         ScenarioError: the text cannot be used.
@@ -238,6 +244,8 @@ def parse_scenario(text: str, source: str) -> Scenario:
     links = read_links(entries["links"], count) if "links" in entries else None
     network = start_network(robots.points, links, gains.formation.communication_range)
     check_formation(network.degree, gains, source)
+    fires = read_fires(entry("fires", []), count)
+    check_robots(gains, max((fire.growth for fire in fires), default=0.0), source)
     name = entry("name", FilePath(source).stem).text()
     scenario = Scenario(
         name=name,
@@ -250,8 +258,8 @@ def parse_scenario(text: str, source: str) -> Scenario:
         robots=robots,
         links=links,
         formation=read_formation(entries["formation_m"], count) if "formation_m" in entries else None,
-        fires=read_fires(entry("fires", []), count),
-        obstacles=read_obstacles(entry("obstacles", {})),
+        fires=fires,
+        obstacles=read_obstacles(entry("obstacles", {}), (FilePath(source).parent, data_folder()), polygons),
         path=read_path(entries["path"], gains.path.stroke_smoothing) if "path" in entries else NO_PATH,
         influenced=entry("influenced", 1).integer(1, count, "a robot's number") - 1,
         strokes=read_strokes(entry("strokes", []), count),
@@ -260,7 +268,11 @@ def parse_scenario(text: str, source: str) -> Scenario:
         inputs=inputs,
         demo=tuple(item.text() for item in entry("demo", []).items()),
         duration=entry("duration_s", 120.0).number(_DURATION),
-        warnings=(*_network_warnings(network, links is not None), *unknown_settings(inputs)),
+        warnings=(
+            *_network_warnings(network, links is not None),
+            *unknown_settings(inputs),
+            *robot_warnings(gains),
+        ),
     )
     start = scenario.setup(seed=0)
     fire_radius = start.start.motion.fire_radius
@@ -268,7 +280,8 @@ def parse_scenario(text: str, source: str) -> Scenario:
     if gains.forms.intention == PRINTED:
         check_intention(intention_radius(robots.points, links, scenario.influenced, gains), source)
     late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, gains)
-    return replace(scenario, warnings=(*scenario.warnings, *late))
+    buried = buried_fires(start.world.fire_position, fire_radius, scenario.obstacles)
+    return replace(scenario, warnings=(*scenario.warnings, *late, *buried))
 
 
 def _network_warnings(network: Network, linked: bool) -> tuple[str, ...]:

@@ -1,7 +1,9 @@
 """The sections of a scenario file, each read into the part of a run that it describes."""
 
 import math
+from collections.abc import Sequence
 from enum import StrEnum
+from pathlib import Path as FilePath
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +14,7 @@ from higvf_console.control.gains import Gains
 from higvf_console.control.paths import circle_path, ellipse_path, line_path, sketch_path
 from higvf_console.errors import PathError
 from higvf_console.quantity import Quantity, quantities, with_values
+from higvf_console.session.irregular import check_edges, read_masks, read_polygons
 from higvf_console.session.reading import COORDINATE, Node
 from higvf_console.state import Path
 from higvf_console.viewport import Arena
@@ -49,20 +52,34 @@ class Fire(NamedTuple):
 
 
 class Obstacles(NamedTuple):
-    """What stands in the way: `circles` (P, 3) and `bars` (Q, 5) as in `state.World`."""
+    """What stands in the way.
+
+    Attributes:
+        circles: (P, 3) as in `state.World`.
+        bars: (Q, 5) as in `state.World`.
+        polygons: closed chains (n, 2) [m] as in `session.polygons`: those of the file, then those of its masks.
+    """
 
     circles: Floats
     bars: Floats
+    polygons: tuple[Floats, ...]
 
 
 class Robots(NamedTuple):
-    """Where the team starts: `points` (N, 2) [m], each shifted by up to `jitter` [m] as the seed decides."""
+    """Where the team starts.
+
+    Attributes:
+        points: (N, 2) centres [m].
+        jitter: by how much each is shifted at most along x and along y, as the seed decides [m].
+        heading: of all unicycles [rad].
+    """
 
     points: Floats
     jitter: float
+    heading: float
 
     def positions(self, seed: int) -> Floats:
-        """Start positions (N, 2) [m]; the same seed gives the same bytes."""
+        """Centres (N, 2) [m] at the start; the same seed gives the same bytes."""
         if self.jitter == 0.0:
             return floats(self.points)
         return self.points + np.random.default_rng(seed).uniform(-self.jitter, self.jitter, self.points.shape)
@@ -101,17 +118,18 @@ def read_arena(node: Node) -> tuple[Arena, bool]:
 
 def read_robots(node: Node, arena: Arena) -> Robots:
     """Given start points, or a square grid round a centre."""
-    entries = node.section(("start_m", "count", "spacing_m", "centre_m", "jitter_m"))
+    entries = node.section(("start_m", "count", "spacing_m", "centre_m", "jitter_m", "heading_deg"))
     jitter = entries["jitter_m"].number(_JITTER) if "jitter_m" in entries else 0.0
+    heading = math.radians(entries["heading_deg"].number(_ANGLE)) if "heading_deg" in entries else 0.0
     if "start_m" in entries:
         if {"count", "spacing_m", "centre_m"} & set(entries):
             raise node.error("give start_m, or count and spacing_m, not both")
-        return Robots(entries["start_m"].points(least=1), jitter)
+        return Robots(entries["start_m"].points(least=1), jitter, heading)
     entries = node.section(tuple(entries), ("count", "spacing_m"))
     count = entries["count"].integer(1, MOST_ROBOTS, "a number of robots")
     centre = ((arena.x_min + arena.x_max) / 2, (arena.y_min + arena.y_max) / 2)
     centre = entries["centre_m"].point() if "centre_m" in entries else centre
-    return Robots(_grid(count, entries["spacing_m"].number(_LENGTH), centre), jitter)
+    return Robots(_grid(count, entries["spacing_m"].number(_LENGTH), centre), jitter, heading)
 
 
 def _grid(count: int, spacing: float, centre: tuple[float, float]) -> Floats:
@@ -154,9 +172,15 @@ def read_fires(node: Node, robots: int) -> tuple[Fire, ...]:
     return tuple(fires)
 
 
-def read_obstacles(node: Node) -> Obstacles:
-    """Circles and bars."""
-    entries = node.section(("circles", "bars"))
+def read_obstacles(node: Node, folders: Sequence[FilePath], polygons: tuple[Floats, ...] | None = None) -> Obstacles:
+    """Circles, bars, polygons and masks.
+
+    Args:
+        node: the section `obstacles`.
+        folders: where the images of masks are looked for.
+        polygons: what its polygons and masks came to when they were read before; None = read them.
+    """
+    entries = node.section(("circles", "bars", "polygons", "masks"))
     circles: list[tuple[float, ...]] = []
     for item in entries["circles"].items() if "circles" in entries else ():
         part = item.section(("at_m", "radius_m"), ("at_m", "radius_m"))
@@ -165,7 +189,11 @@ def read_obstacles(node: Node) -> Obstacles:
     for item in entries["bars"].items() if "bars" in entries else ():
         part = item.section(("from_m", "to_m", "half_width_m"), ("from_m", "to_m", "half_width_m"))
         bars.append((*part["from_m"].point(), *part["to_m"].point(), part["half_width_m"].number(_LENGTH)))
-    return Obstacles(floats(circles, -1, 3), floats(bars, -1, 5))
+    if polygons is None:
+        polygons = read_polygons(entries["polygons"]) if "polygons" in entries else ()
+        polygons += read_masks(entries["masks"], folders) if "masks" in entries else ()
+        check_edges(node, polygons)
+    return Obstacles(floats(circles, -1, 3), floats(bars, -1, 5), polygons)
 
 
 def read_strokes(node: Node, robots: int) -> tuple[ShownStroke, ...]:

@@ -16,7 +16,7 @@ import numpy as np
 from higvf_console.arrays import Floats, Ints
 from higvf_console.control.barriers.certificate import SAMPLING_LIMIT, sampling_conditions
 from higvf_console.control.forms import PRINTED
-from higvf_console.control.gains import Gains
+from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.intention import map_radius
 from higvf_console.sim.setup import Setup
 from higvf_console.state import Motion, SimState, Trace
@@ -111,7 +111,7 @@ def laplacian(links: Ints, robots: int) -> Floats:
 
 def certificates(setup: Setup, state: SimState, trace: Trace, worst: Worst) -> tuple[Certificate, ...]:
     """All conditions of a run as they are now; those of single ticks at their worst so far."""
-    gains, robots = setup.gains, len(state.motion.position)
+    gains, robots = controlled(setup.gains), len(state.motion.position)
     sampling = max(
         sampling_conditions(setup.world, setup.start.motion.fire_radius, gains.safety), key=lambda kind: kind.value
     )

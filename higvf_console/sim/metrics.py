@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from higvf_console.arrays import Floats, Ints
+from higvf_console.arrays import Bools, Floats, Ints
 from higvf_console.control.controller import Plan
-from higvf_console.control.gains import Gains
+from higvf_console.control.gains import Gains, SafetyGains
 from higvf_console.control.kernel import kernel
 from higvf_console.control.neighbours import within
 from higvf_console.control.obstacles import part_at, part_radius
@@ -20,30 +20,38 @@ def loss_area(motion: Motion) -> Floats:
 
 
 @kernel
-def clearances(motion: Motion, world: World, gains: Gains) -> tuple[Floats, Floats]:
+def clearances(
+    body: Floats, fire_radius: Floats, fire_burning: Bools, world: World, safety: SafetyGains
+) -> tuple[Floats, Floats]:
     """Each robot's nearest danger: what is left of the clearance, and its barrier function.
+
+    Args:
+        body: (N, 2) true centres of the bodies [m].
+        fire_radius: (M,) [m].
+        fire_burning: (M,).
+        world: obstacles and walls.
+        safety: clearances of the bodies.
 
     Returns:
         clearance: (N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k [m]; exact below R_r, inf when nothing is near.
         barrier: (N,) smallest h = d^2/R^2 - 1 of [20] and [26], and of the walls; inf likewise.
     """
-    safety = gains.safety
-    nearest = np.full(motion.position.shape[0], math.inf)
-    barrier = np.full(motion.position.shape[0], math.inf)
-    start, to = within(motion.position, 2.0 * safety.robot_clearance)
+    nearest = np.full(body.shape[0], math.inf)
+    barrier = np.full(body.shape[0], math.inf)
+    start, to = within(body, 2.0 * safety.robot_clearance)
     for i in range(nearest.shape[0]):
-        x, y = motion.position[i, 0], motion.position[i, 1]
+        x, y = body[i, 0], body[i, 1]
         for entry in range(start[i], start[i + 1]):
-            dx, dy = motion.position[to[entry], 0] - x, motion.position[to[entry], 1] - y
+            dx, dy = body[to[entry], 0] - x, body[to[entry], 1] - y
             _note(i, math.sqrt(dx * dx + dy * dy), safety.robot_clearance, math.inf, nearest, barrier)
         for k in range(world.circles.shape[0] + world.bars.shape[0]):
             gap, _, _ = part_at(k, x, y, world)
             radius = part_radius(k, world)
             _note(i, gap + radius, radius + safety.obstacle_clearance, safety.robot_clearance, nearest, barrier)
         for j in range(world.fire_position.shape[0]):
-            if motion.fire_burning[j]:
+            if fire_burning[j]:
                 dx, dy = x - world.fire_position[j, 0], y - world.fire_position[j, 1]
-                clearance = motion.fire_radius[j] + safety.obstacle_clearance
+                clearance = fire_radius[j] + safety.obstacle_clearance
                 _note(i, math.sqrt(dx * dx + dy * dy), clearance, safety.robot_clearance, nearest, barrier)
         for k in range(world.walls.shape[0]):
             inside = world.walls[k, 0] * x + world.walls[k, 1] * y - world.walls[k, 2]

@@ -3,18 +3,29 @@
 from enum import StrEnum
 from typing import NamedTuple
 
+from higvf_console.arrays import Floats
 from higvf_console.control.gains import Gains
 from higvf_console.state import SimState, World
 from higvf_console.viewport import Arena
 
 
 class Setup(NamedTuple):
-    """A run before its first tick; made from a scenario file by `session.scenario`."""
+    """A run before its first tick; made from a scenario file by `session.scenario`.
+
+    Attributes:
+        arena: what the operator sees.
+        world: what does not move.
+        gains: all tunables.
+        start: the state before the first tick.
+        polygons: irregular obstacles, for views: closed chains (n, 2) [m], whose edges are the last of `world.bars`.
+            A counter-clockwise one is an obstacle; a clockwise one is a free area that the one before it encloses.
+    """
 
     arena: Arena
     world: World
     gains: Gains
     start: SimState
+    polygons: tuple[Floats, ...] = ()
 
 
 class Severity(StrEnum):

@@ -14,6 +14,7 @@ import numpy as np
 from higvf_console.arrays import Bools, Floats, Ints, bools, floats, ints
 from higvf_console.control.controller import Plan, compute
 from higvf_console.control.coupled_filter import CoupledFilter
+from higvf_console.control.disturbances import as_measured
 from higvf_console.control.field import FieldKind, field_at
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains, PackedGains, SafetyGains, packed
@@ -21,6 +22,7 @@ from higvf_console.control.kernel import closed, kernel
 from higvf_console.control.safety_filter import filter_velocities
 from higvf_console.sim.fires import burn, crews, growth_rates
 from higvf_console.sim.metrics import clearances, stalls
+from higvf_console.sim.unicycle import body_centres, headings_after
 from higvf_console.state import NO_PATH, NOBODY, Drawing, Intent, Motion, PathStatus, SimState, Trace, World
 
 
@@ -28,22 +30,38 @@ class Rollout(NamedTuple):
     """The history of a roll of T ticks: N robots, M fires.
 
     Attributes:
-        position: (T, N, 2) [m].
+        position: (T, N, 2) controlled points [m].
         loss_area: (T, M) [m^2].
         clearance: (T,) smallest of the team [m].
+        burning: (T, M) which fires burn.
+        deadlocked: (T,) whether a robot was deadlocked.
+        infeasible: (T,) whether a robot could not meet all barrier rows.
+        path_status: (T,) a `PathStatus`.
     """
 
     position: Floats
     loss_area: Floats
     clearance: Floats
+    burning: Bools
+    deadlocked: Bools
+    infeasible: Bools
+    path_status: Ints
 
 
-def initial_state(position: Floats, fire_radius: Floats, world: World) -> SimState:
-    """The state at tick 0: robots at rest at `position` (N, 2) [m], all fires burning at `fire_radius` (M,) [m]."""
+def initial_state(position: Floats, fire_radius: Floats, world: World, heading: float = 0.0) -> SimState:
+    """The state at tick 0: robots at rest, all fires burning.
+
+    Args:
+        position: (N, 2) controlled points [m].
+        fire_radius: (M,) [m].
+        world: for its rings.
+        heading: of all unicycles [rad].
+    """
     robots, fires = len(position), len(fire_radius)
     motion = Motion(
         tick=0,
         position=floats(position, -1, 2),
+        heading=np.full(robots, heading),
         velocity=np.zeros((robots, 2)),
         intention=np.zeros((robots, 2)),
         target=ints([NOBODY] * robots),
@@ -73,9 +91,9 @@ def advance(state: SimState, world: World, gains: Gains) -> tuple[SimState, Trac
 
 def advance_coupled(state: SimState, world: World, gains: Gains, safety: CoupledFilter) -> tuple[SimState, Trace]:
     """As `advance`, with the centralised filter in place of the distributed one; it has no fast `roll`."""
-    plan, crew, rate = decide(state.motion, state.intent, world, packed(gains))
+    plan, crew, rate, seen = decide(state.motion, state.intent, world, packed(gains))
     filtered = safety.filter_velocities(
-        state.motion.position, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
+        seen, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
         state.motion.fire_radius, _seen_rate(rate, packed(gains)), state.motion.fire_burning,
         _safety_gains(packed(gains)),
     )  # fmt: skip
@@ -85,27 +103,35 @@ def advance_coupled(state: SimState, world: World, gains: Gains, safety: Coupled
 
 def roll(state: SimState, world: World, gains: Gains, ticks: int) -> tuple[SimState, Rollout]:
     """The state `ticks` control periods later, nothing commanded on the way, and the history."""
-    motion, position, loss, clearance = _roll(state.motion, state.intent, world, packed(gains), ticks)
-    return SimState(motion, state.intent, state.drawing), Rollout(position, loss, clearance)
+    motion, *history = _roll(state.motion, state.intent, world, packed(gains), ticks)
+    return SimState(motion, state.intent, state.drawing), Rollout(*history)
 
 
 @kernel
 def tick(motion: Motion, intent: Intent, world: World, gains: PackedGains) -> tuple[Motion, Trace]:
     """Perceive, compute, filter, move, burn."""
-    plan, crew, rate = decide(motion, intent, world, gains)
+    plan, crew, rate, seen = decide(motion, intent, world, gains)
     velocity, active_rows, infeasible = filter_velocities(
-        motion.position, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
+        seen, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
         motion.fire_radius, _seen_rate(rate, gains), motion.fire_burning, _safety_gains(gains),
     )  # fmt: skip
     return settle(motion, intent, plan, crew, rate, velocity, active_rows, infeasible, world, gains)
 
 
 @kernel
-def decide(motion: Motion, intent: Intent, world: World, gains: PackedGains) -> tuple[Plan, Ints, Floats]:
-    """All before the safety filter: the controller's plan, each fire's crew (M,) and growth (M,) [m/s]."""
-    plan = compute(motion, intent, world, gains[0])
+def decide(motion: Motion, intent: Intent, world: World, gains: PackedGains) -> tuple[Plan, Ints, Floats, Floats]:
+    """All before the safety filter.
+
+    Returns:
+        The controller's plan, made from measured positions; each fire's crew (M,) and growth (M,) [m/s], which depend
+        on true ones; and the measured positions (N, 2) [m].
+    """
+    seen = motion
+    if gains[0].robots.position_noise > 0.0:
+        seen = as_measured(motion, gains[0].robots)
+    plan = compute(seen, intent, world, gains[0])
     crew = crews(motion, plan.steered, world, gains[0])
-    return plan, crew, growth_rates(motion, crew, world)
+    return plan, crew, growth_rates(motion, crew, world), seen.position
 
 
 @kernel
@@ -113,18 +139,21 @@ def settle(
     motion: Motion, intent: Intent, plan: Plan, crew: Ints, rate: Floats, velocity: Floats, active_rows: Ints,
     infeasible: Bools, world: World, packed_gains: PackedGains,
 ) -> tuple[Motion, Trace]:  # fmt: skip
-    """All after the safety filter: single integrators move, fires burn, the judges look."""
+    """All after the safety filter: controlled points move, bodies with them, fires burn, the judges look."""
     gains = packed_gains[0]
     if intent.stopped:
         velocity = np.zeros(velocity.shape)
     radius, fire_progress, burning = burn(motion, crew, rate, world, gains)
+    look_ahead, period = gains.robots.look_ahead, gains.safety.control_period
     moved = Motion(
-        motion.tick + 1, motion.position + gains.safety.control_period * velocity, velocity, plan.intention,
-        plan.target, plan.target_value, plan.side, stalls(motion, plan, velocity, active_rows, crew, world, gains),
-        plan.rung, radius, fire_progress, burning, plan.path_parameter, plan.path_status, plan.path_idle, plan.path_gap,
+        motion.tick + 1, motion.position + period * velocity,
+        headings_after(motion.heading, velocity, look_ahead, period), velocity, plan.intention, plan.target,
+        plan.target_value, plan.side, stalls(motion, plan, velocity, active_rows, crew, world, gains), plan.rung,
+        radius, fire_progress, burning, plan.path_parameter, plan.path_status, plan.path_idle, plan.path_gap,
         max(motion.robot_peak, _largest(plan.robot_intention)), max(motion.human_peak, _largest(plan.human_intention)),
     )  # fmt: skip
-    clearance, barrier = clearances(moved, world, gains)
+    body = body_centres(moved.position, moved.heading, look_ahead)
+    clearance, barrier = clearances(body, radius, burning, world, gains.body)
     trace = Trace(
         plan.fire_value, _terms(plan), plan.blending, active_rows, infeasible,
         moved.stalled >= gains.stall.stall_time, clearance, barrier,
@@ -188,21 +217,27 @@ def _pairs(start: Ints, to: Ints) -> Ints:
 @kernel
 def _roll(
     motion: Motion, intent: Intent, world: World, gains: PackedGains, ticks: int
-) -> tuple[Motion, Floats, Floats, Floats]:
+) -> tuple[Motion, Floats, Floats, Floats, Bools, Bools, Bools, Ints]:
     position = np.empty((ticks, motion.position.shape[0], 2))
     loss = np.empty((ticks, motion.fire_radius.shape[0]))
     clearance = np.empty(ticks)
+    burning = np.empty((ticks, motion.fire_radius.shape[0]), np.bool_)
+    deadlocked, infeasible = np.empty(ticks, np.bool_), np.empty(ticks, np.bool_)
+    status = np.empty(ticks, np.int64)
     for k in range(ticks):
         motion, trace = tick(motion, intent, world, gains)
         position[k] = motion.position
         loss[k] = math.pi * motion.fire_radius**2
         clearance[k] = trace.clearance.min() if trace.clearance.shape[0] > 0 else math.inf
-    return motion, position, loss, clearance
+        burning[k] = motion.fire_burning
+        deadlocked[k], infeasible[k] = trace.deadlocked.any(), trace.infeasible.any()
+        status[k] = motion.path_status
+    return motion, position, loss, clearance, burning, deadlocked, infeasible, status
 
 
 def warm_up(state: SimState, world: World, gains: Gains) -> None:
     """Compiles everything that a run can call, then forbids compilation: no tick can stall on it."""
-    plan, crew, rate = decide(state.motion, state.intent, world, packed(gains))
+    plan, crew, rate, _ = decide(state.motion, state.intent, world, packed(gains))
     robots = len(state.motion.position)
     settle(
         state.motion, state.intent, plan, crew, rate, plan.nominal, np.zeros(robots, np.int64),

@@ -35,6 +35,7 @@ from higvf_console.commands import (
     StrokeEnd,
     StrokePoints,
 )
+from higvf_console.sim.unicycle import body_centres
 from higvf_console.ui import camera, keys, page, pointer, theme
 from higvf_console.ui.panels.fires import FiresPanel
 from higvf_console.ui.panels.html import SPACER
@@ -85,7 +86,8 @@ class Hand:
         """Picks the robot at a ground point (2,) [m]."""
         viewport = self._viewports.get(client_id)
         reach = PICK_RADIUS_PX * viewport.metres_per_px if viewport else math.inf
-        robot = robot_near(self._session.snapshot.state.motion.position, point, reach)
+        motion, look_ahead = self._session.snapshot.state.motion, self._session.setup.gains.robots.look_ahead
+        robot = robot_near(body_centres(motion.position, motion.heading, look_ahead), point, reach)
         if robot is not None:
             self._push(Pick(robot))
 

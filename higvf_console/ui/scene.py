@@ -34,7 +34,8 @@ class View:
         links: who talks with whom.
         boundaries: reactive and repulsive boundaries of obstacles.
         labels: numbers of the robots.
-        clearance: circles of half the robot clearance: two that touch are as close as they may be.
+        clearance: circles of half the robot clearance: two that touch are as close as they may be; round it, pale, as
+            the filter enlarges it for unicycles and noise.
     """
 
     field: FieldKind | None = None

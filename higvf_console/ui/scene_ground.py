@@ -3,9 +3,8 @@
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.control.gains import RingGains
+from higvf_console.session.polygons import obstacles_of
 from higvf_console.sim.setup import Setup
-from higvf_console.state import World
 from higvf_console.ui import shapes
 from higvf_console.ui.glyphs import Triangles, lettering, merged
 from higvf_console.ui.scene_parts import Canvas, Layer, Lines
@@ -29,12 +28,11 @@ class Ground:
         canvas.lines(Layer.GRID, "/ground/border", DARK.border, 1.5).draw(shapes.segments(floor))
         canvas.mesh(Layer.GRID, "/ground/axes", axis_lettering(arena, spacing, px), DARK.axis_text)
         canvas.lines(Layer.GRID, "/ground/scale", DARK.axis_text, 1.5).draw(scale_bar(arena, spacing, px))
-        surfaces = [outline for outline, _ in obstacle_outlines(setup.world, 0.0)]
-        canvas.mesh(Layer.OBSTACLE, "/ground/obstacles", merged([shapes.filled(s) for s in surfaces]), DARK.obstacle)
+        canvas.mesh(Layer.OBSTACLE, "/ground/obstacles", obstacle_bodies(setup), DARK.obstacle)
         canvas.lines(Layer.OBSTACLE, "/ground/obstacle_edges", DARK.obstacle_edge, NOMINAL.outline).draw(
-            joined([shapes.segments(surface) for surface in surfaces])
+            joined([shapes.segments(surface) for surface in obstacle_surfaces(setup)])
         )
-        self._boundaries = boundaries(canvas, setup.world, setup.gains.rings)
+        self._boundaries = boundaries(canvas, setup)
 
     def show_boundaries(self, visible: bool) -> None:
         """Shows or hides reactive and repulsive boundaries."""
@@ -42,23 +40,41 @@ class Ground:
             lines.show(visible)
 
 
-def boundaries(canvas: Canvas, world: World, rings: RingGains) -> list[Lines]:
+def boundaries(canvas: Canvas, setup: Setup) -> list[Lines]:
     """Reactive boundary R dashed, repulsive boundary Q drawn through."""
+    rings, seen = setup.gains.rings, setup.arena
     reactive = canvas.lines(Layer.BOUNDARY, "/ground/reactive", DARK.boundary, NOMINAL.boundary)
     dash = 5 * canvas.px
-    reactive.draw(joined([shapes.dashed(o, dash, dash) for o, _ in obstacle_outlines(world, rings.reactive_margin)]))
+    dashes = joined([shapes.dashed(o, dash, dash) for o in obstacle_outlines(setup, rings.reactive_margin)])
+    reactive.draw(shapes.clipped(dashes, *seen))
     repulsive = canvas.lines(Layer.BOUNDARY, "/ground/repulsive", DARK.boundary, NOMINAL.boundary)
-    repulsive.draw(joined([shapes.segments(o) for o, _ in obstacle_outlines(world, rings.repulsive_margin)]))
+    lines = joined([shapes.segments(o) for o in obstacle_outlines(setup, rings.repulsive_margin)])
+    repulsive.draw(shapes.clipped(lines, *seen))
     return [reactive, repulsive]
 
 
-def obstacle_outlines(world: World, margin: float) -> list[tuple[Floats, Floats]]:
-    """Closed outline (n, 2) and centre (2,) of every circle and bar, `margin` [m] away from its surface."""
-    found = [(shapes.circle(x, y, radius + margin), floats([x, y])) for x, y, radius in world.circles]
-    for ax, ay, bx, by, half_width in world.bars:
-        a, b = floats([ax, ay]), floats([bx, by])
-        found.append((shapes.capsule(a, b, half_width + margin), (a + b) / 2))
-    return found
+def obstacle_outlines(setup: Setup, margin: float) -> list[Floats]:
+    """Closed outlines (n, 2), `margin` [m] away from every circle, bar and convex hull of a polygon."""
+    hulls = [shapes.inflated(chains[0], margin) for chains in obstacles_of(setup.polygons)]
+    return _round_outlines(setup, margin) + hulls
+
+
+def obstacle_surfaces(setup: Setup) -> list[Floats]:
+    """Closed outlines (n, 2) of every obstacle itself, and of the free areas that polygons enclose."""
+    return _round_outlines(setup, 0.0) + [shapes.closed(chain) for chain in setup.polygons]
+
+
+def obstacle_bodies(setup: Setup) -> Triangles:
+    """What the obstacles cover."""
+    polygons = [shapes.filled_between(chains) for chains in obstacles_of(setup.polygons)]
+    return merged([*(shapes.filled(outline) for outline in _round_outlines(setup, 0.0)), *polygons])
+
+
+def _round_outlines(setup: Setup, margin: float) -> list[Floats]:
+    """Of circles and bars; the last bars of the world are the edges of its polygons."""
+    bars = setup.world.bars[: len(setup.world.bars) - sum(len(chain) for chain in setup.polygons)]
+    circles = [shapes.circle(x, y, radius + margin) for x, y, radius in setup.world.circles]
+    return circles + [shapes.capsule(bar[:2], bar[2:4], bar[4] + margin) for bar in bars]
 
 
 def joined(pieces: list[Floats]) -> Floats:

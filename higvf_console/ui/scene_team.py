@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.arrays import Bools, Floats, Ints, floats
+from higvf_console.control.gains import controlled
 from higvf_console.sim.setup import Setup
+from higvf_console.sim.unicycle import body_centres
 from higvf_console.state import SimState, Trace
 from higvf_console.ui import shapes
 from higvf_console.ui.glyphs import DigitPlaces, Triangles, glyph, numbering
@@ -39,6 +41,7 @@ class Team:
         self._halo = canvas.marks(Layer.HALO, "/team/influenced", self._halo_shape(), count=1, colour=DARK.operator)
         ring = shapes.annulus(clearance / 2 - 1.2 * canvas.px, clearance / 2, 40)
         self._clearance = canvas.marks(Layer.CLEARANCE, "/team/clearance", ring, count=count, colour=DARK.clearance)
+        self._points = ControlledPoints(canvas, setup)
         self._links = canvas.lines(Layer.LINK, "/team/links", DARK.link, NOMINAL.link)
         self._infeasible = canvas.lines(Layer.HALO, "/team/infeasible", DARK.trouble, 2.5)
         self._deadlocked = canvas.lines(Layer.HALO, "/team/deadlocked", DARK.trouble, 2.5)
@@ -50,10 +53,15 @@ class Team:
 
     def update(self, state: SimState, trace: Trace, time: float) -> None:
         """Shows the team of a snapshot."""
-        motion, at = state.motion, state.motion.position
-        self._heading = shapes.headings(motion.velocity, self._heading, self._setup.gains.blending.cruise_speed)
+        motion, gains = state.motion, self._setup.gains
+        at = body_centres(motion.position, motion.heading, gains.robots.look_ahead)
+        if gains.robots.look_ahead > 0.0:
+            self._heading = motion.heading
+        else:
+            self._heading = shapes.headings(motion.velocity, self._heading, gains.blending.cruise_speed)
         self._robots.place(at, self._heading)
         self._clearance.place(at)
+        self._points.place(at, motion.position)
         apart = trace.infeasible | trace.deadlocked
         if 0 <= state.intent.influenced < self._count:
             apart[state.intent.influenced] = True
@@ -82,6 +90,40 @@ class Team:
         self._trails.show(trails)
         self._numbers.show(labels)
         self._clearance.show(clearance)
+        self._points.show_clearance(clearance)
+
+
+class ControlledPoints:
+    """The look-ahead points of unicycles, tied to their robots, and the enlarged clearance that the filter keeps.
+
+    A robot whose controlled point is its centre has none; noise alone still enlarges the clearance.
+    """
+
+    def __init__(self, canvas: Canvas, setup: Setup) -> None:
+        """One point a robot, where there are unicycles."""
+        body, point = setup.gains.safety.robot_clearance, controlled(setup.gains).safety.robot_clearance
+        robots = len(setup.start.motion.position)
+        ahead, apart = setup.gains.robots.look_ahead > 0.0, point > body
+        dot = shapes.filled(shapes.circle(0.0, 0.0, 2.2 * canvas.px, 16))
+        ring = shapes.annulus(point / 2 - 0.8 * canvas.px, point / 2, 40)
+        self._ties = canvas.lines(Layer.CLEARANCE, "/team/look_ahead_ties", DARK.robot_text, NOMINAL.link)
+        self._dots = canvas.marks(
+            Layer.ROBOT_TEXT, "/team/look_ahead", dot, count=robots * ahead, colour=DARK.robot_text
+        )
+        self._rings = canvas.marks(
+            Layer.CLEARANCE, "/team/enlarged", ring, count=robots * apart, colour=DARK.clearance, opacity=0.5
+        )
+
+    def place(self, centres: Floats, points: Floats) -> None:
+        """Moves them to the robots' centres (N, 2) and controlled points (N, 2) [m]."""
+        if self._dots.count:
+            self._ties.draw(np.stack([centres, points], axis=1))
+        self._dots.place(points)
+        self._rings.place(points)
+
+    def show_clearance(self, visible: bool) -> None:
+        """Shows or hides the enlarged clearance."""
+        self._rings.show(visible)
 
 
 class Numbers:

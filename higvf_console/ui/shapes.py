@@ -5,8 +5,11 @@ are in metres, angles in radians.
 """
 
 import math
+from collections.abc import Sequence
 
+import mapbox_earcut
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.ui.glyphs import Triangles
@@ -41,6 +44,37 @@ def filled(outline: Floats) -> Triangles:
     return Triangles(outline[:-1].copy(), ints(fan, -1, 3))
 
 
+def filled_between(chains: Sequence[Floats]) -> Triangles:
+    """The inside of an outline of any shape without the areas that it encloses; points (n, 2) that close by themselves.
+
+    Args:
+        chains: the outline, then those of the enclosed areas; none may cross.
+    """
+    corners = np.concatenate(chains)
+    ends = np.cumsum([len(chain) for chain in chains]).astype(np.uint32)
+    return Triangles(corners, ints(mapbox_earcut.triangulate_float64(corners, ends), -1, 3))
+
+
+def closed(chain: Floats) -> Floats:
+    """The closed outline (n + 1, 2) of points (n, 2)."""
+    return np.concatenate([chain, chain[:1]])
+
+
+def inflated(points: Floats, margin: float, corners: int = 48) -> Floats:
+    """The closed outline of all points within `margin` of the convex hull of points (n, 2)."""
+    hull = points[ConvexHull(points).vertices]
+    along = np.roll(hull, -1, axis=0) - hull
+    angle = np.arctan2(along[:, 1], along[:, 0]) - np.pi / 2  # of each edge's outward normal
+    before = np.roll(angle, 1)
+    turn = (angle - before) % (2 * np.pi)
+    arcs = [
+        corner + margin * np.stack([np.cos(bearings), np.sin(bearings)], axis=1)
+        for corner, start, sweep in zip(hull, before, turn, strict=True)
+        for bearings in [start + np.linspace(0.0, sweep, max(2, math.ceil(sweep / (2 * np.pi) * corners)))]
+    ]
+    return closed(np.concatenate(arcs))
+
+
 def annulus(inner: float, outer: float, corners: int = 48) -> Triangles:
     """The ring between two circles round the origin."""
     inside, outside = circle(0, 0, inner, corners)[:-1], circle(0, 0, outer, corners)[:-1]
@@ -66,6 +100,20 @@ def headings(velocity: Floats, before: Floats, cruise_speed: float) -> Floats:
 def segments(polyline: Floats) -> Floats:
     """The line segments (n - 1, 2, 2) of a polyline (n, 2); none of an empty one."""
     return np.stack([polyline[:-1], polyline[1:]], axis=1)
+
+
+def clipped(lines: Floats, x_min: float, y_min: float, x_max: float, y_max: float) -> Floats:
+    """The parts of line segments (s, 2, 2) inside a rectangle, by Liang and Barsky."""
+    start, along = lines[:, 0], lines[:, 1] - lines[:, 0]
+    room = np.stack([start - [x_min, y_min], [x_max, y_max] - start])  # to each side; leaving it, `along` uses it up
+    speed = np.stack([-along, along])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = room / speed
+    enter = np.where(speed < 0.0, share, 0.0).max(axis=(0, 2), initial=0.0)
+    leave = np.where(speed > 0.0, share, 1.0).min(axis=(0, 2), initial=1.0)
+    seen = (enter < leave) & ~((speed == 0.0) & (room < 0.0)).any(axis=(0, 2))
+    ends = np.stack([enter, leave], axis=1)[seen]
+    return start[seen, None] + ends[..., None] * along[seen, None]
 
 
 def dashed(polyline: Floats, dash: float, gap: float) -> Floats:

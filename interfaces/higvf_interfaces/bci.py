@@ -1,7 +1,8 @@
 """Replayed decisions of a brain-computer interface as operator input: each class picks a robot."""
 
 from higvf_console.commands import InputSpec
-from higvf_interfaces.decisions import IDLE, DecisionReplay
+from higvf_interfaces.decisions import DecisionReplay
+from higvf_interfaces.interpretation import IDLE
 
 CLASSES = {
     **{f"robot{number}": f"robot:{number}" for number in range(1, 10)},

@@ -1,6 +1,7 @@
-"""Gaze samples -> fixations: velocity-threshold identification (I-VT), as eye-tracking software does it.
+"""Gaze samples -> fixations, as eye-tracking software finds them: by velocity (I-VT) or by dispersion (I-DT).
 
     fill short gaps -> cut around blinks -> angular speed -> threshold -> runs -> merge near ones -> drop short ones
+                                        \\-> stretches of small dispersion ---/
 
 Salvucci and Goldberg, "Identifying fixations and saccades in eye-tracking protocols", ETRA 2000; Olsen, "The Tobii I-VT
 fixation filter", 2012. Points are in screen pixels; `px_per_deg` turns them into degrees of visual angle (about 38 on
@@ -12,8 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Bools, Floats, Ints, bools, floats, ints
+from higvf_interfaces.dispersion import covered, still_stretches
 
 PX_PER_DEG = 38.0
+IVT, IDT = "ivt", "idt"
+METHODS = (IVT, IDT)
 
 
 class Thresholds(NamedTuple):
@@ -26,6 +30,8 @@ class Thresholds(NamedTuple):
     merge_time: float = 0.075  # fixations nearer in time ... [s]
     merge_angle: float = 0.5  # ... and in angle are one [deg]
     shortest: float = 0.06  # shorter ones are dropped [s]
+    dispersion: float = 1.0  # I-DT: what a fixation may cover, its width plus its height [deg]
+    shortest_by_dispersion: float = 0.1  # I-DT: shorter ones are none [s]
 
 
 THRESHOLDS = Thresholds()
@@ -38,7 +44,8 @@ class Classified(NamedTuple):
         time: (n,) [s].
         points: (n, 2) with short gaps filled [px]; NaN where missing.
         seen: (n,) whether there is gaze, short gaps included.
-        fixating: (n,) whether the sample is slow enough to belong to a fixation.
+        steady: (n,) `seen` without what lies beside a blink.
+        fixating: (n,) whether the sample is slow, or still, enough to belong to a fixation.
         first: (m,) first sample of each fixation.
         last: (m,) its last sample.
     """
@@ -46,13 +53,20 @@ class Classified(NamedTuple):
     time: Floats
     points: Floats
     seen: Bools
+    steady: Bools
     fixating: Bools
     first: Ints
     last: Ints
 
 
 def classify(
-    time: Floats, points: Floats, valid: Bools, px_per_deg: float = PX_PER_DEG, limits: Thresholds = THRESHOLDS
+    time: Floats,
+    points: Floats,
+    valid: Bools,
+    px_per_deg: float = PX_PER_DEG,
+    limits: Thresholds = THRESHOLDS,
+    method: str = IVT,
+    begin: int = 0,
 ) -> Classified:
     """Finds the fixations of a recording.
 
@@ -62,16 +76,23 @@ def classify(
         valid: (n,) whether the tracker vouches for the sample.
         px_per_deg: pixels in one degree of visual angle.
         limits: what parts a fixation from a saccade.
+        method: one of `METHODS`.
+        begin: the sample from which fixations may begin; those before only help to fill, cut and measure.
     """
     filled, seen = fill_gaps(time, points, valid, limits.longest_filled)
     steady = cut_blinks(time, seen, limits.longest_filled, limits.blink_margin)
-    speed = angular_speed(time, filled, steady, px_per_deg, limits.window)
-    fixating = bools(steady & (speed < limits.speed))
-    first, last = runs(time, fixating, limits.merge_time)
+    free = steady & (np.arange(len(time)) >= begin)
+    if method == IDT:
+        within, shortest = limits.dispersion * px_per_deg, limits.shortest_by_dispersion
+        first, last = still_stretches(time, filled, bools(free), within, shortest, limits.merge_time)
+        fixating = covered(len(time), first, last)
+    else:
+        fixating = bools(free & (angular_speed(time, filled, steady, px_per_deg, limits.window) < limits.speed))
+        first, last = runs(time, fixating, limits.merge_time)
     reach = limits.merge_angle * px_per_deg
     first, last = merge(time, filled, fixating, first, last, longest_gap=limits.merge_time, reach=reach)
     long_enough = time[last] - time[first] >= limits.shortest
-    return Classified(time, filled, seen, fixating, first[long_enough], last[long_enough])
+    return Classified(time, filled, seen, steady, fixating, first[long_enough], last[long_enough])
 
 
 def centroid(gaze: Classified, first: int, last: int) -> Floats:

@@ -19,6 +19,7 @@ from higvf_console.commands import (
     StrokePoints,
 )
 from higvf_console.errors import ScriptError
+from higvf_interfaces.emulation import DELAYS, EmulatedInterface, error_model
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.script_file import Entry, Stroke, read_script
 from higvf_interfaces.streams import CLOCK_GRAIN, Stamp
@@ -99,20 +100,21 @@ class ScriptPlayer:
         return [self._stamp(command, due, context) for due, command in ready]
 
 
-def open_script(spec: InputSpec) -> ScriptPlayer:
-    """Entry point `script`.
+def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
+    """Entry point `script`; its options are those of an emulated link, `emulation.DELAYS`.
 
     Raises:
         ScriptError: the script cannot be used, or names a robot that the team does not have.
-        InputError: an option was given; a script takes none.
+        InputError: an option cannot be used.
     """
-    option_fields(spec, ())
+    errors = error_model(option_fields(spec, DELAYS))
     entries = read_script(Path(spec.source).expanduser())
     for entry in entries:
         robot = entry.action.robot if isinstance(entry.action, Stroke | Pick) else None
         if robot is not None and spec.robots is not None and robot >= spec.robots:
             raise ScriptError(f"{entry.place}: robot: there is no robot {robot + 1}; give 1 to {spec.robots}")
-    return ScriptPlayer(spec.channel, entries)
+    player = ScriptPlayer(spec.channel, entries)
+    return player if errors is None else EmulatedInterface(player, errors)
 
 
 def _schedule(stroke: Stroke, start: float) -> list[tuple[float, OperatorCommand]]:

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from higvf_console.arrays import Bools, Floats, bools, floats
+from higvf_interfaces.dispersion import covered, still_stretches
 from higvf_interfaces.fixations import (
+    IDT,
+    METHODS,
     PX_PER_DEG,
     THRESHOLDS,
     angular_speed,
@@ -64,11 +67,45 @@ def test_centroids_lie_where_the_recording_software_puts_them(sample: Callable[[
     assert max(distance) < 0.5 * PX_PER_DEG
 
 
-def test_each_rest_is_one_fixation_with_its_centroid() -> None:
-    gaze = classify(*jumps(100, 400, 800))
+def test_idt_finds_the_recording_softwares_fixations_too(sample: Callable[[str], Path]) -> None:
+    gaze = read_gaze(str(sample(TOBII_SAMPLE)))
+    by_speed = classify(gaze.time, gaze.points, gaze.valid)
+    by_dispersion = classify(gaze.time, gaze.points, gaze.valid, method=IDT)
+    steady = by_speed.steady
+    within = [covered(len(gaze.time), found.first, found.last) for found in (by_speed, by_dispersion)]
+    assert np.mean((within[0] == within[1])[steady]) > 0.85
+    assert abs(len(by_dispersion.first) - len(by_speed.first)) <= 3
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_each_rest_is_one_fixation_with_its_centroid(method: str) -> None:
+    gaze = classify(*jumps(100, 400, 800), method=method)
     centres = [centroid(gaze, first, last) for first, last in zip(gaze.first, gaze.last, strict=True)]
     np.testing.assert_allclose(centres, [[100, 100], [400, 100], [800, 100]], atol=1e-9)
     np.testing.assert_allclose(gaze.time[gaze.last] - gaze.time[gaze.first], 0.3, atol=0.06)
+
+
+def test_a_slow_drift_is_one_fixation_by_speed_and_several_by_dispersion() -> None:
+    time = clock(240, 1 / 120)
+    points = np.stack([5 * PX_PER_DEG * time, np.zeros(240)], axis=1)
+    valid = np.ones(240, dtype=np.bool_)
+    assert len(classify(time, points, valid).first) == 1
+    assert len(classify(time, points, valid, method=IDT).first) == pytest.approx(10, abs=1)
+
+
+def test_still_stretches_are_as_long_as_they_can_be_and_stay_within_the_limit() -> None:
+    rng = np.random.default_rng(4)
+    time, points = clock(600, 0.01), floats(np.cumsum(rng.normal(0, 3, (600, 2)), axis=0))
+    steady = bools(rng.random(600) > 0.02)
+    first, last = still_stretches(time, points, steady, 30.0, 0.1, 0.075)
+    assert len(first) > 5
+    for start, stop in zip(first.tolist(), last.tolist(), strict=True):
+        assert np.ptp(points[start : stop + 1], axis=0).sum() <= 30
+        assert steady[start : stop + 1].all()
+        assert time[stop] - time[start] >= 0.1 - 1e-9
+        longer = points[start : stop + 2]
+        assert stop == 599 or not steady[stop + 1] or np.ptp(longer, axis=0).sum() > 30
+    assert (first[1:] > last[:-1]).all()
 
 
 def test_rests_half_a_degree_apart_are_one_fixation() -> None:

@@ -46,11 +46,6 @@ def test_the_recorded_tobii_excerpt_is_read_whole(sample: Sample) -> None:
     assert gaze.notes == ()
 
 
-def test_the_old_tobii_sdk_table_is_refused_with_its_columns(sample: Sample) -> None:
-    with pytest.raises(InputError, match=r"not a known format .*tobii-prolab.*gaze-csv.*LGazePos2dx"):
-        read_gaze(str(sample("tobii_tx300_sdk/p1_2.tsv")))
-
-
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
 def test_any_unicode_encoding_is_read(write: Write, encoding: str) -> None:
     gaze = read_gaze(write(PLAIN.encode(encoding)))
@@ -198,7 +193,7 @@ def test_every_cause_of_refusal_has_its_own_sentence(write: Write, tmp_path: Pat
         read_gaze("")
     with pytest.raises(InputError, match="there is no such file"):
         read_gaze(str(tmp_path / "missing.tsv"))
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="it is a folder without a recording in it"):
         read_gaze(str(tmp_path))
     with pytest.raises(InputError, match="the file is empty"):
         read_gaze(write(" \n\n"))
@@ -212,8 +207,8 @@ def test_every_cause_of_refusal_has_its_own_sentence(write: Write, tmp_path: Pat
         read_gaze(write("time,x,y\n0,,\n1,,\n"))
     with pytest.raises(InputError, match="'fortnight' is not a unit of time; known units: s, ms"):
         read_gaze(write("time [fortnight],x,y\n0,1,2\n"))
-    with pytest.raises(InputError, match="format: 'xdf' is not one of tobii-prolab, gaze-csv"):
-        read_gaze(write("time,x,y\n0,1,2\n"), "xdf")
+    with pytest.raises(InputError, match=r"format: 'edf' is not one of xdf, .*tobii-prolab, .*gaze-csv"):
+        read_gaze(write("time,x,y\n0,1,2\n"), "edf")
 
 
 def test_a_named_format_goes_over_detection(write: Write) -> None:

@@ -10,16 +10,18 @@ from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
 from higvf_interfaces.actions import ACTIONS
 from higvf_interfaces.bci import CLASSES
+from higvf_interfaces.calibration import read_calibration
 from higvf_interfaces.decisions import OPTIONS as DECISION_OPTIONS
 from higvf_interfaces.emg import GESTURES, open_emg
 from higvf_interfaces.formats.reading import COMMAND_FORMATS, GAZE_FORMATS
+from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, SIGNAL_FORMATS
 from higvf_interfaces.gaze import OPTIONS as GAZE_OPTIONS
 from higvf_interfaces.recordings import make_recordings
 from higvf_interfaces.script_file import DETAILS, EVENTS, read_script
 from higvf_interfaces.yaml_files import read_yaml
 
 README = (Path(__file__).parents[2] / "interfaces" / "README.md").read_text(encoding="utf-8")
-INPUTS, SCRIPT, PLAN = re.findall(r"```yaml\n(.*?)```", README, re.DOTALL)
+INPUTS, CALIBRATION, SCRIPT, PLAN = re.findall(r"```yaml\n(.*?)```", README, re.DOTALL)
 
 
 def test_the_shown_script_is_accepted(write: Callable[..., str]) -> None:
@@ -36,10 +38,19 @@ def test_the_shown_settings_are_accepted(write: Callable[..., str]) -> None:
     open_emg(InputSpec("emg", write("time,label\n1,fist\n", "log.csv"), settings=content["inputs"]["emg"]))
 
 
+def test_the_shown_calibration_fits(write: Callable[..., str]) -> None:
+    assert read_calibration(Path(write(CALIBRATION))).residual < 0.5
+
+
+def test_the_table_of_eye_trackers_has_every_format_once() -> None:
+    rows = re.findall(r"^\|[^|]*\| `([a-z-]+)` \|[^|]*\|[^|]*\| [^|]*(?:real|generated)[^|]*\|$", README, re.MULTILINE)
+    assert sorted(rows) == sorted(known.name for known in GAZE_FORMATS)
+
+
 @pytest.mark.parametrize(
     "name",
     [*GAZE_OPTIONS, *DECISION_OPTIONS, *ACTIONS, *GESTURES, "robot9", *DETAILS, *EVENTS,
-     *(known.name for known in (*GAZE_FORMATS, *COMMAND_FORMATS))],
+     *(known.name for known in (*GAZE_FORMATS, *COMMAND_FORMATS, *DECISION_FORMATS, *SIGNAL_FORMATS))],
 )  # fmt: skip
 def test_every_option_action_label_and_format_is_described(name: str) -> None:
     assert re.search(rf"`[^`\n]*\b{re.escape(name)}\b[^`\n]*`", README), name

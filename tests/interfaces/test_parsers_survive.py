@@ -10,10 +10,13 @@ from hypothesis import strategies as st
 
 from higvf_console.commands import InputSpec
 from higvf_console.errors import HigvfError, InputError, ScriptError
+from higvf_interfaces.calibration import read_calibration
 from higvf_interfaces.formats.reading import COMMAND_FORMATS, GAZE_FORMATS, read_command_log, read_gaze
 from higvf_interfaces.gaze import open_gaze
+from higvf_interfaces.inspection import inspect
 from higvf_interfaces.recordings import make_recordings
 from higvf_interfaces.scripted import open_script
+from tests.gaze_files import WRITERS, eyes
 
 TOBII = (
     "Recording timestamp [ms]\tSensor\tEyetracker timestamp [μs]\tGaze point X [DACS px]\tGaze point Y [DACS px]"
@@ -45,6 +48,10 @@ def survive(file: Path) -> None:
             read_command_log(str(file), name)
     with contextlib.suppress(InputError):
         open_gaze(InputSpec("gaze", str(file), options={"frame": "arena"}))
+    with contextlib.suppress(InputError):
+        inspect(InputSpec("inspect", str(file), options={"frame": "screen"}), steps=True)
+    with contextlib.suppress(InputError):
+        read_calibration(file)
     with contextlib.suppress(ScriptError):
         open_script(InputSpec("script", str(file)))
     with contextlib.suppress(HigvfError):
@@ -66,6 +73,48 @@ def test_truncations_and_overwritten_bytes(tmp_path: Path, seed: str, encoding: 
         content[place] = data.draw(st.integers(0, 255))
     (tmp_path / "file").write_bytes(content[: data.draw(st.integers(0, len(content)))])
     survive(tmp_path / "file")
+
+
+FILES = sorted(set(WRITERS) - {"neon-native", "bids"})
+
+
+@hard
+@given(name=st.sampled_from(FILES), data=st.data())
+def test_truncations_and_overwritten_bytes_of_every_gaze_format(tmp_path: Path, name: str, data: st.DataObject) -> None:
+    file = WRITERS[name](tmp_path / "file", eyes(12))
+    content = bytearray(file.read_bytes())
+    for place in data.draw(st.lists(st.integers(0, len(content) - 1), max_size=6)):
+        content[place] = data.draw(st.integers(0, 255))
+    file.write_bytes(content[: data.draw(st.integers(0, len(content)))])
+    for named in (None, name):
+        with contextlib.suppress(InputError):
+            read_gaze(str(file), named)
+    with contextlib.suppress(InputError):
+        inspect(InputSpec("inspect", str(file), options={"frame": "screen"}), steps=True)
+
+
+@settings(hard, max_examples=60)
+@given(data=st.data())
+def test_folders_and_sidecars_that_are_damaged(tmp_path: Path, data: st.DataObject) -> None:
+    folder, table = WRITERS["neon-native"](tmp_path / "folder", eyes(12)), WRITERS["bids"](tmp_path / "file", eyes(12))
+    for file in (*folder.iterdir(), *tmp_path.glob("sub-01*")):
+        content = bytearray(file.read_bytes())
+        for place in data.draw(st.lists(st.integers(0, len(content) - 1), max_size=2)):
+            content[place] = data.draw(st.integers(0, 255))
+        file.write_bytes(content[: data.draw(st.integers(0, len(content)))])
+    for source in (folder, table):
+        for named in (None, "neon-native", "bids"):
+            with contextlib.suppress(InputError):
+                read_gaze(str(source), named)
+
+
+@pytest.mark.parametrize("kind", ["objects", "huge"])
+def test_a_wild_dtype_is_refused(tmp_path: Path, kind: str) -> None:
+    folder = WRITERS["neon-native"](tmp_path / "folder", eyes(12))
+    types = {"objects": '[("x", "O"), ("y", "O")]', "huge": '[("x", "f4"), ("y", "f4"), ("z", "S999999999")]'}[kind]
+    (folder / "gaze.dtype").write_text(types)
+    with pytest.raises(InputError, match=r"gaze\.dtype: has other types than numbers"):
+        read_gaze(str(folder))
 
 
 @hard

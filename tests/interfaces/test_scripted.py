@@ -22,6 +22,7 @@ from higvf_console.commands import (
     StrokePoints,
 )
 from higvf_console.errors import InputError, ScriptError
+from higvf_interfaces.emulation import EmulatedInterface
 from higvf_interfaces.script_file import DETAILS
 from higvf_interfaces.scripted import ScriptPlayer, open_script
 
@@ -29,7 +30,7 @@ ContextAt = Callable[..., OperatorContext]
 Write = Callable[..., str]
 
 
-def script(file: str) -> ScriptPlayer:
+def script(file: str) -> ScriptPlayer | EmulatedInterface:
     return open_script(InputSpec("script", file))
 
 

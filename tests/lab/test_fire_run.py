@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from higvf_console.lab.fire_run import departure, fight
-from higvf_console.lab.table2 import PAPER, SCENARIO, open_strokes
+from higvf_console.lab.reproduce.paper import COLUMNS
+from higvf_console.lab.table2 import SCENARIO, open_strokes
 from higvf_console.session.headless import run_headless
 from higvf_console.session.scenario import Scenario, load_scenario
 from higvf_console.session.session import Session
@@ -16,7 +17,7 @@ def scenario() -> Scenario:
     return load_scenario(SCENARIO)
 
 
-@pytest.mark.parametrize("column", PAPER)
+@pytest.mark.parametrize("column", COLUMNS)
 def test_a_run_is_the_headless_session_to_the_last_bit(column: str, scenario: Scenario) -> None:
     run = fight(scenario.setup(), scenario.duration, open_strokes(scenario).get(column))
     stroke = open_strokes(scenario).get(column)

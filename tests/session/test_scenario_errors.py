@@ -79,6 +79,56 @@ MISTAKES = {
         "obstacles: {bars: [{from_m: [0, 360], to_m: [900, 360], half_width_m: 6}]}",
         "robot 2 at (670, 350) is 4.00 m from bar 1",
     ),
+    "robot at a polygon's edge": (
+        "obstacles: {polygons: [{points_m: [[0, 0], [9, 0], [9, 9]]}, "
+        "{points_m: [[600, 360], [690, 360], [640, 390]]}]}",
+        "robot 2 at (670, 350) is 10.00 m from polygon 2",
+    ),
+    "robot deep inside a polygon": (
+        "obstacles: {polygons: [{points_m: [[500, 100], [900, 100], [900, 600], [500, 600]]}]}",
+        "robot 1 at (700, 300) is -200.00 m from polygon 1; obstacle_clearance is 12 m",
+    ),
+    "polygon of two points": (
+        "obstacles: {polygons: [{points_m: [[1, 1], [9, 9], [9, 9], [1, 1]]}]}",
+        "obstacles.polygons[1].points_m: a polygon needs at least 3 distinct points; this one has 2",
+    ),
+    "polygon that crosses itself": (
+        "obstacles: {polygons: [{points_m: [[0, 0], [90, 90], [90, 0], [0, 90]]}]}",
+        "polygons[1].points_m: the polygon crosses or touches itself: edge 1 from (0, 0) to (90, 90) and "
+        "edge 3 from (90, 0) to (0, 90)",
+    ),
+    "flat polygon": (
+        "obstacles: {polygons: [{points_m: [[0, 0], [90, 0], [50, 0.01]]}]}",
+        "polygons[1].points_m: the polygon has an area of 0.45 m^2; give it at least 1 m^2",
+    ),
+    "endless polygon": (
+        f"obstacles: {{polygons: [{{points_m: {[[k, k * k] for k in range(501)]}}}]}}",
+        "polygons[1].points_m: the polygon has 501 edges; at most 500 are possible",
+    ),
+    "too many polygons": (
+        f"obstacles: {{polygons: {[{'points_m': [[9, 9], [19, 9], [9, 19]]}] * 167}}}",
+        "obstacles: polygons and masks have 501 edges together, at most 500 are possible; give polygons fewer points",
+    ),
+    "polygon as a bar": (
+        "obstacles: {polygons: [{points_m: [[0, 0], [9, 0], [9, 9]], half_width_m: 1}]}",
+        "obstacles.polygons[1].half_width_m: unknown key; value 1; known keys: points_m",
+    ),
+    "mask without a scale": (
+        "obstacles: {masks: [{image: plan.png, at_m: [0, 0]}]}",
+        "obstacles.masks[1]: the key 'metres_per_pixel' is missing; known keys: image, at_m, metres_per_pixel,",
+    ),
+    "mask without its image": (
+        "obstacles: {masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2}]}",
+        "t.yaml: obstacles.masks[1].image: no image 'plan.png' in ",
+    ),
+    "threshold beyond white": (
+        "obstacles: {masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2, threshold: 256}]}",
+        "masks[1].threshold: 256 is out of range; give a number from 0 to 255",
+    ),
+    "neither dark nor bright": (
+        "obstacles: {masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2, obstacle: red}]}",
+        "masks[1].obstacle: 'red' is not one of: dark, bright",
+    ),
     "robot in a fire": ("fires: [{at_m: [700, 310], radius_m: 20}]", "robot 1 at (700, 300) is -10.00 m from fire 1"),
     "too many needed": (
         "fires: [{at_m: [100, 100], radius_m: 20, robots_needed: 4}]",
@@ -113,6 +163,28 @@ MISTAKES = {
     "stand-off inside the barrier": (
         "fires: [{at_m: [100, 100], radius_m: 32}]\nparameters: {fires: {stand_off: 13}}",
         "parameters.fires.stand_off: 13 m is too near to fire 1 (32 m, growing 1 m/s), whose barrier holds robots 14.",
+    ),
+    "unicycles that cannot turn": (
+        "parameters: {robots: {look_ahead: 2, turn_rate_limit: 0}}",
+        "parameters.robots.turn_rate_limit: unicycles that cannot turn cannot follow a velocity; give more than 0",
+    ),
+    "more noise than the barriers bear": (
+        "parameters: {robots: {position_noise: 4}}",
+        "parameters.robots.position_noise: 4 m exceeds 3.29 m, up to which the barriers keep the true clearances",
+    ),
+    "loss above one": ("parameters: {robots: {packet_loss: 1.5}}", "robots.packet_loss: 1.5 is out of range; give a"),
+    "a seed of its own": ("parameters: {robots: {seed: 3}}", "parameters.robots.seed: unknown key"),
+    "unicycles that overlap": (
+        "parameters: {robots: {look_ahead: 20, position_noise: 1}}",
+        "start 58.31 m apart; robot_clearance is 25 m, enlarged to 67 m by look_ahead 20 m and position_noise 1 m",
+    ),
+    "a look-ahead point in a circle": (
+        "parameters: {robots: {look_ahead: 6}}\nobstacles: {circles: [{at_m: [700, 270], radius_m: 14}]}",
+        "is 16.59 m from circle 1; obstacle_clearance is 12 m, enlarged to 18 m by look_ahead 6 m",
+    ),
+    "stand-off inside the enlarged barrier": (
+        "fires: [{at_m: [100, 100], radius_m: 32}]\nparameters: {robots: {look_ahead: 12}}",
+        "parameters.fires.stand_off: 25 m is too near to fire 1 (32 m, growing 1 m/s), whose barrier holds robots 27.",
     ),
     "stiff formation": (
         "parameters: {formation: {formation_rate: 25}}",

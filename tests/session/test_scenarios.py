@@ -1,12 +1,14 @@
 """What a scenario file means, and that every shipped one can be run."""
 
 import math
+import re
 import shutil
 from pathlib import Path as FilePath
 
 import numpy as np
 import pytest
 
+from higvf_console.errors import ScenarioError
 from higvf_console.session import scenario as scenario_module
 from higvf_console.session.scenario import load_scenario, parse_scenario, scenario_names
 from higvf_console.session.sections import FilterKind
@@ -28,6 +30,9 @@ SHIPPED = {
     "barrier-gaze",
     "swarm",
     "empty",
+    "circle-irregular",
+    "building",
+    "unicycles",
 }
 
 
@@ -124,6 +129,40 @@ def test_a_fire_that_outgrows_its_stand_off_is_a_warning() -> None:
 def test_settings_of_an_interface_that_is_not_installed_are_a_warning() -> None:
     (warning,) = parse_scenario(BASE + "inputs: {gazee: {}}", "t.yaml").warnings
     assert warning.startswith("inputs.gazee: no such interface is installed (did you mean 'gaze'?); installed: bci, ")
+
+
+@pytest.mark.parametrize(
+    ("robots", "sentence"),
+    [
+        ("turn_rate_limit: 2", "robots.turn_rate_limit has no effect on single integrators"),
+        ("look_ahead: 1", "obstacle_clearance is 12 m, enlarged to 13 m by look_ahead 1 m"),
+        ("look_ahead: 1, turn_rate_limit: 3", "look_ahead and turn_rate_limit let unicycles go 3 m/s; cruise_speed is"),
+    ],
+)
+def test_what_unicycles_make_of_other_tunables_is_a_warning(robots: str, sentence: str) -> None:
+    rings = ", rings: {repulsive_margin: 13}" if "turn" not in robots else ""
+    text = BASE + f"parameters: {{robots: {{{robots}}}{rings}}}"
+    (warning,) = parse_scenario(text, "t.yaml").warnings
+    assert warning.startswith(sentence)
+
+
+def test_unicycles_start_with_their_bodies_at_the_given_points_and_in_the_given_heading() -> None:
+    text = "{start_m: [[700, 300], [670, 350], [730, 350]], heading_deg: 90}\nparameters: {robots: {look_ahead: 2}}"
+    motion = parse_scenario(re.sub("robots: .*", f"robots: {text}", BASE), "t.yaml").setup().start.motion
+    assert motion.heading == pytest.approx(np.full(3, np.pi / 2))
+    np.testing.assert_allclose(motion.position, [[700, 302], [670, 352], [730, 352]])
+
+
+def test_barriers_are_judged_at_the_speed_that_unicycles_can_go() -> None:
+    fast = BASE + "parameters: {blending: {cruise_speed: 400}, robots: {"
+    with pytest.raises(ScenarioError, match="pair barriers do not hold"):
+        parse_scenario(fast + "look_ahead: 0}}", "t.yaml")
+    parse_scenario(fast + "look_ahead: 0.5}}", "t.yaml")
+
+
+def test_the_seed_of_a_run_is_that_of_its_errors_and_losses() -> None:
+    scenario = load_scenario("unicycles")
+    assert [scenario.setup(seed).gains.robots.seed for seed in (0, 5, 2**53 + 1)] == [0.0, 5.0, 1.0]
 
 
 def test_the_speed_limit_follows_the_cruise_speed_unless_it_is_given() -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.control.deadlock import ASK, OTHER_SIDE, climbs
-from higvf_console.control.gains import Gains, PerceptionGains, StallGains
+from higvf_console.control.deadlock import ASK, OTHER_SIDE, passes
+from higvf_console.control.gains import Gains, PerceptionGains
 from higvf_console.control.paths import WINDOW, sketch_path
 from higvf_console.sim.operator import follow
 from higvf_console.sim.setup import Setup
@@ -48,9 +48,8 @@ def test_a_path_that_ends_in_a_pocket_is_followed_into_it() -> None:
 
 
 def test_a_stall_climbs_once_each_stall_time() -> None:
-    gains = StallGains(stall_time=1.0)
     times = [0.02 * tick for tick in range(1, 200)]
-    assert [time for time in times if climbs(time, gains, 0.02)] == pytest.approx([1.0, 2.0, 3.0], abs=0.021)
+    assert [time for time in times if passes(time, 1.0, 0.02)] == pytest.approx([1.0, 2.0, 3.0], abs=0.021)
 
 
 def test_a_held_team_tries_the_other_side_then_asks_and_forgets_when_it_is_free() -> None:

@@ -1,24 +1,32 @@
 """What the operator sees has the right shape, place and colour; pure, without a browser."""
 
+from types import SimpleNamespace
+from typing import cast
+
 import numpy as np
 import pytest
 
-from higvf_console.arrays import floats, ints
+from higvf_console.arrays import Floats, floats, ints
+from higvf_console.commands import OperatorCommand, Pick
 from higvf_console.control.field import FieldKind
+from higvf_console.control.gains import Gains, RobotGains
 from higvf_console.control.paths import circle_path, line_path, sketch_path
+from higvf_console.session.session import Session
 from higvf_console.sim.simulation import advance
-from higvf_console.state import NO_PATH
+from higvf_console.state import NO_PATH, SimState
 from higvf_console.ui import shapes, theme
-from higvf_console.ui.console import robot_near
-from higvf_console.ui.glyphs import STROKES, WEIGHT, glyph, lettering, numbering, width
+from higvf_console.ui.console import Hand, robot_near
+from higvf_console.ui.glyphs import STROKES, WEIGHT, Triangles, glyph, lettering, numbering, width
+from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.view import FIELDS, next_field
+from higvf_console.ui.scene import View
 from higvf_console.ui.scene_field import field_grid
 from higvf_console.ui.scene_fires import FireLook, fire_lettering, fire_look, progress_arcs
 from higvf_console.ui.scene_ground import axis_lettering, grid, obstacle_outlines, scale_bar, with_margin
-from higvf_console.ui.scene_parts import turned
+from higvf_console.ui.scene_parts import Canvas, Layer, turned
 from higvf_console.ui.scene_path import path_outline, thinned
-from higvf_console.ui.scene_team import MOST_LINKS, TRAIL_POINTS, faded, link_segments, rings
-from higvf_console.viewport import Arena
+from higvf_console.ui.scene_team import MOST_LINKS, TRAIL_POINTS, Team, faded, link_segments, rings
+from higvf_console.viewport import Arena, Viewport
 from tests.teams import team
 
 ARENA = Arena(0.0, 0.0, 1200.0, 700.0)
@@ -182,12 +190,11 @@ def test_grid_axes_and_scale_bar_fit_the_arena_and_its_margin() -> None:
 
 
 def test_boundaries_keep_their_margin_from_circles_and_bars() -> None:
-    world = team(circles=[(300.0, 200.0, 20.0)], bars=[(900.0, 200.0, 900.0, 400.0, 6.0)]).world
-    (circle, _), (bar, middle) = obstacle_outlines(world, 25.0)
+    setup = team(circles=[(300.0, 200.0, 20.0)], bars=[(900.0, 200.0, 900.0, 400.0, 6.0)])
+    circle, bar = obstacle_outlines(setup, 25.0)
     assert np.hypot(*(circle - [300, 200]).T) == pytest.approx(np.full(len(circle), 45.0))
     assert bar[:, 0].max() == pytest.approx(931.0)
     assert bar[:, 1].min() == pytest.approx(169.0)
-    assert middle == pytest.approx([900, 300])
 
 
 def test_an_open_path_is_drawn_from_its_start_to_its_end() -> None:
@@ -293,3 +300,87 @@ def test_a_click_picks_the_nearest_robot_within_reach_and_nobody_beyond() -> Non
     assert robot_near(TRIANGLE, floats([64, 325]), 26.0) == 1
     assert robot_near(TRIANGLE, floats([300, 300]), 26.0) is None
     assert robot_near(floats([], 0, 2), floats([0, 0]), 26.0) is None
+
+
+class _Drawn:
+    """A canvas without a browser: what was placed or drawn last under each name."""
+
+    px = 1.0
+
+    def __init__(self) -> None:
+        self.nodes: dict[str, _Node] = {}
+
+    def marks(self, _layer: Layer, name: str, shape: Triangles, *, count: int, **_: object) -> "_Node":
+        self.nodes[name] = _Node(count, float(shape.vertices.max()))
+        return self.nodes[name]
+
+    def lines(self, _layer: Layer, name: str, _colour: str | None, _thickness: float) -> "_Node":
+        self.nodes[name] = _Node(0, 0.0)
+        return self.nodes[name]
+
+
+class _Node:
+    def __init__(self, count: int, extent: float) -> None:
+        self.count, self.extent = count, extent
+        self.at = self.segments = floats([], 0, 2)
+        self.heading: Floats | None = None
+
+    def place(self, positions: Floats, heading: Floats | None = None, **_: object) -> None:
+        self.at, self.heading = positions, heading
+
+    def draw(self, segments: Floats, *_: object) -> None:
+        self.segments = segments
+
+    def show(self, *_: object) -> None: ...
+    def resize(self, *_: object) -> None: ...
+    def highlight(self, *_: object) -> None: ...
+
+
+def drawn(gains: Gains) -> tuple[SimState, dict[str, _Node]]:
+    """A team after one tick, as it is drawn."""
+    setup = team(robots=[(100.0, 350.0), (40.0, 300.0)], gains=gains)
+    heading = floats([0.0, np.pi / 2])
+    start = setup.start._replace(motion=setup.start.motion._replace(heading=heading))
+    state, trace = advance(start, setup.world, setup.gains)
+    canvas = _Drawn()
+    Team(cast(Canvas, canvas), setup).update(state, trace, 0.0)
+    return state, canvas.nodes
+
+
+def test_a_unicycle_is_drawn_at_its_centre_with_its_heading_its_point_and_both_clearances() -> None:
+    state, nodes = drawn(Gains(robots=RobotGains(look_ahead=6.0, turn_rate_limit=3.0, position_noise=0.5)))
+    points, centres = state.motion.position, nodes["/team/robots"].at
+    assert centres == pytest.approx(points - [[6.0, 0.0], [0.0, 6.0]], abs=1e-3)
+    assert (nodes["/team/robots"].heading == state.motion.heading).all()
+    assert (nodes["/team/look_ahead"].at == points).all()
+    assert nodes["/team/look_ahead_ties"].segments == pytest.approx(np.stack([centres, points], axis=1))
+    assert (nodes["/team/clearance"].at == centres).all()
+    assert nodes["/team/clearance"].extent == pytest.approx(25.0 / 2)
+    assert (nodes["/team/enlarged"].at == points).all()
+    assert nodes["/team/enlarged"].extent == pytest.approx((25.0 + 2 * 6.5) / 2)
+
+
+def test_a_single_integrator_has_neither_look_ahead_point_nor_a_second_clearance() -> None:
+    state, nodes = drawn(Gains())
+    assert (nodes["/team/robots"].at == state.motion.position).all()
+    assert nodes["/team/look_ahead"].count == nodes["/team/enlarged"].count == 0
+    assert len(nodes["/team/look_ahead_ties"].segments) == 0
+
+
+def test_a_click_picks_a_unicycle_by_its_body_not_by_its_look_ahead_point() -> None:
+    gains = Gains(robots=RobotGains(look_ahead=30.0, turn_rate_limit=3.0))
+    setup = team(robots=[(100.0, 100.0), (100.0, 200.0)], gains=gains)
+    motion = setup.start.motion._replace(heading=floats([np.pi / 2, -np.pi / 2]))  # bodies at y = 70 and y = 230
+    given: list[OperatorCommand] = []
+    session = SimpleNamespace(
+        setup=setup,
+        snapshot=SimpleNamespace(state=setup.start._replace(motion=motion)),
+        pointer=SimpleNamespace(push=given.append),
+        viewport=None,
+    )
+    hand = Hand(cast(Session, session), View(), cast(SteerPanel, None))
+    hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
+    hand.click(0, floats([100.0, 60.0]))
+    hand.click(0, floats([100.0, 100.0]))
+    hand.click(0, floats([100.0, 240.0]))
+    assert given == [Pick(0), Pick(1)]

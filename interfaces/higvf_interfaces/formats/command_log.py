@@ -1,4 +1,7 @@
-"""Logs of decoded commands, as tables `time,label[,confidence]` or as JSON lines with the same keys."""
+"""Logs of decoded commands, as tables `time,label[,confidence]` or as JSON lines with the same keys.
+
+A log without times is refused, unless a person says the period from entry to entry.
+"""
 
 import itertools
 import json
@@ -16,6 +19,7 @@ CSV_NAME, JSON_NAME = "command-csv", "command-jsonl"
 CSV_TITLE = "command log CSV (time,label[,confidence])"
 JSON_TITLE = 'command log JSON lines ({"time": 1.5, "label": "fist", "confidence": 0.9})'
 LABELS = ("label", "command", "marker", "event")
+_WAY_OUT = "a log without times is replayed only with period=SECONDS"
 
 
 class _Entry(NamedTuple):
@@ -30,20 +34,29 @@ def matches_csv(file: TextFile) -> bool:
     return not matches_jsonl(file) and file.find(*TIMES) is not None and file.find(*LABELS) is not None
 
 
+def matches_labels(file: TextFile) -> bool:
+    """Whether the header names a label; the times may be missing."""
+    return not matches_jsonl(file) and file.find(*LABELS) is not None
+
+
 def matches_jsonl(file: TextFile) -> bool:
     """Whether the first line begins a JSON object."""
     return file.first_line.lstrip().startswith("{")
 
 
-def read_csv(file: TextFile) -> CommandLog:
+def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
     """Reads a table.
+
+    Args:
+        file: with a header row.
+        period: from row to row of a table without times [s].
 
     Raises:
         InputError: no time or label column, no row with both, or a confidence outside [0, 1].
     """
     time, label, confidence = file.find(*TIMES), file.find(*LABELS), file.find("confidence")
-    if time is None:
-        raise InputError(f"{file.path}: no time column (one of {', '.join(TIMES)}); has: {file.titles}")
+    if time is None and period is None:
+        raise InputError(f"{file.path}: no time column (one of {', '.join(TIMES)}); {_WAY_OUT}; has: {file.titles}")
     if label is None:
         raise InputError(f"{file.path}: no label column (one of {', '.join(LABELS)}); has: {file.titles}")
     scale = time_scale(file)
@@ -54,11 +67,15 @@ def read_csv(file: TextFile) -> CommandLog:
         entries.append(
             _Entry(f"row {index}", number(cell(row, time)) * scale, cell(row, label), number(trust) if trust else None)
         )
-    return _log(file, entries, CSV_NAME, notes)
+    return _log(file, entries, CSV_NAME, notes, period)
 
 
-def read_jsonl(file: TextFile) -> CommandLog:
+def read_jsonl(file: TextFile, period: float | None = None) -> CommandLog:
     """Reads JSON lines; a line that is not an object (the torn end of a log, say) is left out and noted.
+
+    Args:
+        file: with an object a line.
+        period: from line to line of a log without times [s].
 
     Raises:
         InputError: no line with a time and a label, or a confidence outside [0, 1].
@@ -66,7 +83,7 @@ def read_jsonl(file: TextFile) -> CommandLog:
     broken: list[int] = []
     entries = list(_objects(file, broken))
     notes = [f"{len(broken)} lines that are not JSON objects left out, the first is line {broken[0]}"] if broken else []
-    return _log(file, entries, JSON_NAME, notes)
+    return _log(file, entries, JSON_NAME, notes, period)
 
 
 def _objects(file: TextFile, broken: list[int]) -> Iterator[_Entry]:
@@ -91,9 +108,12 @@ def _number(value: object) -> float:
     return float(value) if is_number(value) else math.nan
 
 
-def _log(file: TextFile, entries: list[_Entry], name: str, notes: list[str]) -> CommandLog:
+def _log(file: TextFile, entries: list[_Entry], name: str, notes: list[str], period: float | None) -> CommandLog:
     if not any(math.isfinite(entry.time) for entry in entries):
-        raise InputError(f"{file.path}: no entry has a time; a log without times cannot be replayed")
+        if period is None:
+            raise InputError(f"{file.path}: no entry has a time; {_WAY_OUT}")
+        entries = [entry._replace(time=number * period) for number, entry in enumerate(entries)]
+        notes.append(f"no times in the file: indexed at the period given, {period:g} s")
     usable = [entry for entry in entries if math.isfinite(entry.time) and entry.label]
     if not usable:
         raise InputError(f"{file.path}: no entry has both a time and a label")

@@ -4,11 +4,10 @@ Delimiter comma, semicolon or tab. The time is in seconds unless the title carri
 settles the frame (`x [m]` arena, `x [px]` screen), which must be declared otherwise.
 """
 
-import numpy as np
+from collections.abc import Iterator
 
-from higvf_console.arrays import bools, floats
 from higvf_console.errors import InputError
-from higvf_interfaces.formats.records import GazeRecording, gaze_clock
+from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TIME_UNITS, TextFile, cell, number
 
 NAME = "gaze-csv"
@@ -23,11 +22,11 @@ def matches(file: TextFile) -> bool:
     return file.find(*TIMES) is not None and file.find("x") is not None and file.find("y") is not None
 
 
-def read(file: TextFile) -> GazeRecording:
-    """Reads the rows.
+def stream(file: TextFile, _: Wanted) -> GazeStream:
+    """Begins to read.
 
     Raises:
-        InputError: no time column, no x and y columns, an unknown unit of time, or no row with a time.
+        InputError: no time column, no x and y columns, or an unknown unit of time.
     """
     time, x, y = file.find(*TIMES), file.find("x"), file.find("y")
     if time is None:
@@ -37,25 +36,21 @@ def read(file: TextFile) -> GazeRecording:
     confidence, validity = file.find("confidence"), file.find("valid")
     scale = time_scale(file)
     notes: list[str] = []
-    rows = [
-        (number(cell(row, time)), number(cell(row, x)), number(cell(row, y)), number(cell(row, confidence)),
-         cell(row, validity).casefold() not in _FALSE)
-        for row in file.rows(notes)
-    ]  # fmt: skip
-    clock = gaze_clock(file.path, [row[0] * scale for row in rows], from_first=False)
-    table = floats(rows)[clock.kept]
-    points = floats(table[:, 1:3])
-    valid = bools(np.isfinite(points).all(axis=1) & (table[:, 4] > 0))
-    return GazeRecording(
-        time=clock.time,
-        points=points,
-        valid=valid,
-        confidence=floats(table[:, 3]) if confidence is not None else None,
-        frame=_FRAMES.get(x.unit),
-        screen=None,
-        epoch=clock.epoch,
+
+    def rows() -> Iterator[Row]:
+        for row in file.rows(notes):
+            vouched = cell(row, validity).casefold() not in _FALSE
+            point = number(cell(row, x)), number(cell(row, y))
+            yield number(cell(row, time)) * scale, *point, vouched, number(cell(row, confidence))
+
+    return GazeStream(
         format=NAME,
-        notes=(*notes, *clock.notes),
+        columns=tuple(column.title for column in (time, x, y, confidence, validity) if column is not None),
+        frame=_FRAMES.get(x.unit),
+        blocks=blocks_of(rows()),
+        notes=notes,
+        from_first=False,
+        has_confidence=confidence is not None,
     )
 
 

@@ -1,11 +1,29 @@
 """The entrance to all readers: tells formats apart by content, or takes the one that `format=` names."""
 
-from collections.abc import Callable, Sequence
-from typing import Generic, NamedTuple, TypeVar
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
+import numpy as np
+
+from higvf_console.arrays import bools, floats
 from higvf_console.errors import InputError
-from higvf_interfaces.formats import command_log, gaze_csv, tobii_prolab
-from higvf_interfaces.formats.records import CommandLog, GazeRecording
+from higvf_interfaces.formats import (
+    bids_gaze,
+    command_log,
+    eyelink_asc,
+    gaze_csv,
+    gaze_xdf,
+    gazepoint,
+    neon_csv,
+    neon_native,
+    pupil_core,
+    tobii_old,
+    tobii_prolab,
+    tobii_research,
+)
+from higvf_interfaces.formats.clock import GazeClock
+from higvf_interfaces.formats.records import ANYTHING, CommandLog, GazeBlock, GazeRecording, GazeStream, Wanted
 from higvf_interfaces.formats.text import TextFile, look
 
 _Record = TypeVar("_Record")
@@ -20,9 +38,29 @@ class Format(NamedTuple, Generic[_Record]):
     read: Callable[[TextFile], _Record]
 
 
-GAZE_FORMATS: tuple[Format[GazeRecording], ...] = (
-    Format(tobii_prolab.NAME, tobii_prolab.TITLE, tobii_prolab.matches, tobii_prolab.read),
-    Format(gaze_csv.NAME, gaze_csv.TITLE, gaze_csv.matches, gaze_csv.read),
+class GazeFormat(NamedTuple):
+    """A format of gaze: its short name, what it is, and how to know it and begin to read it."""
+
+    name: str
+    title: str
+    matches: Callable[[TextFile], bool]
+    stream: Callable[[TextFile, Wanted], GazeStream]
+
+
+# From the most particular to the most general: the first that matches is taken.
+GAZE_FORMATS: tuple[GazeFormat, ...] = (
+    GazeFormat(gaze_xdf.NAME, gaze_xdf.TITLE, gaze_xdf.matches, gaze_xdf.stream),
+    GazeFormat(neon_native.NAME, neon_native.TITLE, neon_native.matches, neon_native.stream),
+    GazeFormat(eyelink_asc.NAME, eyelink_asc.TITLE, eyelink_asc.matches, eyelink_asc.stream),
+    GazeFormat(tobii_prolab.NAME, tobii_prolab.TITLE, tobii_prolab.matches, tobii_prolab.stream),
+    GazeFormat(tobii_old.NAME, tobii_old.TITLE, tobii_old.matches, tobii_old.stream),
+    GazeFormat(tobii_research.NAME, tobii_research.TITLE, tobii_research.matches, tobii_research.stream),
+    GazeFormat(pupil_core.SURFACE, pupil_core.SURFACE_TITLE, pupil_core.matches_surface, pupil_core.stream_surface),
+    GazeFormat(pupil_core.CORE, pupil_core.CORE_TITLE, pupil_core.matches_core, pupil_core.stream_core),
+    GazeFormat(neon_csv.NAME, neon_csv.TITLE, neon_csv.matches, neon_csv.stream),
+    GazeFormat(gazepoint.NAME, gazepoint.TITLE, gazepoint.matches, gazepoint.stream),
+    GazeFormat(bids_gaze.NAME, bids_gaze.TITLE, bids_gaze.matches, bids_gaze.stream),
+    GazeFormat(gaze_csv.NAME, gaze_csv.TITLE, gaze_csv.matches, gaze_csv.stream),
 )
 COMMAND_FORMATS: tuple[Format[CommandLog], ...] = (
     Format(command_log.JSON_NAME, command_log.JSON_TITLE, command_log.matches_jsonl, command_log.read_jsonl),
@@ -30,13 +68,98 @@ COMMAND_FORMATS: tuple[Format[CommandLog], ...] = (
 )
 
 
-def read_gaze(source: str, format_name: str | None = None) -> GazeRecording:
-    """Reads a gaze recording.
+class KnownFormat(Protocol):
+    """What every format says of itself."""
+
+    @property
+    def name(self) -> str:
+        """The short name that `format=` takes."""
+        ...
+
+    @property
+    def title(self) -> str:
+        """What it is."""
+        ...
+
+    @property
+    def matches(self) -> Callable[..., bool]:
+        """Whether a `TextFile` looks like it."""
+        ...
+
+
+_Known = TypeVar("_Known", bound=KnownFormat)
+
+
+class GazeFile:
+    """A gaze recording being read block by block, on one clock that starts near 0."""
+
+    def __init__(self, path: Path, stream: GazeStream) -> None:
+        """Takes what a format yields."""
+        self.stream = stream
+        self._path = path
+        self._clock = GazeClock(path, stream.from_first)
+
+    def blocks(self) -> Iterator[GazeBlock]:
+        """The samples, once, at strictly increasing times; where the file breaks off later, its readable part.
+
+        Raises:
+            InputError: no row has a time, or the file cannot be read from its start.
+        """
+        readable = False
+        try:
+            for block in self.stream.blocks:
+                time, kept = self._clock.repair(block.time)
+                if len(time):
+                    yield GazeBlock(time, block.points[kept], block.valid[kept], block.confidence[kept])
+                    readable = True
+        except InputError as problem:
+            if not readable:
+                raise
+            self.stream.notes.append(f"the readable part is used: {problem}")
+        self._clock.check()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What has been repaired or assumed so far, in words."""
+        return (*self.stream.notes, *self._clock.notes)
+
+    @property
+    def epoch(self) -> float:
+        """The device's own time at time 0 [s]."""
+        return self.stream.epoch + self._clock.epoch
+
+
+def stream_gaze(source: str, format_name: str | None = None, wanted: Wanted = ANYTHING) -> GazeFile:
+    """Begins to read a gaze recording of any length.
 
     Raises:
-        InputError: the file is missing or empty, of no known format, or without times or valid gaze.
+        InputError: the file is missing or empty, of no known format, or lacks what its format needs.
     """
-    recording = _read(source, format_name, GAZE_FORMATS)
+    file = look(source)
+    return GazeFile(file.path, choose_format(file, format_name, GAZE_FORMATS).stream(file, wanted))
+
+
+def read_gaze(source: str, format_name: str | None = None, wanted: Wanted = ANYTHING) -> GazeRecording:
+    """Reads a gaze recording whole.
+
+    Raises:
+        InputError: as `stream_gaze`, or the recording is without times or valid gaze.
+    """
+    file = stream_gaze(source, format_name, wanted)
+    blocks = list(file.blocks())
+    stream = file.stream
+    recording = GazeRecording(
+        time=floats(np.concatenate([block.time for block in blocks])),
+        points=floats(np.concatenate([block.points for block in blocks])),
+        valid=bools(np.concatenate([block.valid for block in blocks])),
+        confidence=floats(np.concatenate([b.confidence for b in blocks])) if stream.has_confidence else None,
+        frame=stream.frame,
+        screen=stream.screen,
+        epoch=file.epoch,
+        format=stream.format,
+        notes=file.notes,
+        origin=stream.origin,
+    )
     if not recording.valid.any():
         raise InputError(f"{source}: none of the {len(recording.time)} gaze samples is valid")
     return recording
@@ -48,18 +171,26 @@ def read_command_log(source: str, format_name: str | None = None) -> CommandLog:
     Raises:
         InputError: the file is missing or empty, of no known format, or without times or labels.
     """
-    return _read(source, format_name, COMMAND_FORMATS)
-
-
-def _read(source: str, format_name: str | None, formats: Sequence[Format[_Record]]) -> _Record:
     file = look(source)
-    if format_name is not None:
-        for known in formats:
-            if known.name == format_name:
-                return known.read(file)
-        raise InputError(f"format: {format_name!r} is not one of {', '.join(known.name for known in formats)}")
+    return choose_format(file, format_name, COMMAND_FORMATS).read(file)
+
+
+def choose_format(file: TextFile, name: str | None, formats: Sequence[_Known]) -> _Known:
+    """The format called `name`; without one, the first that the file's content matches.
+
+    Raises:
+        InputError: none is; the message gives the choices.
+    """
     for known in formats:
-        if known.matches(file):
-            return known.read(file)
-    titles = "; ".join(f"{known.name}: {known.title}" for known in formats)
-    raise InputError(f"{source}: not a known format ({titles}); its first line has: {file.titles}")
+        if known.name == name or (name is None and known.matches(file)):
+            return known
+    if name is not None:
+        raise InputError(f"format: {name!r} is not one of {', '.join(known.name for known in formats)}")
+    raise unknown_format(file, [(known.name, known.title) for known in formats])
+
+
+def unknown_format(file: TextFile, sought: Sequence[tuple[str, str]]) -> InputError:
+    """The refusal of a file that is none of the formats sought, given as name and title."""
+    titles = "; ".join(f"{name}: {title}" for name, title in sought)
+    held = f"its first line has: {file.titles}" if file.head else "it is a folder without a recording in it"
+    return InputError(f"{file.path}: not a known format ({titles}); {held}")

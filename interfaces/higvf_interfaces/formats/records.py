@@ -1,19 +1,22 @@
 """What every reader yields: one record for gaze and one for decoded commands, on one clock that starts near 0."""
 
-from collections.abc import Sequence
-from pathlib import Path
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from higvf_console.arrays import Bools, Floats, floats
-from higvf_console.errors import InputError
+from higvf_console.arrays import Bools, Floats, bools, floats
 
 FRAMES = ("arena", "screen", "unit")
-MAX_HOLE = 10.0  # a longer hole between gaze samples is shortened to this [s]
-_EPOCH_FROM = 3600.0  # a log that starts later counts from some epoch, not from the start of a run [s]
-_SAME_TIME = 1e-5  # samples nearer in time are one, given twice [s]
-_CLOCK_RESTART = 1.0  # a step back by more is a restarted clock, by less a row out of order [s]
+SCENE_FRAMES = {"scene": "screen", "scene-unit": "unit"}  # of a camera on the head, and what it is taken as on demand
+TOP_LEFT, BOTTOM_LEFT = "top left", "bottom left"
+ORIGINS = (TOP_LEFT, BOTTOM_LEFT)
+MAX_HOLE = 10.0  # a longer hole between samples is shortened to this [s]
+EPOCH_FROM = 3600.0  # a log that starts later counts from some epoch, not from the start of a run [s]
+BLOCK = 256  # samples read at once: what is held of a long recording, and what one poll of its replay may cost
+
+Row: TypeAlias = tuple[float, float, float, bool, float]  # time [s], x, y, vouched for, confidence
 
 
 class GazeRecording(NamedTuple):
@@ -24,12 +27,13 @@ class GazeRecording(NamedTuple):
         points: (n, 2) in `frame`; NaN where missing.
         valid: (n,) whether the tracker vouches for the sample; implies finite points.
         confidence: (n,) in [0, 1]; None where the format has none.
-        frame: one of `FRAMES`: arena [m], screen [px, origin top left, y down], unit (0..1 of the screen, likewise);
-            None where the file does not say.
+        frame: arena [m], screen [px] or unit (0..1 of the screen); scene [px] or scene-unit where a camera on the head
+            is the frame; None where the file does not say.
         screen: width and height of the recording's screen [px]; None where the file does not say.
         epoch: the device's own time at `time` = 0 [s].
         format: name of the format.
         notes: what was repaired or assumed, in words.
+        origin: where 0, 0 of a screen or scene is; y runs away from it.
     """
 
     time: Floats
@@ -41,6 +45,88 @@ class GazeRecording(NamedTuple):
     epoch: float
     format: str
     notes: tuple[str, ...]
+    origin: str = TOP_LEFT
+
+
+class GazeBlock(NamedTuple):
+    """Neighbouring samples of a recording.
+
+    Attributes:
+        time: (n,) [s].
+        points: (n, 2) as the file has them; NaN where missing.
+        valid: (n,) whether the tracker vouches for the sample; implies finite points.
+        confidence: (n,) in [0, 1]; NaN where unknown.
+    """
+
+    time: Floats
+    points: Floats
+    valid: Bools
+    confidence: Floats
+
+
+class StreamInfo(NamedTuple):
+    """One stream of a file that holds several."""
+
+    name: str
+    type: str
+    source_id: str
+    channels: int
+    rate: float
+
+
+class GazeStream(NamedTuple):
+    """A gaze recording being read, block by block: what a format module yields.
+
+    Attributes:
+        format: name of the format.
+        columns: titles of the columns or channels used.
+        frame: as in `GazeRecording`.
+        blocks: the samples, once, on the device's clock [s]; NaN where the time is missing.
+        notes: what was repaired or assumed; grows while the blocks are read.
+        origin: as in `GazeRecording`.
+        screen: as in `GazeRecording`.
+        from_first: whether time 0 is the first sample; else times below an hour are the session's.
+        has_confidence: whether the format gives one.
+        epoch: device time that has been taken off the blocks' times already [s].
+        streams: all streams of the file, where it holds several.
+    """
+
+    format: str
+    columns: tuple[str, ...]
+    frame: str | None
+    blocks: Iterator[GazeBlock]
+    notes: list[str]
+    origin: str = TOP_LEFT
+    screen: tuple[float, float] | None = None
+    from_first: bool = True
+    has_confidence: bool = False
+    epoch: float = 0.0
+    streams: tuple[StreamInfo, ...] = ()
+
+
+class Wanted(NamedTuple):
+    """What the operator says of a file that may hold several streams: names or numbers from 1; None = unsaid."""
+
+    stream: str | None = None
+    x: str | None = None
+    y: str | None = None
+
+
+ANYTHING = Wanted()
+
+
+def blocks_of(rows: Iterable[Row]) -> Iterator[GazeBlock]:
+    """Rows, `BLOCK` at a time; a sample without finite coordinates is not valid."""
+    rows = iter(rows)
+    while batch := list(islice(rows, BLOCK)):
+        table = floats(batch, -1, 5)
+        yield block_of(table[:, 0], table[:, 1:3], bools(table[:, 3] > 0), table[:, 4])
+
+
+def block_of(time: Floats, points: Floats, vouched: Bools, confidence: Floats | None = None) -> GazeBlock:
+    """A block of which only samples with finite coordinates are valid."""
+    known = np.full(len(time), np.nan) if confidence is None else floats(confidence)
+    return GazeBlock(floats(time), floats(points), bools(vouched & np.isfinite(points).all(axis=1)), known)
 
 
 class Decision(NamedTuple):
@@ -60,59 +146,6 @@ class CommandLog(NamedTuple):
     notes: tuple[str, ...]
 
 
-class Clock(NamedTuple):
-    """Repaired times.
-
-    Attributes:
-        time: (m,) strictly increasing, near 0 [s].
-        kept: (m,) row of each time.
-        epoch: device time of `time` = 0 [s].
-        notes: what was repaired.
-    """
-
-    time: Floats
-    kept: np.ndarray[tuple[int], np.dtype[np.intp]]
-    epoch: float
-    notes: tuple[str, ...]
-
-
-def gaze_clock(path: Path, seconds: Sequence[float], from_first: bool) -> Clock:
-    """Makes device times [s] one increasing clock.
-
-    Rows without a time or out of order go; a clock that restarts is joined on; a hole over `MAX_HOLE` is shortened.
-
-    Args:
-        path: of the file, for messages.
-        seconds: device times; NaN where missing.
-        from_first: whether 0 is the first sample; else times below an hour are kept as they are.
-
-    Raises:
-        InputError: no row has a time.
-    """
-    raw = floats(seconds)
-    timed = np.flatnonzero(np.isfinite(raw))
-    if not len(timed):
-        raise InputError(f"{path}: no row has a time")
-    raw = raw[timed]
-    notes = [f"{len(seconds) - len(timed)} rows without a time left out"] if len(timed) < len(seconds) else []
-    start = raw[0] if from_first or raw[0] >= _EPOCH_FROM or raw[0] < 0 else 0.0
-    with np.errstate(over="ignore"):  # a wild time makes an infinite step, which is then repaired
-        steps = np.diff(raw)
-    restarts = np.flatnonzero(steps < -_CLOCK_RESTART)
-    if len(restarts):
-        steps[restarts] = np.median(steps[steps > 0]) if np.any(steps > 0) else 1e-3
-        notes.append(f"the clock restarts {len(restarts)} times: joined on")
-    holes = np.flatnonzero(steps > MAX_HOLE)
-    if len(holes):
-        notes.append(f"{len(holes)} holes, the longest {steps[holes].max():.0f} s, shortened to {MAX_HOLE:.0f} s")
-        steps[holes] = MAX_HOLE
-    time = (raw[0] - start) + np.concatenate([[0.0], np.cumsum(steps)])
-    advancing = np.concatenate([[True], time[1:] - np.maximum.accumulate(time)[:-1] > _SAME_TIME])
-    if not advancing.all():
-        notes.append(f"{np.count_nonzero(~advancing)} rows out of order or doubled left out")
-    return Clock(time[advancing], timed[advancing], float(start), tuple(notes))
-
-
 def log_start(first: float) -> float:
     """Device time that becomes 0 in a command log whose first decision is at `first` [s]."""
-    return first if first >= _EPOCH_FROM or first < 0 else 0.0
+    return first if first >= EPOCH_FROM or first < 0 else 0.0

@@ -2,18 +2,22 @@
 
 import codecs
 import csv
+import gzip
 import itertools
 import math
 import os
 import unicodedata
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import IO, NamedTuple
 
 from higvf_console.errors import InputError
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "us": 1e-6, "ns": 1e-9}  # [s]; NFKC makes both mu this one
 _HEAD = 65_536  # bytes that settle encoding and delimiter
+_LONGEST_LINE = 1_000_000  # letters; what has none shorter is no text
+_GZIP = b"\x1f\x8b"
 _BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
 
@@ -27,14 +31,27 @@ class Column(NamedTuple):
 
 
 class TextFile(NamedTuple):
-    """A text file, looked at: enough to tell formats apart and to read it row by row."""
+    """A file, looked at: enough to tell formats apart and, where it is text, to read it row by row.
+
+    Attributes:
+        path: a file, or a folder that a device wrote.
+        encoding: of the text.
+        delimiter: of its cells.
+        complete: whether the last line has its end.
+        first_line: that is not empty.
+        columns: its cells.
+        head: the first bytes, unpacked; empty for a folder.
+        packed: whether gzip packed it.
+    """
 
     path: Path
     encoding: str
     delimiter: str
-    complete: bool  # the last line has its end
+    complete: bool
     first_line: str
     columns: tuple[Column, ...]
+    head: bytes = b""
+    packed: bool = False
 
     @property
     def titles(self) -> str:
@@ -50,12 +67,24 @@ class TextFile(NamedTuple):
                     return column
         return None
 
-    def lines(self) -> Iterator[str]:
-        """Lines without their ends, empty ones left out."""
-        with self.path.open(encoding=self.encoding, errors="replace") as stream:
-            for line in stream:
-                if line.strip():
-                    yield line.rstrip("\n")
+    def lines(self, notes: list[str] | None = None) -> Iterator[str]:
+        """Lines without their ends, empty ones left out; where packed data end too early, `notes` say so.
+
+        Raises:
+            InputError: it is no text, or can no longer be read.
+        """
+        try:
+            with self._open() as stream:
+                while line := stream.readline(_LONGEST_LINE):
+                    if len(line) == _LONGEST_LINE:
+                        raise InputError(f"{self.path}: has a line of over {_LONGEST_LINE} letters: it is no text")
+                    if line.strip():
+                        yield line.rstrip("\n")
+        except (EOFError, zlib.error):
+            if notes is not None:
+                notes.append("the packed data end too early: the readable part is used")
+        except OSError as problem:
+            raise InputError(f"{self.path}: cannot be read: {problem}") from problem
 
     def rows(self, notes: list[str]) -> Iterator[list[str]]:
         """Cells of each row below the header; a last row that is torn is left out, and `notes` say so.
@@ -64,7 +93,7 @@ class TextFile(NamedTuple):
             InputError: the text is no table.
         """
         quoting = csv.QUOTE_NONE if self.delimiter == "\t" else csv.QUOTE_MINIMAL
-        reader = csv.reader(self.lines(), delimiter=self.delimiter, quoting=quoting)
+        reader = csv.reader(self.lines(notes), delimiter=self.delimiter, quoting=quoting)
         below = itertools.islice(reader, 1, None)
         try:
             last = next(below, None)
@@ -79,9 +108,14 @@ class TextFile(NamedTuple):
         except csv.Error as problem:
             raise InputError(f"{self.path}: is not a table: {problem}") from problem
 
+    def _open(self) -> IO[str]:
+        if self.packed:
+            return gzip.open(self.path, "rt", encoding=self.encoding, errors="replace")
+        return self.path.open(encoding=self.encoding, errors="replace")
+
 
 def look(source: str) -> TextFile:
-    """Opens a text file far enough to tell what it is.
+    """Opens a file or a folder far enough to tell what it is.
 
     Raises:
         InputError: no file is named, there is no such file, it cannot be read, or it is empty.
@@ -90,10 +124,9 @@ def look(source: str) -> TextFile:
         raise InputError("no file is given; write CHANNEL=FILE")
     path = Path(source).expanduser()
     try:
-        with path.open("rb") as stream:
-            head = stream.read(_HEAD)
-            stream.seek(max(0, stream.seek(0, os.SEEK_END) - 2))
-            tail = stream.read()
+        if path.is_dir():
+            return TextFile(path, "utf-8", ",", True, "", ())
+        head, tail, packed = _ends(path)
     except FileNotFoundError as problem:
         raise InputError(f"{path}: there is no such file") from problem
     except (OSError, ValueError) as problem:
@@ -103,10 +136,11 @@ def look(source: str) -> TextFile:
     first_line = next((line for line in text.splitlines() if line.strip()), "")
     if not first_line:
         raise InputError(f"{path}: the file is empty")
-    complete = tail[-1:] in b"\r\n" or tail in (b"\n\0", b"\0\n")
+    complete = packed or tail[-1:] in b"\r\n" or tail in (b"\n\0", b"\0\n")
     delimiter = max("\t;,", key=first_line.count)
     titles = [title.strip().strip('"') for title in first_line.split(delimiter)]
-    return TextFile(path, encoding, delimiter, complete, first_line, tuple(map(_column, range(len(titles)), titles)))
+    columns = tuple(map(_column, range(len(titles)), titles))
+    return TextFile(path, encoding, delimiter, complete, first_line, columns, head, packed)
 
 
 def cell(row: list[str], column: Column | None) -> str:
@@ -124,6 +158,21 @@ def number(text: str) -> float:
     except ValueError:
         return math.nan
     return value if math.isfinite(value) else math.nan
+
+
+def _ends(path: Path) -> tuple[bytes, bytes, bool]:
+    """The first bytes, unpacked; the last two; and whether gzip packed them."""
+    with path.open("rb") as stream:
+        head = stream.read(_HEAD)
+        stream.seek(max(0, stream.seek(0, os.SEEK_END) - 2))
+        tail = stream.read()
+    if not head.startswith(_GZIP):
+        return head, tail, False
+    unpacker = zlib.decompressobj(wbits=31)
+    try:
+        return unpacker.decompress(head, _HEAD), tail, True
+    except zlib.error:
+        return head, tail, False
 
 
 def _encoding(head: bytes) -> str:

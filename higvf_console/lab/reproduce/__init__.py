@@ -1,0 +1,1 @@
+"""The paper's cases, run headless and reported beside the paper: `higvf reproduce`."""

@@ -1,0 +1,283 @@
+"""The vector fields on paper: guiding field, bump functions, boundaries. Nothing moves here."""
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from higvf_console.arrays import floats
+from higvf_console.control.bump import zero_in
+from higvf_console.control.forms import PRINTED, Forms
+from higvf_console.control.gains import Gains
+from higvf_console.control.guiding import guiding_vector
+from higvf_console.control.paths import EVERYWHERE, circle_path
+from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
+from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, dress_map, new_figure
+from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
+from higvf_console.lab.reproduce.figures.maps import capsule, draw_obstacles, draw_path, ring
+from higvf_console.lab.reproduce.runs import Runs
+from higvf_console.session.scenario import parse_scenario
+from higvf_console.sim.setup import Setup
+from higvf_console.state import World
+from higvf_console.viewport import Arena
+
+GAINS = Gains()
+CORRECTED, PIXELS = Forms(), Forms(bump=PRINTED)
+ARENA = Arena(-200.0, -200.0, 200.0, 200.0)
+CIRCLE = circle_path(0.0, 0.0, 120.0)
+RING_RADIUS = 20.0  # of the obstacle of the bump functions [m]
+WIDE = "rings: {reactive_margin: 45, repulsive_margin: 14}"
+_BOUNDED = f"""
+version: 1
+arena: {{x_min: -180, y_min: -100, x_max: 180, y_max: 100, walls: false}}
+robots: {{start_m: [[-170, -90]]}}
+obstacles:
+  circles: [{{at_m: [-85, 0], radius_m: 30}}]
+  bars: [{{from_m: [60, -40], to_m: [110, 40], half_width_m: 8}}]
+path: {{line: {{at_m: [-180, 0], angle_deg: 0}}}}
+parameters: {{{WIDE}}}
+"""
+
+
+def run_gvf(_: Runs) -> Findings:
+    """The guiding vector field of a circle, and where following it leads."""
+    radii = np.array([15.0, 60.0, 119.0, 180.0, 250.0])
+    ends = [_end_radius(float(radius)) for radius in radii]
+    on_path = guiding_vector(CIRCLE, 0.0, EVERYWHERE, 120.0, 0.0, GAINS.path)
+    at_centre = guiding_vector(CIRCLE, 0.0, EVERYWHERE, 0.0, 0.0, GAINS.path)
+    capture = guiding_vector(CIRCLE, 0.0, EVERYWHERE, 120.0 + GAINS.path.capture_distance, 0.0, GAINS.path)
+    turned = math.degrees(math.atan2(-capture[0], capture[1]))
+    return Findings(
+        (
+            within(
+                "Farthest end from the circle of five field lines, from 15 to 250 m off its centre",
+                float(np.abs(np.array(ends) - 120.0).max()),
+                "m",
+                0.0,
+                0.1,
+                "0: the field leads to the path",
+            ),
+            within(
+                "Angle between field and path, on the path",
+                math.degrees(math.atan2(-on_path[0], on_path[1])),
+                "°",
+                -1e-6,
+                1e-6,
+                "0: tangential on the path",
+            ),
+            within("The same one capture distance 1/k off the path", turned, "°", 45 - 1e-6, 45 + 1e-6, "45"),
+            within(
+                "Length of the field at the centre, where the gradient vanishes",
+                math.hypot(*at_centre),
+                "",
+                1 - 1e-9,
+                1 + 1e-9,
+                "1: defined everywhere (printed: 0)",
+            ),
+        ),
+        (
+            Picture(
+                "gvf",
+                "The guiding vector field of a circle (paper, Fig. 3): tangential on the path, orthogonal far"
+                " away. Every arrow is the engine's own field at that point.",
+                _draw_gvf,
+            ),
+        ),
+        notes=(
+            "Signed distance over the capture distance takes the place of the squared-pixel level set: in px² the"
+            " tangential part matters only within 0.002 px of the path.",
+        ),
+    )
+
+
+def _end_radius(radius: float) -> float:
+    x, y = radius, 0.0
+    for _ in range(4000):
+        vx, vy = guiding_vector(CIRCLE, 0.0, EVERYWHERE, x, y, GAINS.path)
+        x, y = x + 0.2 * vx, y + 0.2 * vy
+    return math.hypot(x, y)
+
+
+def _draw_gvf() -> Figure:
+    figure = new_figure(4.2, 4.1)
+    axes = figure.subplots()
+    dress_map(axes, ARENA)
+    points = grid_points(ARENA, 21)
+    field = floats([guiding_vector(CIRCLE, 0.0, EVERYWHERE, x, y, GAINS.path) for x, y in points.tolist()])
+    draw_path(axes, CIRCLE)
+    draw_arrows(axes, points, field, ARENA.width / 21, INK.ours)
+    return figure
+
+
+def run_bumps(_: Runs) -> Findings:
+    """S and Z over the ring, smooth in the dimensionless form, a jump in the printed one."""
+    rings = GAINS.rings
+    start = RING_RADIUS + rings.repulsive_margin
+    printed = _printed(start + 0.01)
+    smooth = zero_in(start + 0.01, RING_RADIUS, rings, CORRECTED)
+    distance = np.linspace(start, RING_RADIUS + rings.reactive_margin, 20001)
+    bump = np.array([zero_in(d, RING_RADIUS, rings, CORRECTED) for d in distance.tolist()])
+    rise = distance[np.searchsorted(bump, 0.99)] - distance[np.searchsorted(bump, 0.01)]
+    return Findings(
+        (
+            within(
+                "S as printed, 0.01 px outside the repulsive boundary",
+                printed,
+                "",
+                0.4,
+                0.5,
+                "0.47: it jumps from 0 within 0.01 px",
+            ),
+            within("S here at the same place", smooth, "", 0.0, 1e-6, "0: smooth"),
+            within(
+                "Width over which S here rises from 1 % to 99 %",
+                float(rise),
+                "m",
+                2.0,
+                math.inf,
+                "most of the 11 m ring",
+            ),
+            within(
+                "Largest |S + Z - 1|",
+                0.0 if bump.min() >= 0.0 and bump.max() <= 1.0 else 1.0,
+                "",
+                0.0,
+                0.0,
+                "0: Z = 1 - S",
+            ),
+        ),
+        (
+            Picture(
+                "bumps",
+                "Zero-in S (solid) and zero-out Z (dashed) across the ring of an obstacle of 20 m (paper,"
+                " Fig. 5): left dimensionless, as the engine has them; right in px² as printed.",
+                _draw_bumps,
+            ),
+        ),
+    )
+
+
+def _printed(distance: float) -> float:
+    return zero_in(distance, RING_RADIUS, GAINS.rings, PIXELS)
+
+
+def _draw_bumps() -> Figure:
+    rings = GAINS.rings
+    figure = new_figure(PAGE, 2.5)
+    panels = figure.subplots(1, 2, sharey=True)
+    distance = np.linspace(RING_RADIUS + 10.0, RING_RADIUS + 29.0, 1901)
+    shapes = (
+        ("Dimensionless, as run", [zero_in(d, RING_RADIUS, rings, CORRECTED) for d in distance.tolist()]),
+        ("Squared pixels, as printed", [_printed(d) for d in distance.tolist()]),
+    )
+    for axes, (title, values) in zip(panels, shapes, strict=True):
+        bump = np.array(values)
+        axes.plot(distance - RING_RADIUS, bump, color=INK.ours, linewidth=1.6, label="S, zero-in")
+        axes.plot(
+            distance - RING_RADIUS,
+            1.0 - bump,
+            color=INK.fire,
+            linewidth=1.4,
+            linestyle=(0, (4, 2)),
+            label="Z, zero-out",
+        )
+        for margin, ink, word in (
+            (rings.repulsive_margin, INK.repulsive, "Q"),
+            (rings.reactive_margin, INK.reactive, "R"),
+        ):
+            axes.axvline(margin, color=ink, linewidth=0.9, linestyle=":")
+            axes.text(margin, 1.03, word, color=ink, ha="center", va="bottom")
+        axes.set_title(title, pad=13)
+        axes.set_xlabel("distance from the surface [m]")
+        axes.grid(visible=True, axis="y")
+    panels[0].set_ylabel("bump")
+    panels[0].legend(loc="lower center")
+    return figure
+
+
+def run_boundaries(_: Runs) -> Findings:
+    """The reactive and the repulsive boundary of a circle and of a bar."""
+    setup = parse_scenario(_BOUNDED, "boundaries").setup()
+    rings, safety = setup.gains.rings, setup.gains.safety
+    return Findings(
+        (
+            Measurement(
+                "Reactive boundary R, from the surface",
+                rings.reactive_margin,
+                "m",
+                "outside Q",
+                rings.reactive_margin > rings.repulsive_margin,
+            ),
+            Measurement(
+                "Repulsive boundary Q, from the surface",
+                rings.repulsive_margin,
+                "m",
+                "outside the safety barrier, else only the filter would ever see it",
+                rings.repulsive_margin > safety.obstacle_clearance,
+            ),
+            Measurement(
+                "Safety barrier, from the surface", safety.obstacle_clearance, "m", "the paper gives no numbers", None
+            ),
+        ),
+        (
+            Picture(
+                "boundaries",
+                "Reactive boundary R (outer) and repulsive boundary Q (inner) of a circle and a bar"
+                " (paper, Fig. 4). Robots react between them and only circulate inside Q.",
+                lambda: _draw_boundaries(setup),
+            ),
+        ),
+    )
+
+
+def _draw_boundaries(setup: Setup) -> Figure:
+    figure = new_figure(PAGE, 4.1)
+    axes = figure.subplots()
+    dress_map(axes, setup.arena, 50.0)
+    draw_path(axes, setup.start.intent.path)
+    draw_obstacles(axes, setup.world)
+    draw_rings(axes, setup.world, setup.gains)
+    for words, at, ink in (
+        ("reactive boundary R", (-85.0, 79.0), INK.reactive),
+        ("repulsive boundary Q", (-85.0, 48.0), INK.repulsive),
+        ("desired path P", (-18.0, 5.0), INK.path),
+    ):
+        axes.text(*at, words, color=ink, ha="center", va="bottom", fontsize=7.5)
+    return figure
+
+
+def draw_rings(axes: Axes, world: World, gains: Gains) -> None:
+    """R and Q of every circle and bar."""
+    spines = [(x, y, x, y, radius) for x, y, radius in world.circles.tolist()] + world.bars.tolist()
+    for ax, ay, bx, by, radius in spines:
+        for margin, ink in (
+            (gains.rings.reactive_margin, INK.reactive),
+            (gains.rings.repulsive_margin, INK.repulsive),
+        ):
+            ring(axes, capsule(ax, ay, bx, by, radius + margin), ink)
+
+
+CASES = (
+    Case(
+        "gvf",
+        "The guiding vector field",
+        "Fig. 3: a field that leads to a circle and along it.",
+        "The engine's guiding vector [2] on a grid, and field lines by small steps along it.",
+        run_gvf,
+    ),
+    Case(
+        "bumps",
+        "Zero-in and zero-out bump functions",
+        "Fig. 5 and equations [5], [6], [29]-[31].",
+        "The engine's bump across a ring, and the printed formula in squared pixels beside it.",
+        run_bumps,
+    ),
+    Case(
+        "boundaries",
+        "Reactive and repulsive boundaries",
+        "Fig. 4: R and Q round a circle and a bar.",
+        "The engine's rings of a circle and a bar.",
+        run_boundaries,
+    ),
+)

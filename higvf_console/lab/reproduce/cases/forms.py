@@ -1,0 +1,238 @@
+"""Printed against corrected: each doubtful equation alone as printed, and the number that shows the failure."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.control.forms import PRINTED, Forms
+from higvf_console.control.gains import Gains
+from higvf_console.control.intention import map_radius
+from higvf_console.lab.reproduce import experiments
+from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Table
+from higvf_console.lab.reproduce.runs import Runs
+from higvf_console.session.scenario import load_scenario
+
+
+class Doubt(NamedTuple):
+    """A doubtful equation.
+
+    Attributes:
+        field: its name in `Forms`.
+        equation: its number and name.
+        printed: what is printed.
+        corrected: what runs instead.
+        shown: what the experiment measures.
+        unit: of the number.
+        measure: gains -> number.
+        low: least number at which the equation does what it is for.
+        high: largest such number.
+    """
+
+    field: str
+    equation: str
+    printed: str
+    corrected: str
+    shown: str
+    unit: str
+    measure: Callable[[Gains], float]
+    low: float
+    high: float
+
+    def works(self, number: float) -> bool:
+        """Whether the equation does what it is for; NaN never does."""
+        return self.low <= number <= self.high
+
+
+DOUBTS = (
+    Doubt(
+        "formation",
+        "[12] formation",
+        "-| |r| - d | r/|r|",
+        "-k_form (|r| - d) r/|r|",
+        "distance of two robots after 30 s, 30 m apart at first, d = 60",
+        "m",
+        experiments.formation_distance,
+        59.0,
+        61.0,
+    ),
+    Doubt(
+        "intention",
+        "[15] shared intention",
+        "a map with weights, not rates",
+        "semi-implicit step of its ODE",
+        "largest |v_s| in the first second, the human intention being 1",
+        "",
+        experiments.intention_peak,
+        0.0,
+        1.0,
+    ),
+    Doubt(
+        "target",
+        "[11] robot intention",
+        "-θ φ ∇φ, φ in m²",
+        "θ sat(distance / band) towards the fire",
+        "largest |v_t| at the start of Table I, a human intention being at most 1",
+        "",
+        experiments.target_length,
+        0.0,
+        math.pi,
+    ),
+    Doubt(
+        "human",
+        "[9] human intention",
+        "zero-in only: Π S · X_P",
+        "composite step with Z X_R, once, on the velocity",
+        "way of a robot in 15 s; a circle on its path ends at 220 m",
+        "m",
+        experiments.way_past_obstacle,
+        250.0,
+        math.inf,
+    ),
+    Doubt(
+        "speed",
+        "[17] speed",
+        "C v/|v|",
+        "C v/max(|v|, δ)",
+        "speed wanted at rest, v_s = 0 and v_f = 0",
+        "m/s",
+        experiments.speed_at_rest,
+        0.0,
+        0.0,
+    ),
+    Doubt(
+        "blending",
+        "[19] blending",
+        "k_s a/(k_s a + k_f b)",
+        "k_s a/(k_s a + k_f b + δ)",
+        "λ at |v_s| = 1e-9, v_f = 0; λ is to be continuous with λ(0, 0) = 0",
+        "",
+        experiments.weight_near_rest,
+        0.0,
+        1e-3,
+    ),
+    Doubt(
+        "bump",
+        "[29]-[31] bump",
+        "φ in squared lengths",
+        "φ dimensionless",
+        "S 0.01 m outside the repulsive boundary, where S = 0",
+        "",
+        experiments.bump_at_boundary,
+        0.0,
+        1e-3,
+    ),
+    Doubt(
+        "fire_row",
+        "[27] row of a growing fire",
+        "no term for the growth",
+        "- (R_next² - R²)/(2 dt)",
+        "smallest clearance of a paused robot beside a fire that grows by 1 m/s",
+        "m",
+        experiments.clearance_at_fire,
+        0.0,
+        math.inf,
+    ),
+    Doubt(
+        "h_index",
+        "[27] index of h",
+        "h_ij in the row of obstacle k",
+        "h_ik",
+        "smallest clearance on a path through the second of two circles",
+        "m",
+        experiments.clearance_by_index,
+        0.0,
+        math.inf,
+    ),
+)
+
+
+def printed_alone(field: str) -> Gains:
+    """The default gains with one equation as printed."""
+    return Gains(forms=Forms()._replace(**{field: PRINTED}))
+
+
+def run_forms(_: Runs) -> Findings:
+    """Every experiment, once in each form."""
+    measured: list[Measurement] = []
+    rows: list[tuple[str, ...]] = []
+    with np.errstate(all="ignore"):
+        for doubt in DOUBTS:
+            good, bad = doubt.measure(Gains()), doubt.measure(printed_alone(doubt.field))
+            holds = doubt.works(good) and not doubt.works(bad)
+            measured.append(
+                Measurement(
+                    f"{doubt.equation}: {doubt.shown}",
+                    _number(good),
+                    doubt.unit,
+                    f"printed: {_shown(bad, doubt.unit)}",
+                    holds,
+                )
+            )
+            rows.append(
+                (
+                    doubt.equation,
+                    doubt.printed,
+                    doubt.corrected,
+                    doubt.shown,
+                    _shown(bad, doubt.unit),
+                    _shown(good, doubt.unit),
+                )
+            )
+    radius = _radius()
+    measured.append(
+        Measurement(
+            "[15] printed: spectral radius of the map for the team of Table I, robot 1 influenced",
+            round(radius, 2),
+            "",
+            "below 1 to converge",
+            radius > 1.0,
+        )
+    )
+    return Findings(
+        tuple(measured),
+        tables=(
+            Table(
+                "Each equation alone as printed, all others corrected",
+                ("equation", "printed", "corrected", "measured", "printed gives", "corrected gives"),
+                tuple(rows),
+            ),
+        ),
+        notes=(
+            "A row holds when the corrected form does what the equation is for and the printed one does not."
+            " `higvf run SCENARIO --forms printed` runs a whole scenario in the printed forms.",
+        ),
+        data={
+            "forms": {
+                doubt.field: {"printed": row[4], "corrected": row[5]} for doubt, row in zip(DOUBTS, rows, strict=True)
+            }
+        },
+    )
+
+
+def _radius() -> float:
+    setup = load_scenario("firefighting").setup()
+    robots = len(setup.start.motion.position)
+    return map_radius(robots * np.eye(robots) - 1.0, 0, setup.gains.intention)
+
+
+def _number(value: float) -> float | str:
+    return value if math.isfinite(value) else "NaN" if math.isnan(value) else "infinite"
+
+
+def _shown(value: float, unit: str) -> str:
+    number = _number(value)
+    text = number if isinstance(number, str) else f"{number:.3g}"
+    return f"{text} {unit}".strip()
+
+
+CASES = (
+    Case(
+        "forms",
+        "Printed against corrected",
+        "Equations [9], [11], [12], [15], [17], [19], [27], [29]-[31] as printed do not run.",
+        "One small experiment an equation, through the engine's step, with one form switched at a time.",
+        run_forms,
+    ),
+)

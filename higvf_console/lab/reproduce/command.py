@@ -1,0 +1,53 @@
+"""`higvf reproduce`: runs the chosen cases and writes the report."""
+
+import sys
+from collections.abc import Callable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+
+from higvf_console.errors import HigvfError
+
+OUT = Path("reproduction")
+
+
+def reproduce(
+    names: Sequence[str], out: Path | None, json_file: str | None, prepare: Callable[[], object] | None = None
+) -> None:
+    """Runs cases, with a progress bar on standard error, and writes report.html, report.md and report.json.
+
+    Args:
+        names: cases; none means all.
+        out: the report's folder; None = `reproduction`, or no report where the JSON goes to standard output.
+        json_file: where the JSON goes besides; "-" = standard output.
+        prepare: called once the cases are known, before the first one; e.g. compiles the engine.
+
+    Raises:
+        HigvfError: an unknown case, matplotlib is missing, or a file cannot be written.
+    """
+    if find_spec("matplotlib") is None:
+        raise HigvfError("the figures need matplotlib: pip install 'higvf-console[report]'")
+    from higvf_console.lab.reproduce.registry import choose  # noqa: PLC0415 (needs matplotlib)
+    from higvf_console.lab.reproduce.report.write import write_report  # noqa: PLC0415
+    from higvf_console.lab.reproduce.results import run_cases  # noqa: PLC0415
+
+    cases = choose(names)
+    if prepare is not None:
+        prepare()
+    results = run_cases(cases)
+    if out is not None or json_file != "-":
+        _tell(f"Report: {write_report(results, out or OUT)}")
+    if json_file == "-":
+        sys.stdout.write(results.json())
+    elif json_file is not None:
+        _write(Path(json_file), results.json())
+
+
+def _write(file: Path, text: str) -> None:
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise HigvfError(f"--json {file}: {error.strerror}") from error
+
+
+def _tell(text: str) -> None:
+    print(text, file=sys.stderr)

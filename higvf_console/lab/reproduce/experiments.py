@@ -1,0 +1,116 @@
+"""One small experiment for each doubtful equation: a number that shows how the printed form fails.
+
+Each takes the gains, whose `forms` say which form runs, and returns what is measured; everything goes through the
+engine's own step.
+"""
+
+import math
+
+import numpy as np
+
+from higvf_console.arrays import Floats
+from higvf_console.control.blending import blending_weight
+from higvf_console.control.bump import zero_in
+from higvf_console.control.gains import Gains
+from higvf_console.session.scenario import load_scenario, parse_scenario
+from higvf_console.sim.setup import Setup
+from higvf_console.sim.simulation import advance, roll
+from higvf_console.state import SimState
+
+_HEAD = "version: 1\narena: {x_min: -400, y_min: -400, x_max: 400, y_max: 400, walls: false}\n"
+_PAIR = _HEAD + "robots: {start_m: [[-15, 0], [15, 0]]}\nformation_m: [[0, 0], [60, 0]]\n"
+_AHEAD = (
+    _HEAD + "robots: {start_m: [[-200, 1]]}\nobstacles: {circles: [{at_m: [0, 0], radius_m: 20}]}\n"
+    "path: {line: {at_m: [-200, 0], angle_deg: 0}}\n"
+)
+_TEAM = (
+    _HEAD + "robots: {start_m: [[-200, 0], [-240, 30], [-240, -30]]}\npath: {line: {at_m: [-200, 0], angle_deg: 0}}\n"
+)
+_BESIDE_FIRE = (
+    _HEAD
+    + "robots: {start_m: [[-40, 0]]}\nfires: [{at_m: [0, 0], radius_m: 25, growth_m_per_s: 1, robots_needed: 1}]\n"
+)
+_TWO_CIRCLES = (
+    _HEAD + "robots: {start_m: [[-200, 1]]}\n"
+    "obstacles: {circles: [{at_m: [0, 300], radius_m: 20}, {at_m: [0, 0], radius_m: 20}]}\n"
+    "path: {line: {at_m: [-200, 0], angle_deg: 0}}\n"
+)
+
+
+def _start(text: str, gains: Gains) -> Setup:
+    return parse_scenario(text, "experiment").setup()._replace(gains=gains)
+
+
+def formation_distance(gains: Gains) -> float:
+    """Where two robots end that start 30 m apart and shall keep 60 m, moved by their formation velocity alone [m]."""
+    setup = _start(_PAIR, gains)
+    state, dt = setup.start, gains.safety.control_period
+    for _ in range(1500):
+        after, trace = advance(state, setup.world, gains)
+        moved = state.motion.position + dt * trace.formation
+        state = SimState(after.motion._replace(position=moved), state.intent, state.drawing)
+    return float(np.hypot(*(state.motion.position[1] - state.motion.position[0])))
+
+
+def intention_peak(gains: Gains) -> float:
+    """Largest |v_s| in the first second of three robots, one of which is told to follow a line."""
+    setup = _start(_TEAM, gains)
+    state, peak = setup.start, 0.0
+    for _ in range(50):
+        state, _ = advance(state, setup.world, gains)
+        peak = max(peak, _longest(state.motion.intention))
+    return peak
+
+
+def target_length(gains: Gains) -> float:
+    """Largest robot intention |v_t| at the start of Table I; a human intention is at most 1."""
+    setup = load_scenario("firefighting").setup()
+    _, trace = advance(setup.start, setup.world, gains)
+    return _longest(trace.robot_intention)
+
+
+def way_past_obstacle(gains: Gains) -> float:
+    """How far a robot has come after 15 s, 200 m before a circle on its path [m]; beyond 200 it is past it."""
+    setup = _start(_AHEAD, gains)
+    _, history = roll(setup.start, setup.world, gains, 750)
+    return float(history.position[-1, 0, 0] - setup.start.motion.position[0, 0])
+
+
+def speed_at_rest(gains: Gains) -> float:
+    """|blended velocity| of a robot at rest that nobody wants anything of [m/s]; NaN where it is 0/0."""
+    setup = _start(_PAIR.replace("[60, 0]", "[30, 0]"), gains)
+    _, trace = advance(setup.start, setup.world, gains)
+    return _longest(trace.blended)
+
+
+def weight_near_rest(gains: Gains) -> float:
+    """Lambda at |v_s| = 1e-9 and v_f = 0, where lambda(0, 0) = 0 is asked of a continuous function."""
+    return float(blending_weight(1e-9, 0.0, gains.blending, gains.forms))
+
+
+def bump_at_boundary(gains: Gains) -> float:
+    """S 0.01 m outside the repulsive boundary of an obstacle of 20 m, where S = 0 on the boundary."""
+    return float(zero_in(20.0 + gains.rings.repulsive_margin + 0.01, 20.0, gains.rings, gains.forms))
+
+
+def clearance_at_fire(gains: Gains) -> float:
+    """Smallest clearance of a paused robot beside a fire that grows by 1 m/s, over 60 s [m]."""
+    setup = _start(_BESIDE_FIRE, gains._replace(fires=gains.fires._replace(extinguish_time=10.0)))
+    paused = setup.start._replace(intent=setup.start.intent._replace(paused=True))
+    slow = setup.gains._replace(fires=setup.gains.fires._replace(stand_off=0.1))
+    _, history = roll(paused, setup.world, slow, 3000)
+    return float(history.clearance.min())
+
+
+def clearance_by_index(gains: Gains) -> float:
+    """Smallest clearance of a robot on a path through the second of two circles, the first being far away [m]."""
+    narrow = gains._replace(rings=gains.rings._replace(reactive_margin=1.0, repulsive_margin=0.0))
+    setup = _start(_TWO_CIRCLES, narrow)
+    _, history = roll(setup.start, setup.world, narrow, 300)
+    return float(history.clearance.min())
+
+
+def _longest(vectors: Floats) -> float:
+    """Length of the longest of vectors (N, 2); NaN if any has no length."""
+    lengths = np.hypot(vectors[:, 0], vectors[:, 1])
+    return math.nan if np.isnan(lengths).any() else float(lengths.max())

@@ -1,0 +1,26 @@
+"""Vector fields on a grid, drawn as arrows of one length or with their own."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from higvf_console.arrays import Floats, floats
+from higvf_console.viewport import Arena
+
+
+def grid_points(arena: Arena, columns: int) -> Floats:
+    """Ground points (G, 2) on a square grid with `columns` over the width, half a cell from the edges [m]."""
+    cell = arena.width / columns
+    rows = max(1, round(arena.height / cell))
+    x = arena.x_min + cell * (np.arange(columns) + 0.5)
+    y = arena.y_min + arena.height * (np.arange(rows) + 0.5) / rows
+    return floats(np.stack(np.meshgrid(x, y), axis=-1), -1, 2)
+
+
+def draw_arrows(axes: Axes, points: Floats, vectors: Floats, cell: float, ink: str | list[str]) -> None:
+    """Arrows (G, 2), a unit vector as long as 0.8 cells [m]; those shorter than 2 % are left out."""
+    seen = np.hypot(vectors[:, 0], vectors[:, 1]) > 0.02
+    colours = ink if isinstance(ink, str) else [colour for colour, shown in zip(ink, seen, strict=True) if shown]
+    axes.quiver(
+        *points[seen].T, *(0.8 * cell * vectors[seen]).T, color=colours, angles="xy", scale_units="xy", scale=1.0,
+        pivot="mid", width=0.1 * cell, units="xy", headwidth=4.0, headlength=4.5, headaxislength=4.0, zorder=4,
+    )  # fmt: skip

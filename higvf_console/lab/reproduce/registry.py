@@ -1,0 +1,32 @@
+"""All cases, in the order of the paper, and the choice of some by name."""
+
+from collections.abc import Sequence
+
+from higvf_console.errors import HigvfError
+from higvf_console.lab.reproduce.case import Case
+from higvf_console.lab.reproduce.cases import (
+    certificates,
+    circles,
+    composite,
+    fields,
+    firefighting,
+    forms,
+    physical,
+    table2,
+)
+from higvf_console.session.reading import closest
+
+_PARTS = (fields, composite, circles, firefighting, table2, physical, forms, certificates)
+CASES: dict[str, Case] = {case.name: case for part in _PARTS for case in part.CASES}
+
+
+def choose(names: Sequence[str]) -> tuple[Case, ...]:
+    """The cases of these names, in the paper's order; all of them for no name.
+
+    Raises:
+        HigvfError: no such case; the message gives the closest and lists them all.
+    """
+    for name in names:
+        if name not in CASES:
+            raise HigvfError(f"no case '{name}'{closest(name, tuple(CASES))}; known cases: {', '.join(CASES)}")
+    return tuple(case for name, case in CASES.items() if not names or name in names)

@@ -1,0 +1,93 @@
+"""The irregular obstacles of a scenario file: polygons point by point, and masks from image files."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from higvf_console.arrays import Floats
+from higvf_console.errors import ScenarioError
+from higvf_console.quantity import Quantity
+from higvf_console.session.masks import MaskPlace, read_grey, trace
+from higvf_console.session.polygons import MOST_EDGES, crossing, edges, oriented, signed_area, without_repeats
+from higvf_console.session.reading import Node
+
+LEAST_AREA = 1.0  # of a polygon [m^2]
+
+_SCALE = Quantity("m", 1e-4, 1e4, "", "Side of a pixel.")
+_GREY = Quantity("", 0.0, 255.0, "", "Brightness below which a pixel is dark.")
+_TOLERANCE = Quantity("m", 0.0, 1e6, "", "How far an outline may be off.")
+_AREA = Quantity("m^2", 0.0, 1e12, "", "An area.")
+_MASK_KEYS = ("image", "at_m", "metres_per_pixel", "threshold", "obstacle", "tolerance_m", "least_area_m2")
+
+
+def read_polygons(node: Node) -> tuple[Floats, ...]:
+    """The section `polygons`, each counter-clockwise."""
+    return tuple(_polygon(item.section(("points_m",), ("points_m",))["points_m"]) for item in node.items())
+
+
+def _polygon(node: Node) -> Floats:
+    points = without_repeats(node.points())
+    distinct = len(np.unique(points, axis=0))
+    if distinct < 3:
+        raise node.error(f"a polygon needs at least 3 distinct points; this one has {distinct}")
+    if len(points) > MOST_EDGES:
+        raise node.error(f"the polygon has {len(points)} edges; at most {MOST_EDGES} are possible")
+    pair = crossing([points])
+    if pair is not None:
+        first, second = (_edge(points, k) for k in pair)
+        raise node.error(f"the polygon crosses or touches itself: {first} and {second}")
+    area = abs(signed_area(points))
+    if area < LEAST_AREA:
+        raise node.error(f"the polygon has an area of {area:.3g} m^2; give it at least {LEAST_AREA:g} m^2")
+    return oriented(points)
+
+
+def _edge(points: Floats, k: int) -> str:
+    ax, ay, bx, by = edges([points])[k]
+    return f"edge {k + 1} from ({ax:g}, {ay:g}) to ({bx:g}, {by:g})"
+
+
+def read_masks(node: Node, folders: Sequence[Path]) -> tuple[Floats, ...]:
+    """The section `masks`, traced; images are looked for in `folders`, in this order."""
+    return tuple(chain for item in node.items() for chain in _mask(item, folders))
+
+
+def _mask(node: Node, folders: Sequence[Path]) -> tuple[Floats, ...]:
+    entries = node.section(_MASK_KEYS, ("image", "at_m", "metres_per_pixel"))
+    scale = entries["metres_per_pixel"].number(_SCALE)
+    threshold = entries["threshold"].number(_GREY) if "threshold" in entries else 128.0
+    bright = "obstacle" in entries and entries["obstacle"].choice(("dark", "bright")) == "bright"
+    tolerance = entries["tolerance_m"].number(_TOLERANCE) if "tolerance_m" in entries else scale
+    least_area = entries["least_area_m2"].number(_AREA) if "least_area_m2" in entries else 4.0 * scale**2
+    try:
+        dark = read_grey(entries["image"].text(), folders) < threshold
+    except ScenarioError as error:
+        raise entries["image"].error(str(error)) from error
+    chains = trace(~dark if bright else dark, MaskPlace(entries["at_m"].point(), scale), tolerance, least_area)
+    count = sum(len(chain) for chain in chains)
+    if not chains:
+        raise node.error(
+            f"no {'bright' if bright else 'dark'} shape of at least {least_area:g} m^2 at threshold {threshold:g}; "
+            "change threshold, obstacle or least_area_m2"
+        )
+    if count > MOST_EDGES:
+        raise node.error(
+            f"its outlines have {count} edges, at most {MOST_EDGES} are possible; "
+            f"raise tolerance_m ({tolerance:g} m) or least_area_m2 ({least_area:g} m^2)"
+        )
+    return chains
+
+
+def check_edges(node: Node, polygons: Sequence[Floats]) -> None:
+    """Refuses more edges than `MOST_EDGES`.
+
+    Raises:
+        ScenarioError: there are more; the message gives the number.
+    """
+    count = sum(len(chain) for chain in polygons)
+    if count > MOST_EDGES:
+        raise node.error(
+            f"polygons and masks have {count} edges together, at most {MOST_EDGES} are possible; "
+            "give polygons fewer points, or masks a larger tolerance_m"
+        )

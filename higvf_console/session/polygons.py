@@ -1,0 +1,106 @@
+"""Irregular obstacles as closed chains of points: orientation, edges as bars, crossings, distances.
+
+A chain (n, 2) [m] closes from its last point to its first. Counter-clockwise it bounds an obstacle; clockwise it bounds
+a free area that the obstacle before it encloses. An obstacle is thus one chain and the clockwise ones that follow it.
+"""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from higvf_console.arrays import Bools, Floats, floats
+
+MOST_EDGES = 500  # of all irregular obstacles together: each is a barrier of every robot near it
+
+
+def signed_area(chain: Floats) -> float:
+    """Area [m^2] inside a chain (n, 2), positive when it runs counter-clockwise."""
+    x, y = (chain - chain[0]).T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def oriented(chain: Floats, *, clockwise: bool = False) -> Floats:
+    """The chain, run counter-clockwise or clockwise."""
+    return floats(chain[::-1] if (signed_area(chain) < 0.0) is not clockwise else chain)
+
+
+def without_repeats(points: Floats) -> Floats:
+    """The points (n, 2) without those equal to the one before them; the first follows the last."""
+    return floats(points[(points != np.roll(points, 1, axis=0)).any(axis=1)])
+
+
+def edges(chains: Iterable[Floats]) -> Floats:
+    """Edges (E, 4) ax, ay, bx, by [m] of the chains, in order."""
+    found = [np.concatenate([chain, np.roll(chain, -1, axis=0)], axis=1) for chain in chains]
+    return np.concatenate(found) if found else floats([], 0, 4)
+
+
+def obstacles_of(chains: Iterable[Floats]) -> list[tuple[Floats, ...]]:
+    """The chains by obstacle: each counter-clockwise one with the clockwise ones that follow it."""
+    found: list[tuple[Floats, ...]] = []
+    for chain in chains:
+        if signed_area(chain) > 0.0 or not found:
+            found.append((chain,))
+        else:
+            found[-1] = (*found[-1], chain)
+    return found
+
+
+def crossing(chains: Sequence[Floats]) -> tuple[int, int] | None:
+    """Two edges, as rows of `edges`, that touch although they are not neighbours, or fold back on each other."""
+    spines = edges(chains)
+    a, b = spines[:, :2], spines[:, 2:]
+    following = np.concatenate(
+        [np.roll(np.arange(len(c)), -1) + s for c, s in zip(chains, _starts(chains), strict=True)]
+    )
+    touching = _touching(a, b)
+    index = np.arange(len(a))
+    touching[index, following] = touching[following, index] = False
+    along, onward = b - a, (b - a)[following]
+    turn = along[:, 0] * onward[:, 1] - along[:, 1] * onward[:, 0]
+    touching[index, following] |= (turn == 0.0) & ((along * onward).sum(axis=1) < 0.0)
+    first, second = np.nonzero(np.triu(touching | touching.T, 1))
+    return (int(first[0]), int(second[0])) if len(first) else None
+
+
+def _starts(chains: Sequence[Floats]) -> list[int]:
+    return np.cumsum([0, *[len(chain) for chain in chains[:-1]]]).tolist()
+
+
+def _touching(a: Floats, b: Floats) -> Bools:
+    """Which of the segments a-b (E, 2) have a point in common (E, E)."""
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    near = ((low[:, None] <= high[None]) & (low[None] <= high[:, None])).all(axis=2)
+    side_a, side_b = _sides(a, b, a), _sides(a, b, b)
+    split = side_a * side_b <= 0.0
+    return near & split & split.T
+
+
+def _sides(a: Floats, b: Floats, points: Floats) -> Floats:
+    """On which side of line i the point j lies (E, E): -1, 0, 1."""
+    along = b - a
+    dx, dy = (points[None, :, k] - a[:, None, k] for k in (0, 1))
+    return np.sign(along[:, :1] * dy - along[:, 1:] * dx)
+
+
+def segment_distance(points: Floats, start: Floats, end: Floats) -> Floats:
+    """Distance (N,) [m] of points (N, 2) from the segment between two points (2,)."""
+    along = end - start
+    share = (points - start) @ along / max(float(along @ along), 1e-12)
+    return np.hypot(*(points - start - np.clip(share, 0.0, 1.0)[:, None] * along).T)
+
+
+def signed_distance(chains: Sequence[Floats], points: Floats) -> Floats:
+    """Distance (N,) [m] of points (N, 2) from the edge of one obstacle, negative inside it.
+
+    Args:
+        chains: its outline, and the outlines of the free areas in it; inside is what an odd number of them encloses.
+        points: (N, 2) [m].
+    """
+    x, y = points.T
+    nearest, inside = np.full(len(points), np.inf), np.zeros(len(points), np.bool_)
+    for ax, ay, bx, by in edges(chains):
+        nearest = np.minimum(nearest, segment_distance(points, floats([ax, ay]), floats([bx, by])))
+        if ay != by:
+            inside ^= ((ay > y) != (by > y)) & (x < ax + (y - ay) * (bx - ax) / (by - ay))
+    return np.where(inside, -nearest, nearest)

@@ -1,0 +1,105 @@
+"""Measures a decoder on a recording: `python -m higvf_interfaces.decoding FILE decoder=lda`.
+
+The options are those of `--input`, joined by commas. A recording with trials gives accuracy by trial, latency and wrong
+commands per minute; with `--idle`, nobody meant anything in it, and every command is a false one.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from higvf_console.commands import InputSpec
+from higvf_console.errors import HigvfError
+from higvf_interfaces.decoding import replay
+from higvf_interfaces.decoding.emg_lda import BAND
+from higvf_interfaces.decoding.evaluation import (
+    Score,
+    false_commands_per_minute,
+    score_decoder,
+    score_emg,
+    verdict,
+)
+from higvf_interfaces.decoding.ssvep import WINDOW
+from higvf_interfaces.evidence import STREAMING
+from higvf_interfaces.fields import Fields, option_fields
+from higvf_interfaces.formats.signal_reading import read_signals
+from higvf_interfaces.recorded_options import DECODING, RECORDED, signal_request
+
+FULL_BAND = 2 * BAND[1]  # sampling rate that holds all of surface EMG [Hz]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command; returns its exit code."""
+    parser = argparse.ArgumentParser(prog="python -m higvf_interfaces.decoding", description=__doc__)
+    parser.add_argument("file", help="recording of raw samples")
+    parser.add_argument("options", help="such as decoder=ssvep,targets=1@30+2@20,mains=60,trial_s=3")
+    parser.add_argument("--idle", action="store_true", help="nobody meant anything: count false commands")
+    parser.add_argument("--json", action="store_true", help="write JSON")
+    given = parser.parse_args(arguments)
+    try:
+        parts = dict(part.partition("=")[::2] for part in given.options.split(","))
+        options = option_fields(InputSpec("decoding", given.file, options=parts), (*RECORDED, *DECODING))
+        found = idle_report(given.file, options) if given.idle else report(given.file, options)
+    except HigvfError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    print(json.dumps(found, indent=2) if given.json else "\n".join(f"{key}: {value}" for key, value in found.items()))
+    return 0
+
+
+def report(source: str, options: Fields) -> dict[str, Any]:
+    """The figures of a labelled recording, cross-validated by trial where the decoder is fitted.
+
+    Raises:
+        InputError: the recording, its trials or an option cannot be used.
+    """
+    kind, mains = options.choice("decoder", "", replay.DECODERS), options.number("mains", 50.0, 0.0, 1000.0, "Hz")
+    record, trials = read_signals(source, signal_request(options)), replay.labelled(source, options)
+    cautions: list[str] = []
+    if kind == "lda":
+        result = score_emg(record, trials, mains)
+        if record.rate < FULL_BAND:
+            cautions.append(f"{record.rate:.0f} Hz hold only a part of surface EMG, which reaches {BAND[1]:.0f} Hz")
+    else:
+        window = options.number("window", WINDOW, 0.2, 10.0, "s")
+        result = score_decoder(kind, record, trials, replay.ssvep_decoder(record, options, mains), window)
+    return _figures(result) | {"notes": [*cautions, *record.notes]}
+
+
+def idle_report(source: str, options: Fields) -> dict[str, Any]:
+    """False commands per minute in a recording in which nobody meant anything.
+
+    Raises:
+        InputError: the recording or an option cannot be used.
+    """
+    feed = replay.decoder_feed(source, options, 0.0)
+    decisions = [due.decision for due in feed.due(float("inf"))]
+    return {
+        "decoder": options.text("decoder"),
+        "decisions": len(decisions),
+        "false_commands_per_minute": round(false_commands_per_minute(decisions, STREAMING), 2),
+        "notes": list(feed.notes),
+    }
+
+
+def _figures(result: Score) -> dict[str, Any]:
+    low, high = result.interval
+    return {
+        "decoder": result.decoder,
+        "trials": result.trials,
+        "accuracy_by_trial": round(result.accuracy, 3),
+        "interval_95": [round(low, 3), round(high, 3)],
+        "chance": round(result.chance, 3),
+        "accuracy_by_window": round(result.windows_correct / result.windows, 3),
+        "trials_with_their_command": result.reached,
+        "latency_s": round(result.latency_s, 2),
+        "wrong_commands_per_minute": round(result.wrong_per_minute, 1),
+        "confusion": {f"{cued} -> {decided or 'none'}": count for (cued, decided), count in result.confusion.items()},
+        "verdict": verdict(result),
+    }
+
+
+if __name__ == "__main__":
+    sys.exit(main())

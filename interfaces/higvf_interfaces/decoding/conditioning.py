@@ -1,0 +1,61 @@
+"""Causal filters that keep their state from chunk to chunk: band pass, and notches at the mains and its harmonics."""
+
+from typing import Any
+
+import numpy as np
+from scipy.signal import butter, iirnotch, sosfilt, sosfilt_zi, tf2sos
+
+from higvf_console.arrays import Floats, floats
+from higvf_console.errors import InputError
+
+_TOP = 0.45  # of the sampling rate: the highest frequency used
+_NOTCH_Q = 20.0  # 60 Hz +- 1.5 Hz
+_MOST_NOTCHES = 4
+
+
+class Conditioner:
+    """Filters samples (n, c) of a stream; missing samples repeat the last one."""
+
+    def __init__(self, rate: float, low: float, high: float, mains: float, order: int = 4) -> None:
+        """A Butterworth band pass from `low` to `high` [Hz], or as high as `rate` [Hz] allows, and notches at `mains`.
+
+        Raises:
+            InputError: the rate is too low for the band.
+        """
+        top = min(high, _TOP * rate)
+        if top < 1.5 * low:
+            raise InputError(f"a rate of {rate:g} Hz cannot carry the band from {low:g} Hz up that this decoder needs")
+        band: Any = butter(order, (low, top), btype="bandpass", fs=rate, output="sos")
+        hums = [mains * k for k in range(1, _MOST_NOTCHES + 1) if mains > 0 and low < mains * k < top]
+        notches = [tf2sos(*iirnotch(hum, _NOTCH_Q, fs=rate)) for hum in hums]
+        self._sections = np.concatenate([band, *notches])
+        self._at_rest = sosfilt_zi(self._sections)  # (s, 2)
+        self.restart()
+
+    def restart(self) -> None:
+        """Forgets the samples."""
+        self._state: Floats | None = None  # (s, 2, c)
+        self._last: Floats | None = None  # (c,)
+
+    def filtered(self, values: Floats) -> Floats:
+        """The next samples (n, c), filtered."""
+        if not len(values):
+            return values
+        if self._state is None or self._last is None:
+            # An amplifier's offset is thousands of times its signal; the filter starts as if it had always been there.
+            self._last = np.where(np.isfinite(values[0]), values[0], 0.0)
+            self._state = self._at_rest[:, :, None] * self._last
+        whole = _held(values, self._last)
+        self._last = whole[-1]
+        filtered, self._state = sosfilt(self._sections, whole, axis=0, zi=self._state)
+        return floats(filtered)
+
+
+def _held(values: Floats, last: Floats) -> Floats:
+    """Samples in which a missing one repeats the one before."""
+    missing = ~np.isfinite(values)
+    if not missing.any():
+        return values
+    padded = np.concatenate([last[None], values])
+    rows = np.where(np.isfinite(padded), np.arange(len(padded))[:, None], 0)
+    return np.take_along_axis(padded, np.maximum.accumulate(rows, axis=0), axis=0)[1:]

@@ -1,0 +1,55 @@
+"""Filter-bank canonical correlation analysis of steady-state visual evoked potentials (Chen et al. 2015).
+
+A flicker at f makes the visual cortex oscillate at f and its harmonics. In each sub-band m, rho_m(f) is the largest
+canonical correlation between the channels and the sines and cosines of the harmonics of f; together
+
+    R(f)^2 = sum_m w_m rho_m(f)^2 / sum_m w_m,    w_m = m^-1.25 + 0.25
+"""
+
+import numpy as np
+
+from higvf_console.arrays import Floats, floats
+
+_HUM = 1.0  # a harmonic that near to one of the mains is not used [Hz]
+
+
+def usable_harmonics(frequencies: list[float], rate: float, mains: float, most: int) -> list[list[int]]:
+    """For each frequency, its harmonics below 0.45 `rate` and off the mains, as many for each.
+
+    A target with more references correlates better with anything; so all have as many as the one with the fewest.
+
+    Args:
+        frequencies: of the targets [Hz].
+        rate: of the samples [Hz].
+        mains: frequency of the mains [Hz]; 0 = none.
+        most: harmonics looked at.
+    """
+
+    def clean(frequency: float) -> bool:
+        return not mains or abs(frequency - mains * round(frequency / mains)) > _HUM or frequency < mains / 2
+
+    usable = [[k for k in range(1, most + 1) if k * f < 0.45 * rate and clean(k * f)] for f in frequencies]
+    fewest = min(map(len, usable))
+    return [harmonics[:fewest] for harmonics in usable]
+
+
+def reference(frequency: float, harmonics: list[int], samples: int, rate: float) -> Floats:
+    """Orthonormal basis (n, 2 h) of the sines and cosines of the harmonics, without their mean."""
+    phase = 2 * np.pi * frequency / rate * np.outer(np.arange(samples), harmonics)
+    return basis(np.hstack([np.sin(phase), np.cos(phase)]))
+
+
+def basis(samples: Floats) -> Floats:
+    """Orthonormal basis of the columns (n, c), without their mean."""
+    return floats(np.linalg.qr(samples - samples.mean(axis=0))[0])
+
+
+def canonical_correlation(channels: Floats, references: Floats) -> float:
+    """Largest canonical correlation of two orthonormal bases (n, a) and (n, b), in [0, 1]."""
+    return float(min(1.0, np.linalg.svd(channels.T @ references, compute_uv=False)[0]))
+
+
+def band_weights(count: int) -> Floats:
+    """Weights (m,) of the sub-bands, with sum 1."""
+    raw = np.arange(1, count + 1) ** -1.25 + 0.25
+    return floats(raw / raw.sum())

@@ -1,0 +1,155 @@
+"""A decoder at work on a recording of raw signals, on the session clock: `decoder=lda` or `decoder=ssvep`."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from higvf_interfaces.decoding.contract import Decoder, Trial
+from higvf_interfaces.decoding.emg_lda import EmgDecoder, EmgFrontEnd, EmgModel, fit
+from higvf_interfaces.decoding.ssvep import HOP, WINDOW, SsvepDecoder
+from higvf_interfaces.decoding.trials import trials_of
+from higvf_interfaces.feeds import Due
+from higvf_interfaces.fields import Fields, is_number, shown
+from higvf_interfaces.formats.signal_reading import read_decisions, read_signals
+from higvf_interfaces.formats.signal_records import SignalChunk, SignalRecord
+from higvf_interfaces.recorded_options import signal_request, word
+from higvf_interfaces.streams import CLOCK_GRAIN
+
+DECODERS = ("lda", "ssvep")
+_MAINS = 50.0  # [Hz]
+
+
+class DecoderFeed:
+    """Decisions that a decoder makes of a recording as its samples fall due."""
+
+    def __init__(self, record: SignalRecord, decoder: Decoder, notes: Sequence[str], start: float) -> None:
+        """Plays `record` from session time `start` on [s]; decisions before 0 are not given."""
+        self._record, self._decoder, self._start, self._said = record, decoder, start, tuple(notes)
+        self.labels: Sequence[str] = decoder.labels
+        self._restart()
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """What was repaired in the recording, and how the decoder was calibrated."""
+        return (*self._said, *self._record.notes)
+
+    @property
+    def started(self) -> bool:
+        """Whether any decision has been made."""
+        return self._count > 0
+
+    @property
+    def ended(self) -> bool:
+        """Whether all samples have been played."""
+        return self._chunk is None
+
+    def due(self, now: float) -> list[Due]:
+        """Decisions that the samples up to session time `now` [s] have completed."""
+        if now < self._now:
+            self._restart()
+        self._now = now
+        given: list[Due] = []
+        while self._chunk is not None:
+            times = self._chunk.times + self._start
+            ready = int(np.searchsorted(times, now + CLOCK_GRAIN, side="right"))
+            for decision in self._decoder.push(SignalChunk(times[:ready], self._chunk.values[:ready])):
+                if decision.time >= 0:
+                    given.append(Due(self._count, decision))
+                    self._count += 1
+            if ready < len(times):
+                self._chunk = SignalChunk(self._chunk.times[ready:], self._chunk.values[ready:])
+                break
+            self._chunk = next(self._chunks, None)
+        return given
+
+    def _restart(self) -> None:
+        self._decoder.restart()
+        self._chunks = self._record.chunks()
+        self._chunk: SignalChunk | None = next(self._chunks, None)
+        self._now, self._count = -math.inf, 0
+
+
+def decoder_feed(source: str, options: Fields, start: float) -> DecoderFeed:
+    """The feed that an input's options describe.
+
+    Raises:
+        InputError: the recording, its calibration or an option cannot be used.
+    """
+    kind = options.choice("decoder", "", DECODERS)
+    mains = options.number("mains", _MAINS, 0.0, 1000.0, "Hz")
+    record = read_signals(source, signal_request(options))
+    if kind == "ssvep":
+        return DecoderFeed(record, ssvep_decoder(record, options, mains), (), start)
+    return DecoderFeed(record, *_lda(source, record, options, mains), start)
+
+
+def ssvep_decoder(record: SignalRecord, options: Fields, mains: float) -> SsvepDecoder:
+    """The SSVEP decoder of `record` that the options describe.
+
+    Raises:
+        InputError: an option cannot be used.
+    """
+    window, hop = options.number("window", WINDOW, 0.2, 10.0, "s"), options.number("hop", HOP, 0.02, 10.0, "s")
+    return SsvepDecoder(_targets(options), record.rate, mains, window, hop)
+
+
+def labelled(source: str, options: Fields) -> list[Trial]:
+    """The trials of a labelled recording; the option `markers` names another file that has its markers.
+
+    Raises:
+        InputError: there are no markers, or they make no trials.
+    """
+    length = options.number("trial_s", None, 0.1, 3600.0, "s") if options.has("trial_s") else None
+    marked = options.text("markers") if options.has("markers") else source
+    request = signal_request(options)._replace(format=None, stream=None, channels=())
+    return trials_of(read_decisions(marked, request).decisions, length)
+
+
+def calibrated(source: str, options: Fields, mains: float) -> EmgModel:
+    """The EMG model of a labelled recording.
+
+    Raises:
+        InputError: the recording has no channels of that kind, or too few trials.
+    """
+    record, trials = read_signals(source, signal_request(options)), labelled(source, options)
+    until = options.number("calibrate_to", math.inf, 0.0, math.inf, "s")
+    front = EmgFrontEnd(record.rate, mains)
+    windows = [window for chunk in record.chunks() for window in front.windows(chunk)]
+    return fit(windows, [trial for trial in trials if trial.end <= until])
+
+
+def _lda(source: str, record: SignalRecord, options: Fields, mains: float) -> tuple[EmgDecoder, list[str]]:
+    calibration = options.text("calibration")
+    model = calibrated(calibration, options, mains)
+    if len(model.deadband) != len(record.names):
+        options.fail(
+            f"calibration: {calibration} has {len(model.deadband)} channels and the recording {len(record.names)}; "
+            "choose the same by channels=NAME+NAME"
+        )
+    same = Path(calibration).expanduser().resolve() == Path(source).expanduser().resolve()
+    own = " of the recording that it decodes, so it looks better than it is" if same else ""
+    until = f" up to {options.values['calibrate_to']} s" if options.has("calibrate_to") else ""
+    notes = [f"calibrated on {len(model.labels)} labels{own}{until}"]
+    return EmgDecoder(model, record.rate, mains), notes
+
+
+def _targets(options: Fields) -> dict[str, float]:
+    """`targets=robot1@30+robot2@20`, or a mapping in a scenario; frequencies in Hz."""
+    if isinstance(options.values.get("targets"), dict):
+        given = list(options.mapping("targets").items())
+    else:
+        parts = [part.rpartition("@") for part in word(options, "targets").split("+")] if options.has("targets") else []
+        given = [(label.strip() or value.strip(), _float(value)) for label, _, value in parts]
+    targets = {str(label): float(value) for label, value in given if is_number(value)}
+    if not targets or len(targets) < len(given):
+        options.fail(f"targets: {shown(options.values.get('targets'))} is not LABEL@HZ+LABEL@HZ, such as 1@30+2@20")
+    return targets
+
+
+def _float(text: str) -> object:
+    try:
+        return float(text)
+    except ValueError:
+        return text

@@ -1,0 +1,109 @@
+"""Which flickering target a person looks at, from EEG: filter-bank CCA with sham targets that catch idleness.
+
+The nearest frequencies that do not flicker (shams) correlate with the background as well as a target does when nobody
+looks at it. Under white noise of nu degrees of freedom a frequency's log-likelihood ratio is -nu/2 log(1 - R^2); the
+posterior over targets and shams, which have the higher prior, gives the confidence; the shams' share is that of `idle`.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from higvf_console.arrays import Floats, floats
+from higvf_console.errors import InputError
+from higvf_interfaces.decoding.conditioning import Conditioner
+from higvf_interfaces.decoding.contract import SlidingWindow
+from higvf_interfaces.decoding.fbcca import band_weights, basis, canonical_correlation, reference, usable_harmonics
+from higvf_interfaces.formats.records import Decision
+from higvf_interfaces.formats.signal_records import SignalChunk
+
+IDLE = "idle"
+WINDOW, HOP = 1.0, 0.25  # [s]
+HARMONICS = 2
+IDLE_ODDS = 10.0  # prior odds of a sham against a target: people mostly look elsewhere
+_BAND_TOP = 88.0  # [Hz]
+_BAND_EDGE = 2.0  # a sub-band starts so far below the lowest target's harmonic [Hz]
+_SHAMS = (-3.0, -2.0, 2.0, 3.0)  # distances of the shams from a target, in 1 / window
+
+
+class SsvepDecoder:
+    """Says at each window which target is looked at, or `idle`."""
+
+    def __init__(
+        self, targets: Mapping[str, float], rate: float, mains: float, window: float = WINDOW, hop: float = HOP
+    ) -> None:
+        """A decoder of flickers.
+
+        Args:
+            targets: label -> frequency of the flicker [Hz].
+            rate: of the samples [Hz].
+            mains: frequency of the mains [Hz]; 0 = none.
+            window: that a decision rests on [s].
+            hop: from decision to decision [s].
+
+        Raises:
+            InputError: fewer than two targets, two of them too near for the window, or one without a usable harmonic.
+        """
+        self.labels: Sequence[str] = (*targets, IDLE)
+        frequencies = list(targets.values())
+        _check(targets, window)
+        samples = round(window * rate)
+        harmonics = usable_harmonics(frequencies, rate, mains, HARMONICS)
+        if not harmonics[0]:
+            raise InputError(f"a target of {frequencies} Hz has no harmonic below {0.45 * rate:g} Hz and off the mains")
+        lowest = min(frequencies)
+        starts = [max(1.0, k * lowest - _BAND_EDGE) for k in range(1, len(harmonics[0]) + 1)]
+        self._bands = [Conditioner(rate, start, _BAND_TOP, mains) for start in starts]
+        self._windows = [SlidingWindow(samples, max(1, round(hop * rate))) for _ in starts]
+        self._weights = band_weights(len(starts))
+        self._freedom = 2 * window * (min(_BAND_TOP, 0.45 * rate) - starts[0])
+        taken = [k * f for f, multiples in zip(frequencies, harmonics, strict=True) for k in multiples]
+        shams = [
+            (f + d / window, multiples) for f, multiples in zip(frequencies, harmonics, strict=True) for d in _SHAMS
+        ]
+        free = [(f, multiples) for f, multiples in shams if f > 1 and all(abs(f - t) >= 1.5 / window for t in taken)]
+        tried = [*zip(frequencies, harmonics, strict=True), *free]
+        self._references = [reference(f, multiples, samples, rate) for f, multiples in tried]
+
+    def restart(self) -> None:
+        """Forgets the samples."""
+        for part in (*self._bands, *self._windows):
+            part.restart()
+
+    def push(self, chunk: SignalChunk) -> list[Decision]:
+        """One decision for each window that the next samples complete."""
+        bands = [
+            list(window.push(chunk._replace(values=band.filtered(chunk.values))))
+            for band, window in zip(self._bands, self._windows, strict=True)
+        ]
+        decisions: list[Decision] = []
+        for parts in zip(*bands, strict=True):
+            posterior = self.posterior([part.values for part in parts])
+            best = int(np.argmax(posterior))
+            decisions.append(Decision(parts[0].time, self.labels[best], float(posterior[best])))
+        return decisions
+
+    def posterior(self, bands: Sequence[Floats]) -> Floats:
+        """Probability of each label, shape (k + 1,), given the window in each sub-band, (n, c) each."""
+        bases = [basis(band) for band in bands]
+        shared = [
+            sum(w * canonical_correlation(b, r) ** 2 for w, b in zip(self._weights, bases, strict=True))
+            for r in self._references
+        ]
+        evidence = -0.5 * self._freedom * np.log1p(-np.clip(shared, 0.0, 1 - 1e-9))
+        likelihood = np.exp(evidence - evidence.max())
+        targets = len(self.labels) - 1
+        joined = np.append(likelihood[:targets], IDLE_ODDS * likelihood[targets:].sum())
+        return floats(joined / joined.sum())
+
+
+def _check(targets: Mapping[str, float], window: float) -> None:
+    if len(targets) < 2:
+        raise InputError(f"targets: {dict(targets)}: SSVEP needs two flickers or more, such as targets=1@30+2@20")
+    ordered = sorted(targets.values())
+    nearest = float(np.min(np.diff(ordered)))
+    if ordered[0] <= 3 or nearest < 1 / window:
+        raise InputError(
+            f"targets: {dict(targets)}: flickers must be above 3 Hz and, for a window of {window:g} s, "
+            f"{1 / window:g} Hz apart"
+        )

@@ -1,0 +1,72 @@
+"""Fixations by dispersion (I-DT): the longest stretches of gaze that stay within a small window.
+
+Salvucci and Goldberg, "Identifying fixations and saccades in eye-tracking protocols", ETRA 2000. A window of the
+shortest duration slides on until gaze stays within it, then grows for as long as it does.
+"""
+
+import numpy as np
+
+from higvf_console.arrays import Bools, Floats, Ints, bools, ints
+
+
+def still_stretches(
+    time: Floats, points: Floats, steady: Bools, within: float, shortest: float, longest_gap: float
+) -> tuple[Ints, Ints]:
+    """First and last sample of each stretch whose width plus height stays within a limit.
+
+    Args:
+        time: (n,) strictly increasing [s].
+        points: (n, 2) [px]; finite where steady.
+        steady: (n,) samples that may belong to a fixation; another one ends a stretch.
+        within: the limit [px].
+        shortest: shorter stretches are none [s].
+        longest_gap: a hole in time that is longer ends a stretch [s].
+    """
+    firsts: list[int] = []
+    lasts: list[int] = []
+    for start, stop in zip(*_unbroken(time, steady, longest_gap), strict=True):
+        begin = start
+        while begin <= stop:
+            last = int(np.searchsorted(time, time[begin] + shortest))
+            if last > stop:
+                break
+            if _dispersion(points[begin : last + 1]) > within:
+                begin += 1
+                continue
+            last = _grown(points, begin, last, stop, within)
+            firsts.append(begin)
+            lasts.append(last)
+            begin = last + 1
+    return ints(firsts), ints(lasts)
+
+
+def covered(count: int, first: Ints, last: Ints) -> Bools:
+    """Whether each of `count` samples lies in one of the stretches from `first` to `last` inclusive."""
+    edges = np.zeros(count + 1, dtype=np.int64)
+    np.add.at(edges, first, 1)
+    np.add.at(edges, last + 1, -1)
+    return bools(np.cumsum(edges)[:-1] > 0)
+
+
+def _unbroken(time: Floats, steady: Bools, longest_gap: float) -> tuple[list[int], list[int]]:
+    padded = np.concatenate([[False], steady, [False]])
+    broken = np.concatenate([[False], np.diff(time) > longest_gap, [False]])
+    starts = np.flatnonzero(padded[1:] & (~padded[:-1] | broken))
+    stops = np.flatnonzero(padded[:-1] & (~padded[1:] | broken)) - 1
+    return starts.tolist(), stops.tolist()
+
+
+def _dispersion(points: Floats) -> float:
+    return float(np.ptp(points, axis=0).sum())
+
+
+def _grown(points: Floats, begin: int, last: int, stop: int, within: float) -> int:
+    """The last sample up to which [begin, ...] stays within the limit."""
+    low_x, low_y = points[begin : last + 1].min(axis=0).tolist()
+    high_x, high_y = points[begin : last + 1].max(axis=0).tolist()
+    for sample in range(last + 1, stop + 1):
+        x, y = points[sample].tolist()
+        low_x, high_x, low_y, high_y = min(low_x, x), max(high_x, x), min(low_y, y), max(high_y, y)
+        if high_x - low_x + high_y - low_y > within:
+            return sample - 1
+    return stop

@@ -1,0 +1,97 @@
+"""Device times -> one increasing clock, block by block, with every repair counted."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from higvf_console.arrays import Floats, Ints, floats, ints
+from higvf_console.errors import InputError
+from higvf_interfaces.formats.records import EPOCH_FROM, MAX_HOLE
+
+_SAME_TIME = 1e-5  # samples nearer in time are one, given twice [s]
+_RESTART = 1.0  # a step back by more is a restarted clock, by less a row out of order [s]
+_USUAL_STEP = 1e-3  # between samples, until one has been seen [s]
+_COARSEST = (("s", 0.5), ("ms", 500.0), ("μs", 5e5))  # steps between gaze samples lie below, in that unit
+
+
+class GazeClock:
+    """Repairs device times: rows without a time or out of order go, restarts are joined on, long holes shortened."""
+
+    def __init__(self, path: Path, from_first: bool) -> None:
+        """Starts a recording.
+
+        Args:
+            path: of the file, for messages.
+            from_first: whether 0 is the first sample; else times below an hour are kept as they are.
+        """
+        self._path = path
+        self._from_first = from_first
+        self._raw = math.nan  # newest device time [s]
+        self._now = 0.0  # its place on the repaired clock [s]
+        self._reached = -np.inf  # newest time that was kept [s]
+        self._step = _USUAL_STEP
+        self._untimed = self._restarts = self._holes = self._late = 0
+        self._longest = 0.0
+        self.epoch = 0.0  # device time of 0 [s]
+
+    def repair(self, seconds: Floats) -> tuple[Floats, Ints]:
+        """Strictly increasing times (m,) near 0 [s] of a block of device times (n,), and the row of each (m,)."""
+        timed = np.flatnonzero(np.isfinite(seconds))
+        self._untimed += len(seconds) - len(timed)
+        if not len(timed):
+            return floats([]), ints([])
+        raw = seconds[timed]
+        if math.isnan(self._raw):
+            first = float(raw[0])
+            self.epoch = first if self._from_first or first >= EPOCH_FROM or first < 0 else 0.0
+            self._raw, self._now = first, first - self.epoch
+        time = self._now + np.cumsum(self._steps(raw))
+        reached = np.maximum.accumulate(np.concatenate([[self._reached], time]))
+        advancing = time - reached[:-1] > _SAME_TIME
+        self._late += int(np.count_nonzero(~advancing))
+        self._raw, self._now, self._reached = float(raw[-1]), float(time[-1]), float(reached[-1])
+        return time[advancing], ints(timed[advancing])
+
+    def check(self) -> None:
+        """To be called at the recording's end.
+
+        Raises:
+            InputError: no row had a time.
+        """
+        if math.isnan(self._raw):
+            raise InputError(f"{self._path}: no row has a time")
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What has been repaired so far, in words."""
+        said = (
+            (self._untimed, f"{self._untimed} rows without a time left out"),
+            (self._restarts, f"the clock restarts {self._restarts} times: joined on"),
+            (self._holes, f"{self._holes} holes, the longest {self._longest:.0f} s, shortened to {MAX_HOLE:.0f} s"),
+            (self._late, f"{self._late} rows out of order or doubled left out"),
+        )
+        return tuple(text for count, text in said if count)
+
+    def _steps(self, raw: Floats) -> Floats:
+        with np.errstate(over="ignore"):  # a wild time makes an infinite step, which is then repaired
+            steps = np.diff(raw, prepend=self._raw)
+        forward = steps[(steps > 0) & (steps <= MAX_HOLE)]
+        self._step = float(np.median(forward)) if len(forward) else self._step
+        restarts = steps < -_RESTART
+        steps[restarts] = self._step
+        holes = steps > MAX_HOLE
+        if holes.any():
+            self._longest = max(self._longest, float(steps[holes].max()))
+            steps[holes] = MAX_HOLE
+        self._restarts += int(np.count_nonzero(restarts))
+        self._holes += int(np.count_nonzero(holes))
+        return floats(steps)
+
+
+def unit_by_steps(times: Floats) -> str:
+    """The unit in which the steps between device times (n,) are those of an eye tracker: s, ms, μs or ns."""
+    steps = np.diff(times[np.isfinite(times)])
+    steps = steps[steps > 0]
+    typical = float(np.median(steps)) if len(steps) else 1.0
+    return next((unit for unit, coarsest in _COARSEST if typical <= coarsest), "ns")

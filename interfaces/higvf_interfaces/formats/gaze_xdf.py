@@ -1,0 +1,123 @@
+"""Gaze in XDF files, as LabRecorder writes them from the Lab Streaming Layer. XDF is loaded whole, unlike all others.
+
+The stream is the only one of type Gaze, or the one that `stream=` chooses. Its channels are found by their labels; a
+stream without metadata is told by `x=` and `y=` (a label or a number from 1). A unit of pixels settles the frame.
+"""
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from higvf_console.arrays import Floats, floats
+from higvf_console.errors import InputError
+from higvf_interfaces.formats.records import (
+    BLOCK,
+    BOTTOM_LEFT,
+    TOP_LEFT,
+    GazeBlock,
+    GazeStream,
+    Wanted,
+    block_of,
+)
+from higvf_interfaces.formats.text import TextFile
+from higvf_interfaces.formats.xdf_file import MAGIC, XdfStream, choose, load, survey
+
+NAME = "xdf"
+TITLE = "XDF (LabRecorder) with a gaze stream"
+TYPES = ("gaze", "eyetracking", "eyetracker", "eye tracking")
+_LABELS = (
+    ("norm_pos_x", "norm_pos_y", BOTTOM_LEFT),  # of Pupil Capture's relay
+    ("x", "y", TOP_LEFT),
+    ("gaze_x", "gaze_y", TOP_LEFT),
+    ("pos_x", "pos_y", TOP_LEFT),
+    ("screen_x", "screen_y", TOP_LEFT),
+    ("screenx", "screeny", TOP_LEFT),
+    ("xpos", "ypos", TOP_LEFT),
+)
+_PIXELS = ("px", "pixel", "pixels")
+
+
+def matches(file: TextFile) -> bool:
+    """Whether it is an XDF file; whether one of its streams is gaze, the reader tells."""
+    return file.head.startswith(MAGIC)
+
+
+def has_gaze(file: TextFile) -> bool:
+    """Whether one of an XDF file's streams is of a type that says gaze.
+
+    Raises:
+        InputError: the file is damaged.
+    """
+    return any(stream.info.type.strip().casefold() in TYPES for stream in survey(file.path).streams)
+
+
+def stream(file: TextFile, wanted: Wanted) -> GazeStream:
+    """Loads the chosen stream.
+
+    Raises:
+        InputError: no XDF, no stream or several that could be meant, channels that cannot be told, or damage.
+    """
+    found = survey(file.path)
+    chosen = choose(file.path, found.streams, wanted.stream, TYPES)
+    labels, units = _channels(chosen)
+    x, y, origin = _point(file, labels, wanted)
+    confidence = labels.index("confidence") if "confidence" in labels else None
+    samples = load(file.path, chosen)
+    try:
+        values = floats(samples.values, -1, chosen.info.channels)
+    except (ValueError, TypeError) as problem:
+        raise InputError(f"{file.path}: stream {chosen.info.name!r} holds no numbers: {problem}") from problem
+    if len(values) != len(samples.time):
+        raise InputError(f"{file.path}: {len(values)} samples have {len(samples.time)} times: the file is damaged")
+    notes = ["the file is cut off: its readable part is used"] if found.torn else []
+    return GazeStream(
+        format=NAME,
+        columns=tuple(labels[place] or f"channel {place + 1}" for place in (x, y, confidence) if place is not None),
+        frame="screen" if units[x] in _PIXELS else "scene-unit" if origin == BOTTOM_LEFT else None,
+        blocks=_blocks(samples.time, values[:, [x, y]], None if confidence is None else values[:, confidence]),
+        notes=notes,
+        origin=origin,
+        has_confidence=confidence is not None,
+        streams=tuple(stream.info for stream in found.streams),
+    )
+
+
+def _channels(chosen: XdfStream) -> tuple[list[str], list[str]]:
+    """Label and unit of each channel; empty where the stream does not say."""
+    described = chosen.header.findall("desc/channels/channel")[: chosen.info.channels]
+    missing = [""] * (chosen.info.channels - len(described))
+    labels, units = ([(c.findtext(key) or "").strip().casefold() for c in described] for key in ("label", "unit"))
+    return [re.sub(r"[\s-]+", "_", label) for label in labels] + missing, units + missing
+
+
+def _point(file: TextFile, labels: list[str], wanted: Wanted) -> tuple[int, int, str]:
+    if wanted.x is not None and wanted.y is not None:
+        return _place(file, labels, wanted.x, "x"), _place(file, labels, wanted.y, "y"), TOP_LEFT
+    for x, y, origin in _LABELS:
+        if x in labels and y in labels:
+            return labels.index(x), labels.index(y), origin
+    raise InputError(f"{file.path}: which channels are gaze? give x= and y= one of: {_listed(labels)}")
+
+
+def _place(file: TextFile, labels: list[str], text: str, option: str) -> int:
+    key = re.sub(r"[\s-]+", "_", text.strip().casefold())
+    if key in labels:
+        return labels.index(key)
+    number = key.removesuffix(".0")
+    if number.isdecimal() and 1 <= int(number[:6]) <= len(labels):
+        return int(number[:6]) - 1
+    raise InputError(f"{file.path}: {option}={text[:80]} is none of the channels: {_listed(labels)}")
+
+
+def _listed(labels: list[str]) -> str:
+    return ", ".join(f"{place} {label}".rstrip() for place, label in enumerate(labels[:40], start=1))
+
+
+def _blocks(time: Floats, points: Floats, confidence: Floats | None) -> Iterator[GazeBlock]:
+    for first in range(0, len(time), BLOCK):
+        part = slice(first, first + BLOCK)
+        known = points[part]
+        known[~np.isfinite(known)] = np.nan
+        trusted = None if confidence is None else confidence[part]
+        yield block_of(time[part], known, np.ones(len(known), dtype=np.bool_), trusted)

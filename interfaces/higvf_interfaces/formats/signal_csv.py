@@ -1,0 +1,96 @@
+"""Tables of samples as Muse and Lab Streaming Layer tools export them: a time column, channels, perhaps markers.
+
+    timestamps,TP9,AF7,AF8,TP10,Right AUX,Marker0
+
+Every further column whose first row is a number is a channel. The stamps of such tools double and run backwards.
+"""
+
+import math
+from collections.abc import Iterator
+from itertools import islice
+
+from higvf_console.errors import InputError
+from higvf_interfaces.formats.gaze_csv import TIMES
+from higvf_interfaces.formats.records import CommandLog
+from higvf_interfaces.formats.signal_records import SignalRecord, SignalRequest
+from higvf_interfaces.formats.signal_table import SampleTable, epoch_seconds, table_markers, table_signals
+from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, number
+
+NAME = "signal-csv"
+TITLE = "table of samples (timestamps, one column a channel[, Marker0])"
+MARKED_NAME = "signal-csv-markers"
+MARKED_TITLE = "marker column of a table of samples (timestamps,...,Marker0)"
+STAMPS = (*TIMES, "timestamps", "lsl_timestamp", "time_stamp", "lsl time")
+_MARKERS = ("marker0", "marker", "markers", "stim", "trigger", "status", "event")
+_UNMARKED = ("", "0", "0.0")
+_NO_CHANNEL = {"x", "y", "confidence", "valid", "label", "command"}
+_LOOKED_AT = 5  # rows
+
+
+def matches(file: TextFile) -> bool:
+    """Whether there is a time and, beside it, a column of numbers that is no gaze and no label."""
+    return file.find(*STAMPS) is not None and bool(_channels(file)) and not _NO_CHANNEL & _names(file)
+
+
+def matches_marked(file: TextFile) -> bool:
+    """Whether there is a marker column as well, in which nothing is marked at first."""
+    marker = file.find(*_MARKERS)
+    return matches(file) and marker is not None and cell(_head(file)[0], marker) in _UNMARKED
+
+
+def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
+    """Reads the channels.
+
+    Raises:
+        InputError: no channels, no samples, no times and no rate, or an unknown unit of time.
+    """
+    return table_signals(_table(file, NAME), request)
+
+
+def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
+    """Reads the events of the marker column.
+
+    Raises:
+        InputError: no event, no samples, no times and no rate, or an unknown unit of time.
+    """
+    return table_markers(_table(file, MARKED_NAME), request)
+
+
+def _table(file: TextFile, name: str) -> SampleTable:
+    time, channels = file.find(*STAMPS), _channels(file)
+    if not channels:
+        raise InputError(f"{file.path}: no column of numbers beside the time; has: {file.titles}")
+    unit = "ms" if time is not None and time.name == "time_ms" else time.unit if time is not None else ""
+    if unit and unit not in TIME_UNITS:
+        raise InputError(f"{file.path}: {unit[:80]!r} is not a unit of time; known units: {', '.join(TIME_UNITS)}")
+
+    def seconds(text: str) -> float:
+        return number(text) * TIME_UNITS[unit] if unit else epoch_seconds(text)
+
+    def rows(notes: list[str]) -> Iterator[list[str]]:
+        return file.rows(notes)
+
+    marker = file.find(*_MARKERS)
+    return SampleTable(
+        file.path, name, rows, tuple(c.place for c in channels), tuple(c.title.strip() for c in channels),
+        tuple(c.unit for c in channels), None if time is None else time.place, seconds, None,
+        None if marker is None else marker.place, None,
+    )  # fmt: skip
+
+
+def _channels(file: TextFile) -> list[Column]:
+    rows = _head(file)
+    skipped = {*STAMPS, *_MARKERS}
+    candidates = [c for c in file.columns if c.name not in skipped and c.name]
+    return [c for c in candidates if any(math.isfinite(number(cell(row, c))) for row in rows)]
+
+
+def _head(file: TextFile) -> list[list[str]]:
+    try:
+        return list(islice(file.rows([]), _LOOKED_AT))
+    except InputError:  # it is no table at all
+        return []
+
+
+def _names(file: TextFile) -> set[str]:
+    return {column.name for column in file.columns}

@@ -1,0 +1,110 @@
+"""The entrance to recordings of EMG and BCI: as labelled decisions, or as raw signals for a decoder."""
+
+from collections.abc import Callable, Sequence
+from typing import Generic, NamedTuple, TypeVar
+
+from higvf_console.errors import InputError
+from higvf_interfaces.formats import (
+    bids_events,
+    brainvision,
+    command_log,
+    edf,
+    myo,
+    openbci,
+    signal_csv,
+    xdf_markers,
+    xdf_signals,
+)
+from higvf_interfaces.formats.records import CommandLog
+from higvf_interfaces.formats.signal_records import SignalRecord, SignalRequest, pick_channels
+from higvf_interfaces.formats.text import TextFile, look
+
+_Record = TypeVar("_Record")
+AS_IT_IS = SignalRequest()
+
+
+class SignalFormat(NamedTuple, Generic[_Record]):
+    """A format: its short name, what it is, and how to know and read it."""
+
+    name: str
+    title: str
+    matches: Callable[[TextFile], bool]
+    read: Callable[[TextFile, SignalRequest], _Record]
+
+
+def _read_jsonl(file: TextFile, request: SignalRequest) -> CommandLog:
+    return command_log.read_jsonl(file, _period(request))
+
+
+def _read_csv(file: TextFile, request: SignalRequest) -> CommandLog:
+    return command_log.read_csv(file, _period(request))
+
+
+def _period(request: SignalRequest) -> float | None:
+    return None if request.rate is None else 1.0 / request.rate
+
+
+SIGNAL_FORMATS: tuple[SignalFormat[SignalRecord], ...] = (
+    SignalFormat(xdf_signals.NAME, xdf_signals.TITLE, xdf_signals.matches, xdf_signals.read_signals),
+    SignalFormat(edf.NAME, edf.TITLE, edf.matches, edf.read_signals),
+    SignalFormat(openbci.NAME, openbci.TITLE, openbci.matches, openbci.read_signals),
+    SignalFormat(myo.NAME, myo.TITLE, myo.matches, myo.read_signals),
+    SignalFormat(signal_csv.NAME, signal_csv.TITLE, signal_csv.matches, signal_csv.read_signals),
+)
+DECISION_FORMATS: tuple[SignalFormat[CommandLog], ...] = (
+    SignalFormat(xdf_markers.NAME, xdf_markers.TITLE, xdf_markers.matches, xdf_markers.read_markers),
+    SignalFormat(edf.MARKED_NAME, edf.MARKED_TITLE, edf.matches, edf.read_markers),
+    SignalFormat(brainvision.NAME, brainvision.TITLE, brainvision.matches, brainvision.read_markers),
+    SignalFormat(openbci.NAME, openbci.TITLE, openbci.matches, openbci.read_markers),
+    SignalFormat(bids_events.NAME, bids_events.TITLE, bids_events.matches, bids_events.read_markers),
+    SignalFormat(
+        signal_csv.MARKED_NAME, signal_csv.MARKED_TITLE, signal_csv.matches_marked, signal_csv.read_markers
+    ),
+    SignalFormat(
+        command_log.JSON_NAME, command_log.JSON_TITLE, command_log.matches_jsonl,
+        _read_jsonl,
+    ),
+    SignalFormat(
+        command_log.CSV_NAME, command_log.CSV_TITLE, command_log.matches_labels,
+        _read_csv,
+    ),
+)  # fmt: skip
+
+
+def read_signals(source: str, request: SignalRequest = AS_IT_IS) -> SignalRecord:
+    """Reads a recording of raw samples.
+
+    Raises:
+        InputError: the file is missing, of no known format, without samples or times, or its stream or channel is
+            not there; the message lists the choices.
+    """
+    file = look(source)
+    record = _chosen(file, request.format, SIGNAL_FORMATS, "a signal").read(file, request)
+    return pick_channels(record, request.channels, source)
+
+
+def read_decisions(source: str, request: SignalRequest = AS_IT_IS) -> CommandLog:
+    """Reads decoded labels or event markers.
+
+    Raises:
+        InputError: as `read_signals`, or the file holds raw samples alone, which need a decoder.
+    """
+    file = look(source)
+    if request.format is None and not any(known.matches(file) for known in DECISION_FORMATS):
+        held = next((known for known in SIGNAL_FORMATS if known.matches(file)), None)
+        if held is not None:
+            raise InputError(f"{source}: holds raw samples ({held.title}) and no decisions; give decoder=lda or ssvep")
+    return _chosen(file, request.format, DECISION_FORMATS, "decisions").read(file, request)
+
+
+def _chosen(
+    file: TextFile, name: str | None, formats: Sequence[SignalFormat[_Record]], what: str
+) -> SignalFormat[_Record]:
+    named = [known for known in formats if known.name == name]
+    if name is not None and not named:
+        raise InputError(f"format: {name!r} is not one of {', '.join(known.name for known in formats)}")
+    found = named or [known for known in formats if known.matches(file)]
+    if not found:
+        titles = "; ".join(f"{known.name}: {known.title}" for known in formats)
+        raise InputError(f"{file.path}: not a known format of {what} ({titles}); it has: {file.titles}")
+    return found[0]

@@ -1,0 +1,60 @@
+"""XDF marker streams as decisions: plain labels, spans as "0s" ... "0e", or JSON objects with a label in them."""
+
+import itertools
+import json
+import math
+from typing import cast
+
+import numpy as np
+
+from higvf_console.errors import InputError
+from higvf_interfaces.fields import is_number
+from higvf_interfaces.formats import xdf_streams
+from higvf_interfaces.formats.command_log import LABELS
+from higvf_interfaces.formats.records import CommandLog, Decision
+from higvf_interfaces.formats.signal_records import SignalRequest
+from higvf_interfaces.formats.text import TextFile
+
+NAME = "xdf-markers"
+TITLE = "XDF marker stream (Lab Streaming Layer)"
+matches = xdf_streams.matches
+
+
+def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
+    """Reads the chosen marker stream.
+
+    Raises:
+        InputError: not an XDF file, no or several marker streams fit, or the stream is empty.
+    """
+    content = xdf_streams.load(file.path)
+    stream = xdf_streams.choose(content.streams, request.stream, True, file.path)
+    notes = xdf_streams.cut_off(stream)
+    timed = [
+        (float(time), sample)
+        for time, sample in zip(stream.times, stream.samples, strict=True)
+        if np.isfinite(time)
+    ]  # fmt: skip
+    decisions = [decision for time, sample in timed if (decision := _decision(time, xdf_streams.label_of(sample)))]
+    if not decisions:
+        raise InputError(f"{file.path}: the marker stream {stream.name} holds no label")
+    if any(later.time < earlier.time for earlier, later in itertools.pairwise(decisions)):
+        notes.append("entries out of order: sorted by time")
+        decisions.sort(key=lambda decision: decision.time)
+    return CommandLog(tuple(decisions), content.epoch, NAME, tuple(notes))
+
+
+def _decision(time: float, text: str) -> Decision | None:
+    """What a marker says; one whose confidence is none of 0 to 1 keeps its label and loses that."""
+    try:
+        content: object = json.loads(text) if text.startswith("{") else None
+    except (ValueError, RecursionError):
+        content = None
+    if not isinstance(content, dict):
+        return Decision(time, text, None) if text else None
+    fields = cast(dict[str, object], content)
+    label = next((fields[key] for key in LABELS if key in fields), None)
+    trust = fields.get("confidence", fields.get("probability"))
+    confidence = float(trust) if is_number(trust) and 0 <= trust <= 1 else None
+    if not isinstance(label, str | int | float) or (isinstance(label, float) and not math.isfinite(label)):
+        return None
+    return Decision(time, str(label).strip(), confidence) if str(label).strip() else None

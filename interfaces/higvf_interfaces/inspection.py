@@ -1,0 +1,65 @@
+"""Says what a file is: format, streams, columns, rate, validity, repairs, and what it would become as operator input.
+
+The console finds `inspect` by the entry-point group `higvf_console.inspectors`. Each kind of file describes itself: a
+`Kind` is one entry of `KINDS`, the first that knows the file is asked.
+"""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from higvf_console.commands import InputSpec
+from higvf_console.errors import InputError
+from higvf_interfaces import inspect_commands, inspect_gaze, inspect_signals, inspect_streams
+from higvf_interfaces.describing import Request
+from higvf_interfaces.fields import option_fields
+from higvf_interfaces.formats.reading import GAZE_FORMATS, unknown_format
+from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, SIGNAL_FORMATS
+from higvf_interfaces.formats.text import look
+from higvf_interfaces.gaze_source import OPTIONS
+from higvf_interfaces.recorded_options import RECORDED
+
+
+class Kind(NamedTuple):
+    """A kind of file: what it is called, how to know one, and how to describe it."""
+
+    name: str
+    knows: Callable[[Request], bool]
+    describe: Callable[[Request], Mapping[str, object]]
+
+
+KINDS: tuple[Kind, ...] = (
+    Kind("gaze", inspect_gaze.knows, inspect_gaze.describe),
+    Kind("signals", inspect_signals.knows, inspect_signals.describe),
+    Kind("commands", inspect_commands.knows, inspect_commands.describe),
+    Kind("streams", inspect_streams.knows, inspect_streams.describe),
+)
+
+
+def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> Mapping[str, object]:
+    """Describes the file `spec.source`; entry point of the group `higvf_console.inspectors`.
+
+    Args:
+        spec: the file, the options of the channel that it is for, and the arena that it would steer in.
+        plot: where a small picture (PNG) goes; None = none.
+        steps: whether the steps from samples to a path are told, too.
+
+    Returns:
+        Plain values: format, kind, streams, columns, samples, duration_s, rate_hz, frame, origin, valid_share, gaps,
+        warnings, what it becomes, and what else its kind has to say.
+
+    Raises:
+        InputError: the file is of no known kind, or cannot be read; the message gives the way out.
+    """
+    request = Request(
+        spec, look(spec.source), option_fields(spec, tuple(dict.fromkeys((*OPTIONS, *RECORDED)))), plot, steps
+    )
+    for kind in KINDS:
+        if kind.knows(request):
+            return kind.describe(request)
+    sought = [(known.name, known.title) for known in (*GAZE_FORMATS, *SIGNAL_FORMATS, *DECISION_FORMATS)]
+    if request.options.has("format"):
+        raise InputError(
+            f"format: {request.options.text('format')!r} is not one of {', '.join(name for name, _ in sought)}"
+        )
+    raise unknown_format(request.file, sought)

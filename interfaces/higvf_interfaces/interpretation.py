@@ -1,0 +1,135 @@
+"""Label -> action -> evidence -> command, and the ghost of a robot change that waits for its confirmation."""
+
+from collections import Counter, deque
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple, cast
+
+from higvf_console.commands import OperatorCommand, Pick
+from higvf_interfaces.actions import ACTIONS, CHOICES, command_for
+from higvf_interfaces.debouncer import Debounced, Evidence, Stage, Verdict, judge, observe
+from higvf_interfaces.evidence import NEEDS, EvidenceTable
+from higvf_interfaces.fields import Fields, shown
+from higvf_interfaces.formats.records import Decision
+
+IDLE = "none"  # the action of a label that is known and means nothing
+CONFIRM, DISCARD = "confirm", "discard"  # what becomes of a ghost
+OPTIONS = (*NEEDS, "evidence", CONFIRM, "confirm_within")
+_TRACE = 50  # verdicts kept for display
+
+
+class Ghost(NamedTuple):
+    """A robot change of low confidence that waits until `until` [s]."""
+
+    command: Pick
+    until: float
+
+
+class Interpreter:
+    """Turns decoded labels into commands; what gives none is counted, and every decision leaves its verdict.
+
+    Attributes:
+        trace: the last verdicts, oldest first.
+        ghost: the robot change that waits for a confirmation; None = none does.
+    """
+
+    def __init__(self, defaults: Mapping[str, str], options: Fields, base: Evidence) -> None:
+        """Reads the label map and what the actions need.
+
+        Raises:
+            InputError: an option cannot be used; the message gives the choices.
+        """
+        self._actions = label_map(defaults, options)
+        self._evidence = EvidenceTable(options, base)
+        self._confirm = options.number(CONFIRM, 0.0, 0.0, 1.0)
+        self._patience = options.number("confirm_within", 5.0, 0.1, 3600.0, "s")
+        self._ignored: Counter[str] = Counter()
+        self._latest = "no decision yet"
+        self.restart()
+
+    def restart(self) -> None:
+        """Forgets what was decoded, because the run has started again."""
+        self._state = Debounced()
+        self.ghost: Ghost | None = None
+        self.trace: deque[Verdict] = deque(maxlen=_TRACE)
+
+    def command(self, decision: Decision, robots: int) -> OperatorCommand | None:
+        """The command that a decision gives, with its confidence; None where it gives none.
+
+        Args:
+            decision: not earlier than the one before.
+            robots: how many there are.
+        """
+        decision = decision._replace(label=plain_label(decision.label))
+        trust = "" if decision.confidence is None else f" ({decision.confidence:.2f})"
+        self._latest = f"latest: {decision.label[:40]}{trust}"
+        if self.ghost is not None and decision.time > self.ghost.until:
+            self.ghost = None
+            self._ignore("robot change that nobody confirmed")
+        action = self._actions.get(decision.label)
+        if action is None:
+            return self._ignore(f"unknown label {shown(decision.label)}")
+        if action == IDLE:
+            self._state = observe(self._state, decision, self._needed)
+            return None
+        wanted = command_for(action)
+        if isinstance(wanted, Pick) and wanted.robot >= robots:
+            return self._ignore(f"there is no robot {wanted.robot + 1}")
+        self._state, verdict = judge(self._state, decision, self._needed)
+        self.trace.append(verdict)
+        if verdict.stage is not Stage.PASSED:
+            return self._ignore(verdict.reason)
+        return self._settled(action, wanted, decision)
+
+    def describe(self) -> tuple[str, ...]:
+        """The latest decision, the ghost, and what was ignored, in words."""
+        ignored = ", ".join(f"{count} x {reason}" for reason, count in self._ignored.most_common(5))
+        waits = [f"robot {self.ghost.command.robot + 1} waits for '{CONFIRM}'"] if self.ghost is not None else []
+        return (self._latest, *waits, *([f"ignored: {ignored}"] if ignored else []))
+
+    def _settled(self, action: str, wanted: OperatorCommand | None, decision: Decision) -> OperatorCommand | None:
+        """What an accepted action gives: its command, a ghost, or the end of one."""
+        ghost = self.ghost
+        if action in (CONFIRM, DISCARD):
+            self.ghost = None
+            return ghost.command if ghost is not None and action == CONFIRM else None
+        if wanted is None:
+            return None
+        wanted = replace(wanted, confidence=decision.confidence)
+        if isinstance(wanted, Pick):
+            low = decision.confidence is not None and decision.confidence < self._confirm
+            self.ghost = Ghost(wanted, decision.time + self._patience) if low else None
+            return None if low else wanted
+        return wanted
+
+    def _needed(self, label: str) -> Evidence:
+        return self._evidence.of(self._actions.get(label, IDLE))
+
+    def _ignore(self, reason: str) -> None:
+        self._ignored[reason] += 1
+
+
+def label_map(defaults: Mapping[str, str], options: Fields) -> dict[str, str]:
+    """Label -> action; `IDLE` for a label that means nothing.
+
+    Raises:
+        InputError: a label that is no text, or an action that is not in the list; the message gives the list.
+    """
+    further = (IDLE, CONFIRM, DISCARD)
+    actions = {action: action for action in (*ACTIONS, CONFIRM, DISCARD)}
+    actions |= {plain_label(label): action for label, action in defaults.items()}
+    for label, action in cast(Mapping[object, object], options.mapping("labels")).items():
+        if isinstance(label, bool) or not isinstance(label, str | int):
+            options.fail(f"labels: {shown(label)} is not a text; put it in quotation marks")
+        text = IDLE if action is None else str(action).strip()
+        if text not in further and command_for(text) is None:
+            options.fail(
+                f"labels: {label}: {shown(action)} is not an action; known actions: {', '.join((*CHOICES, *further))}"
+            )
+        actions[plain_label(str(label))] = text
+    return actions
+
+
+def plain_label(label: str) -> str:
+    """A label as it is compared: without case, without blanks at its ends."""
+    return label.strip().casefold()

@@ -1,0 +1,59 @@
+"""Writes small XDF files, so that the readers are tested without a recording."""
+
+import struct
+from collections.abc import Sequence
+from typing import NamedTuple
+
+
+class Stream(NamedTuple):
+    """A stream to write: texts where `rate` is 0, else rows of numbers."""
+
+    name: str
+    type: str
+    source: str
+    rate: float
+    times: Sequence[float]
+    samples: Sequence[Sequence[float]] | Sequence[str]
+    labels: Sequence[str] = ()
+    closed: bool = True
+
+
+def xdf(*streams: Stream) -> bytes:
+    """The bytes of an XDF file with these streams, numbered from 1."""
+    content = b"XDF:" + _chunk(1, b"<?xml version='1.0'?><info><version>1.0</version></info>")
+    for number, stream in enumerate(streams, start=1):
+        content += _chunk(2, struct.pack("<I", number) + _header(stream).encode())
+    for number, stream in enumerate(streams, start=1):
+        for start in range(0, len(stream.times), 100):
+            samples = list(map(_sample, stream.times[start : start + 100], stream.samples[start : start + 100]))
+            head = struct.pack("<I", number) + b"\x04" + struct.pack("<I", len(samples))
+            content += _chunk(3, head + b"".join(samples))
+    for number, stream in enumerate(streams, start=1):
+        if stream.closed:
+            footer = f"<info><sample_count>{len(stream.times)}</sample_count></info>"
+            content += _chunk(6, struct.pack("<I", number) + footer.encode())
+    return content
+
+
+def _header(stream: Stream) -> str:
+    texts = bool(stream.samples) and isinstance(stream.samples[0], str)
+    count = 1 if texts else len(stream.samples[0]) if stream.samples else 1
+    channels = "".join(f"<channel><label>{label}</label><unit>microvolts</unit></channel>" for label in stream.labels)
+    return (
+        f"<info><name>{stream.name}</name><type>{stream.type}</type><channel_count>{count}</channel_count>"
+        f"<nominal_srate>{stream.rate}</nominal_srate>"
+        f"<channel_format>{'string' if texts else 'double64'}</channel_format><source_id>{stream.source}</source_id>"
+        f"<desc>{f'<channels>{channels}</channels>' if channels else ''}</desc></info>"
+    )
+
+
+def _sample(time: float, sample: Sequence[float] | str) -> bytes:
+    stamp = b"\x08" + struct.pack("<d", time)
+    if isinstance(sample, str):
+        text = sample.encode()
+        return stamp + b"\x04" + struct.pack("<I", len(text)) + text
+    return stamp + struct.pack(f"<{len(sample)}d", *sample)
+
+
+def _chunk(tag: int, content: bytes) -> bytes:
+    return b"\x04" + struct.pack("<IH", len(content) + 2, tag) + content

@@ -1,0 +1,12 @@
+"""The cases of the paper, run once for all tests of the lab."""
+
+import pytest
+
+from higvf_console.lab.reproduce.registry import choose
+from higvf_console.lab.reproduce.results import Results, run_cases
+
+
+@pytest.fixture(scope="session")
+def reproduction() -> Results:
+    """What all cases found."""
+    return run_cases(choose([]))
