@@ -174,7 +174,7 @@ class World(NamedTuple):
         ring_start: (3, G + 1) group g's rows in `hull`, `part` and `pocket`.
         hull: (H, 2) corners of convex hulls, counter-clockwise [m]; a lone part has none.
         part: (P + Q,) parts by group: circle k, then bar k - P.
-        pocket: (C, 2) unit vectors of the shortest way out of a hull, row by row of its grid.
+        pocket: (C, 3) grids of hulls, row by row: unit vector of the shortest way out, distance to the parts [m].
     """
 
     circles: Floats
