@@ -136,10 +136,12 @@ def test_a_stroke_that_waits_changes_nothing_that_a_robot_feels(setup: Setup) ->
 
 
 def test_a_confirmed_path_is_joined_from_where_the_robot_is_by_then(setup: Setup) -> None:
-    waits, _ = after(setup, drawn())
-    moved = waits._replace(motion=waits.motion._replace(position=waits.motion.position + np.array([250.0, 0.0])))
-    state, events = after(setup, [Confirm()], moved)
-    assert state.motion.path_parameter == pytest.approx(250.0, abs=1.0)
+    turn = np.linspace(0.0, 2.0 * np.pi, 200)
+    circle = floats(np.stack([600.0 + 150.0 * np.cos(turn), 350.0 + 150.0 * np.sin(turn)], axis=1))
+    waits, _ = after(setup, [*stroke(circle)[:2], StrokeEnd(preview=True)])
+    position = waits.motion.position + np.array([600.0 - waits.motion.position[0, 0], 200.0])  # above the centre
+    state, events = after(setup, [Confirm()], waits._replace(motion=waits.motion._replace(position=position)))
+    assert state.motion.path_parameter == pytest.approx(150.0 * np.pi / 2, abs=2.0)
     assert state.intent.path is waits.drawing.pending
     assert state.drawing.pending is NO_PATH
     assert "Robot 1 follows" in events[-1].text

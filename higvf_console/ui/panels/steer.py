@@ -18,6 +18,7 @@ from higvf_console.commands import (
 from higvf_console.quantity import quantities
 from higvf_console.ui.panels.callbacks import mirror, number_in, one_of, reaction
 from higvf_console.ui.panels.html import block
+from higvf_console.ui.scene import View
 
 if TYPE_CHECKING:
     from higvf_console.session.scenario import Scenario
@@ -40,9 +41,9 @@ class SteerPanel:
         smoothing: how far the next drawn path may leave its stroke [m].
     """
 
-    def __init__(self, gui: viser.GuiApi, scenario: "Scenario", robots: int, sink: PointerSink) -> None:
+    def __init__(self, gui: viser.GuiApi, scenario: "Scenario", robots: int, sink: PointerSink, view: View) -> None:
         """Builds the widgets for a team and the strokes that its scenario ships."""
-        self._sink = sink
+        self._sink, self._view = sink, view
         self._robots = robots
         self._picker = self._make_picker(gui)
         self._actions = gui.add_button_group(
@@ -78,7 +79,8 @@ class SteerPanel:
         return button
 
     def _show(self, stroke: "ShownStroke") -> None:
-        for command in (StrokeBegin(), StrokePoints(points=floats(stroke.points)), StrokeEnd(robot=stroke.robot)):
+        end = StrokeEnd(robot=stroke.robot, preview=not self._view.commit_at_once)
+        for command in (StrokeBegin(), StrokePoints(points=floats(stroke.points)), end):
             self._sink.push(command)
 
     def _smooth(self, value: object, low: float, high: float) -> None:
