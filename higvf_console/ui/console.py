@@ -187,8 +187,8 @@ class Console:
         gui.add_html(SPACER)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Steer", viser.Icon.ROUTE):
+            preview = PreviewPanel(gui, self._previewer, sink)
             self._steer = SteerPanel(gui, session.scenario, len(session.setup.start.motion.position), sink, self._view)
-            preview = PreviewPanel(gui, self._view, self._previewer, sink)
         with tabs.add_tab("Fires", viser.Icon.FLAME):
             fires = FiresPanel(gui, session)
         with tabs.add_tab("View", viser.Icon.EYE):

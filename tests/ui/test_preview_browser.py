@@ -101,7 +101,7 @@ def test_a_discarded_path_is_dropped_and_so_is_its_ghost(page: Page, running: Ru
     page.get_by_role("button", name="Discard", exact=True).click()
     wait_until(lambda: running.state.drawing.pending is NO_PATH)
     wait_until(lambda: not visible(page, "/ghost/path") and not visible(page, "/ghost/team"))
-    wait_until(lambda: not page.get_by_role("button", name="Discard", exact=True).count())
+    wait_until(page.get_by_role("button", name="Discard", exact=True).is_disabled)
     assert running.state.intent.path is NO_PATH
 
 

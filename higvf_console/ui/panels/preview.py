@@ -1,4 +1,4 @@
-"""The look ahead: what the stroke would lead to, whether it is committed at once, and the word that commits it."""
+"""The look ahead: what the stroke would lead to, and the word that commits it."""
 
 import math
 from typing import TYPE_CHECKING, Any
@@ -7,12 +7,11 @@ import numpy as np
 import viser
 
 from higvf_console.commands import Confirm, Discard, PointerSink, StrokeBegin, StrokeCancel
-from higvf_console.session.preview import LONGEST, SHORTEST, FiresOut, Preview
+from higvf_console.session.preview import FiresOut, Preview
 from higvf_console.sim.operator import proposal, waiting
 from higvf_console.state import NOBODY
-from higvf_console.ui.panels.callbacks import mirror, number_in, one_of, reaction, truth
+from higvf_console.ui.panels.callbacks import one_of, reaction
 from higvf_console.ui.panels.html import DASH, area, block
-from higvf_console.ui.scene import View
 
 if TYPE_CHECKING:
     from higvf_console.session.previewer import Previewer
@@ -20,37 +19,27 @@ if TYPE_CHECKING:
 
 _COMMIT, _REDRAW, _DISCARD = "Commit", "Redraw", "Discard"
 _ARROW, _MINUS = " \u2192 ", "\u2212"
-_EMPTY = "While you draw, the team\u2019s tracks and what they come to are foreseen here."
-_NO_ROLL = "Nothing is foreseen with the centralised filter."
+_HELP = (
+    "Drag in the arena to draw the path of the chosen robot; what it would lead to is foreseen here and in the arena. "
+    "Click a robot, or press its number, to choose it."
+)
+_NO_ROLL = " With the centralised filter nothing is foreseen."
 
 
 class PreviewPanel:
-    """Switch, horizon and read-out; the buttons show while something waits."""
+    """Read-out and buttons, at a height that does not change, so that nothing jumps while the hand is at work."""
 
-    def __init__(self, gui: viser.GuiApi, view: View, previewer: "Previewer", sink: PointerSink) -> None:
+    def __init__(self, gui: viser.GuiApi, previewer: "Previewer", sink: PointerSink) -> None:
         """Builds the widgets."""
-        self._view, self._previewer, self._sink = view, previewer, sink
-        self._at_once = gui.add_checkbox(
-            "Commit at once",
-            view.commit_at_once,
-            hint="On: a path is followed when you end its stroke. Off: it waits for Commit (Enter) or Discard (Esc)",
-        )
-        self._at_once.on_update(reaction(lambda value: setattr(view, "commit_at_once", truth(value))))
-        self._horizon = gui.add_slider(
-            "Look ahead s", SHORTEST, LONGEST, 5.0, view.horizon, hint="How far the team is run ahead while you draw"
-        )
-        self._horizon.on_update(reaction(self._look))
+        self._previewer, self._sink = previewer, sink
         self._html = gui.add_html("")
         self._actions = gui.add_button_group(
-            "What waits",
+            "Preview",
             (_COMMIT, _REDRAW, _DISCARD),
-            visible=False,
-            hint="Make it real (Enter), drop the path and draw another, or drop all that waits (Esc)",
+            disabled=True,
+            hint="Follow the drawn path (Enter), draw another in its place, or drop all that waits (Esc)",
         )
         self._actions.on_click(reaction(self._act))
-
-    def _look(self, value: object) -> None:
-        self._view.horizon = number_in(value, SHORTEST, LONGEST)
 
     def _act(self, value: object) -> None:
         # A stroke takes the place of the path that waits; cancelled at once, it leaves the proposed robot alone.
@@ -64,20 +53,18 @@ class PreviewPanel:
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows what waits and what is foreseen."""
-        mirror(self._at_once, self._view.commit_at_once)
-        mirror(self._horizon, self._view.horizon)
         drawing = snapshot.state.drawing
-        self._actions.visible = waiting(drawing, snapshot.time)
+        self._actions.disabled = not waiting(drawing, snapshot.time)
         preview = self._previewer.latest
         if preview is not None:
             content = preview_html(preview, proposal(drawing, snapshot.time))
         else:
-            content = f'<span class="dim">{_EMPTY if self._previewer.available else _NO_ROLL}</span>'
-        self._html.content = block(content)
+            content = f'<span class="dim">{_HELP}{"" if self._previewer.available else _NO_ROLL}</span>'
+        self._html.content = block(f'<div class="ahead">{content}</div>')
 
     def cleanup(self) -> None:
         """Removes the widgets."""
-        for widget in (self._at_once, self._horizon, self._html, self._actions):
+        for widget in (self._html, self._actions):
             widget.remove()
 
 
@@ -103,8 +90,8 @@ def burnt_line(preview: Preview) -> str:
         change = '<span class="dim">as without it</span>'
     else:
         sign, mood = ("+", "warn") if gap > 0 else (_MINUS, "good")
-        share = f"{sign}{100 * abs(gap) / otherwise:.1f}%" if otherwise > 0.0 else ""
-        change = f'<span class="{mood}">{sign}{area(abs(gap))} m² {share}</span>'
+        share = f", {sign}{100 * abs(gap) / otherwise:.1f}%" if otherwise > 0.0 else ""
+        change = f'<span class="{mood}">{sign}{area(abs(gap))} m²{share}</span>'
     return f"{area(loss)} m² {change}"
 
 
