@@ -1,4 +1,4 @@
-"""What looking ahead costs: how fast time runs in it, how often it is renewed, and that the control loop does not feel it.
+"""What looking ahead costs: how fast time runs in it, how often it is renewed, and what the control loop feels of it.
 
 The lateness of a control period is how much later than one period after the one before it began; a session with a
 growing stroke is run in real time twice, without and with a thread that looks ahead.
