@@ -7,9 +7,11 @@ from threading import Event as Signal
 from threading import Thread
 from typing import Any, NamedTuple
 
+from higvf_console.arrays import floats
 from higvf_console.session.preview import USUAL, Preview, foresee, wish
 from higvf_console.session.sections import FilterKind
 from higvf_console.session.session import Session
+from higvf_console.sim.setup import Setup
 from higvf_console.state import SimState
 
 RENEWED = 0.2  # [s] at most between two previews while the team moves, unless one takes longer
@@ -56,6 +58,7 @@ class Previewer:
     def start(self) -> None:
         """Looks ahead until `close`."""
         if self.available:
+            rehearse(self._session.setup)
             self._thread = Thread(target=self._run, name="preview", daemon=True)
             self._thread.start()
 
@@ -102,6 +105,18 @@ class Previewer:
             (before.stroke_source, before.proposed) != (now.stroke_source, now.proposed)
             or before.pending is not now.pending
         )
+
+
+def rehearse(setup: Setup) -> None:
+    """Makes one short preview, so that the first real one need not load what it calls while the team moves."""
+    x_min, y_min, x_max, y_max = setup.arena
+    drawing = setup.start.drawing._replace(
+        stroke=floats([[x_min, y_min], [x_max, y_min], [x_max, y_max]]), stroke_source="rehearsal"
+    )
+    state = setup.start._replace(drawing=drawing)
+    wished = wish(state, setup)
+    if wished is not None:
+        foresee(state, wished, setup, 0.0)
 
 
 def _matter(state: SimState, choice: Choice) -> tuple[Any, ...]:
