@@ -126,7 +126,7 @@ def run(seconds: float = 30.0) -> PreviewBench:
     warm_up(setup.start, setup.world, setup.gains)
     outline = _outline(round(_STROKE_LASTS / setup.gains.safety.control_period))
     drawn = _drawn(setup, outline)
-    spent = take_turns({"preview": lambda _: _preview(drawn, setup)}, seconds=3.0)["preview"]
+    spent = take_turns({"preview": lambda _: _preview(drawn, setup)})["preview"]
     late = [_lateness(Session(scenario, [Hand(outline)]), ahead, seconds) for ahead in (False, True)]
     return PreviewBench(factor, 1e3 / spent, 1e3 * setup.gains.safety.control_period, *late)
 
