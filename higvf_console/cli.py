@@ -76,7 +76,7 @@ def _parser() -> argparse.ArgumentParser:
 def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="measure the engine")
     bench.add_argument(
-        "--suite", choices=("filter", "tick", "deadlock"), required=True,
+        "--suite", choices=("filter", "tick", "deadlock", "preview"), required=True,
         help="the safety filter, the whole tick, or who arrives in random scenes",
     )  # fmt: skip
     bench.add_argument("--json", action="store_true", help="write JSON")

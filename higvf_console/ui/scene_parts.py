@@ -35,12 +35,13 @@ class Layer(IntEnum):
     OBSTACLE = 10
     PATH = 11
     CHEVRON = 12
-    CLEARANCE = 13
-    HALO = 14
-    ROBOT = 15
-    ROBOT_TEXT = 16
-    STROKE = 17
-    CURSOR = 18
+    GHOST = 13
+    CLEARANCE = 14
+    HALO = 15
+    ROBOT = 16
+    ROBOT_TEXT = 17
+    STROKE = 18
+    CURSOR = 19
 
 
 class Canvas:
