@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.arrays import Floats, Ints
+from higvf_console.arrays import Floats, Ints, floats
 from higvf_console.control.disturbances import SENDING, chance
 from higvf_console.control.following import following
 from higvf_console.control.forms import PRINTED
@@ -64,7 +64,7 @@ class Explanation(NamedTuple):
 
     Attributes:
         parts: (R, 8, 2) by `Part` [m/s]; they sum to the commanded velocity.
-        say: (R, 4) by `Say`, shares that sum to 1; all 0 for a robot that nothing moves.
+        say: (R, 4) by `Say`, shares that sum to 1; all 0 for a robot that nothing draws at.
     """
 
     parts: Floats
@@ -158,8 +158,8 @@ def _neighbours(moved: Moved, gains: Gains, robots: Ints) -> tuple[Floats, Float
     apart = gap > gains.intention.dead_zone
     share[apart] = gains.intention.neighbour_weight * (gap[apart] - gains.intention.dead_zone) / gap[apart]
     row, count = place[to], len(robots)
-    pull = np.stack([np.bincount(row, share * before[of, axis], count) for axis in (0, 1)], axis=1)
-    return pull, np.bincount(row, share, count)
+    pull = np.stack([floats(np.bincount(row, share * before[of, axis], count)) for axis in (0, 1)], axis=1)
+    return pull, floats(np.bincount(row, share, count))
 
 
 def _arrived(to: Ints, of: Ints, tick: int, gains: Gains) -> Ints:

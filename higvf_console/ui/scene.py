@@ -1,6 +1,7 @@
 """The arena as the operator sees it, from above: layers that a snapshot is poured into.
 
-    floor, grid -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> robots -> cursor
+    floor, grid -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> sight lines,
+    arrows of reasons -> robots -> cursor
 
 Everything changes by assignment to a few nodes; nothing here knows threads or commands.
 """
@@ -17,6 +18,7 @@ from higvf_console.ui.scene_fires import Fires
 from higvf_console.ui.scene_ground import Ground, with_margin
 from higvf_console.ui.scene_parts import Canvas
 from higvf_console.ui.scene_path import PathLayer
+from higvf_console.ui.scene_reasons import ReasonLayer, SightLayer
 from higvf_console.ui.scene_team import Team
 from higvf_console.viewport import Arena
 
@@ -36,6 +38,9 @@ class View:
         labels: numbers of the robots.
         clearance: circles of half the robot clearance: two that touch are as close as they may be; round it, pale, as
             the filter enlarges it for unicycles and noise.
+        explained: the robot whose velocity is explained; None = the one that is steered.
+        reasons: its velocity as a chain of arrows.
+        sights: which fires it sees, and what hides the others.
     """
 
     field: FieldKind | None = None
@@ -44,6 +49,13 @@ class View:
     boundaries: bool = True
     labels: bool = True
     clearance: bool = False
+    explained: int | None = None
+    reasons: bool = False
+    sights: bool = False
+
+    def robot(self, snapshot: "Snapshot") -> int:
+        """Index of the robot whose velocity is explained."""
+        return snapshot.state.intent.influenced if self.explained is None else self.explained
 
 
 class Scene:
@@ -59,6 +71,8 @@ class Scene:
         self._team = Team(canvas, setup)
         self._path = PathLayer(canvas)
         self._field = FieldLayer(canvas, setup)
+        self._reasons = ReasonLayer(canvas, setup)
+        self._sights = SightLayer(canvas, setup)
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows a snapshot; call it inside `server.atomic()`."""
@@ -67,5 +81,8 @@ class Scene:
         self._team.update(state, trace, snapshot.time)
         self._path.update(state)
         self._field.update(view.field, state)
+        robot = view.robot(snapshot)
+        self._reasons.update(snapshot.last, robot if view.reasons else None)
+        self._sights.update(snapshot.last, robot if view.sights else None)
         self._ground.show_boundaries(view.boundaries)
         self._team.show(links=view.links, trails=view.trails, labels=view.labels, clearance=view.clearance)

@@ -36,11 +36,14 @@ class Layer(IntEnum):
     PATH = 11
     CHEVRON = 12
     CLEARANCE = 13
-    HALO = 14
-    ROBOT = 15
-    ROBOT_TEXT = 16
-    STROKE = 17
-    CURSOR = 18
+    SIGHT = 14
+    HALO = 15
+    VELOCITY = 16
+    REASON = 17
+    ROBOT = 18
+    ROBOT_TEXT = 19
+    STROKE = 20
+    CURSOR = 21
 
 
 class Canvas:
