@@ -23,14 +23,14 @@ PART_COLOUR = {
     Part.HOLD: DARK.hold,
     Part.SAFETY: DARK.safety,
 }
-LONGEST = 110.0  # arrow of the speed limit [px]
+LONGEST = 150.0  # arrow of the speed limit [px]
 _LEAST = 3.0  # shorter arrows are not drawn [px]
 _BARB = 7.0  # [px]
 _DASH = 6.0  # of the line of sight to a fire that is hidden [px]
 
 
 class ReasonLayer:
-    """A broad pale arrow, the velocity, and on it the chain of its parts, each with a head."""
+    """A broad grey bar, the velocity, and on it the chain of its parts, each with a head."""
 
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Starts without arrows."""

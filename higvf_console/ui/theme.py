@@ -48,12 +48,12 @@ class Palette(NamedTuple):
     trouble: str = "#cc79a7"
     own_target: str = "#e69f00"
     neighbours: str = "#2fbf93"
-    so_far: str = "#7d8a99"
+    so_far: str = "#a7b1bd"
     formation: str = "#56b4e9"
     way_round: str = "#cc79a7"
     hold: str = "#c9d1d9"
     safety: str = "#ff6b4a"
-    velocity: str = "#8e9194"
+    velocity: str = "#515b67"
 
 
 DARK = Palette()

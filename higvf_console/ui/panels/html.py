@@ -46,7 +46,7 @@ STYLE = f"""<style>
 .hg .warn {{ color: {DARK.fire_zone}; font-weight: 600; }}
 .hg .alarm {{ color: #ff6b6b; font-weight: 600; }}
 .hg .operator {{ color: {DARK.operator}; font-weight: 600; }}
-.mantine-Tabs-tab {{ padding-inline: 9px !important; }}
+[role=tab] {{ padding-inline: 7px !important; }}
 .mantine-Notifications-root {{ top: auto !important; bottom: 18px !important; left: 290px !important; }}
 </style>"""
 

@@ -10,7 +10,7 @@ from higvf_console.arrays import Floats
 from higvf_console.session.explain import Part
 from higvf_console.session.sight import Sight, hider_names
 from higvf_console.session.tight_rows import TightRow
-from higvf_console.sim.certificates import Certificate
+from higvf_console.sim.certificates import CONNECTED, Certificate
 from higvf_console.sim.setup import Setup
 from higvf_console.ui.panels.html import DASH, dot, text
 from higvf_console.ui.scene_reasons import PART_COLOUR
@@ -102,7 +102,7 @@ def certificate_html(found: Sequence[Certificate]) -> str:
     """Each condition with its value, its limit, and whether it is met."""
     rows = "".join(
         f'<tr title="{text(certificate.symbol)}"><td>{text(certificate.name)}</td><td>{_number(certificate.value)}</td>'
-        f"<td>{_LEAST if certificate.least else _MOST} {_number(certificate.limit)}</td>"
+        f"<td>{_limit(certificate)}</td>"
         f"<td>{'met' if certificate.met else '<span class=alarm>not met</span>'}</td></tr>"
         for certificate in found
     )
@@ -113,9 +113,15 @@ def certificate_html(found: Sequence[Certificate]) -> str:
     )
 
 
+def _limit(certificate: Certificate) -> str:
+    if certificate.least and 0.0 < certificate.limit <= CONNECTED:
+        return "> 0"
+    return f"{_LEAST if certificate.least else _MOST} {certificate.limit:g}"
+
+
 def _number(value: float) -> str:
     if math.isinf(value):
         return "none" if value > 0.0 else DASH
-    if value and abs(value) < 1e-3:
+    if abs(value) < 5e-5:
         return "0"
     return f"{value:.3g}".replace("-", _MINUS)
