@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 from higvf_console.commands import OperatorCommand, ResetRun
 from higvf_console.control.coupled_filter import CoupledFilter
+from higvf_console.session.explain import Moved
 from higvf_console.session.sections import FilterKind
 from higvf_console.sim import simulation
 from higvf_console.sim.certificates import Worst, watched
@@ -27,7 +28,7 @@ class Run:
     Attributes:
         setup: what the run started from.
         state: now.
-        trace: of the last control period; before the first one, of the first one to come.
+        last: the last control period; at the start of a run, the first one to come.
         ticks: control periods done; a reset of the run does not set it back.
         extinguished: fire indices in the order in which they went out.
         min_clearance: smallest clearance so far [m].
@@ -42,16 +43,22 @@ class Run:
         self.state = setup.start
         self.ticks = 0
         self._advance = _advance_by(filter_kind, setup)
-        self.trace = self._advance(setup.start)[1]
         self._forget()
 
     def _forget(self) -> None:
+        ahead, trace = self._advance(self.setup.start)
+        self.last = Moved(self.setup.start, ahead.motion, trace)
         self._trace_before: Trace | None = None
         self.extinguished: tuple[int, ...] = ()
         self.min_clearance = float("inf")
         self.infeasible_ticks = 0
         self.deadlock_ticks = 0
         self.worst = Worst()
+
+    @property
+    def trace(self) -> Trace:
+        """Why the team moved as it did in the last control period."""
+        return self.last.trace
 
     @property
     def time(self) -> float:
@@ -70,7 +77,8 @@ class Run:
         before = self.state
         self.state, trace = self._advance(before)
         events = events_between(before, self.state, self._trace_before, trace, self.setup.gains)
-        self.trace = self._trace_before = trace
+        self.last = Moved(before, self.state.motion, trace)
+        self._trace_before = trace
         self.ticks += 1
         self._count(before.motion, trace)
         return events

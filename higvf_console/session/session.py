@@ -30,6 +30,7 @@ from higvf_console.commands import (
 from higvf_console.errors import InputError
 from higvf_console.session.baseline import Baseline, compute_baseline
 from higvf_console.session.channels import Channels
+from higvf_console.session.explain import Moved
 from higvf_console.session.failsafe import failure_event, halted
 from higvf_console.session.recording import Recorder
 from higvf_console.session.run import Run
@@ -55,6 +56,7 @@ class Snapshot(NamedTuple):
     Attributes:
         state: now.
         trace: of the last control period.
+        last: the last control period as a whole; at the start of a run, the first one to come.
         time: session time [s].
         frozen: whether the simulation clock stands.
         speed: factor of the simulation clock.
@@ -71,6 +73,7 @@ class Snapshot(NamedTuple):
 
     state: SimState
     trace: Trace
+    last: Moved
     time: float
     frozen: bool
     speed: float
@@ -278,6 +281,7 @@ class Session:
         self.snapshot = Snapshot(
             state=run.state,
             trace=run.trace,
+            last=run.last,
             time=run.time,
             frozen=self._frozen,
             speed=self._speed,

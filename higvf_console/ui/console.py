@@ -48,6 +48,7 @@ from higvf_console.ui.panels.run import RunPanel
 from higvf_console.ui.panels.status import StatusPanel
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.view import ViewPanel, next_field
+from higvf_console.ui.panels.why import WhyPanel
 from higvf_console.ui.scene import Scene, View
 from higvf_console.viewport import Viewport
 
@@ -87,13 +88,16 @@ class Hand:
             self._drawing = None
 
     def click(self, client_id: int, point: Floats) -> None:
-        """Picks the robot at a ground point (2,) [m]."""
+        """Picks the robot at a ground point (2,) [m]; a second click shows or hides why it moves."""
         viewport = self._viewports.get(client_id)
         reach = PICK_RADIUS_PX * viewport.metres_per_px if viewport else math.inf
         motion, look_ahead = self._session.snapshot.state.motion, self._session.setup.gains.robots.look_ahead
         robot = robot_near(body_centres(motion.position, motion.heading, look_ahead), point, reach)
-        if robot is not None:
-            self._push(Pick(robot))
+        if robot is None:
+            return
+        if robot == self._session.snapshot.state.intent.influenced:
+            self._view.explained, self._view.reasons = None, not self._view.reasons
+        self._push(Pick(robot))
 
     def viewport(self, client_id: int, viewport: Viewport) -> None:
         """How a page lies over the ground; gaze is mapped through that of the page that told last."""
@@ -191,11 +195,13 @@ class Console:
             self._steer = SteerPanel(gui, session.scenario, len(session.setup.start.motion.position), sink, self._view)
         with tabs.add_tab("Fires", viser.Icon.FLAME):
             fires = FiresPanel(gui, session)
+        with tabs.add_tab("Why", viser.Icon.HELP_CIRCLE):
+            why = WhyPanel(gui, session, self._view)
         with tabs.add_tab("View", viser.Icon.EYE):
             view = ViewPanel(gui, self._view)
         with tabs.add_tab("Log", viser.Icon.LIST):
             log = LogPanel(self._server)
-        self._panels = (status, run, self._steer, preview, fires, view, log)
+        self._panels = (status, run, self._steer, preview, fires, why, view, log)
 
     def _choice(self) -> Choice:
         return Choice(self._view.horizon, self._steer.smoothing)

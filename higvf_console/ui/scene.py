@@ -1,7 +1,7 @@
 """The arena as the operator sees it, from above: layers that a snapshot is poured into.
 
-    floor, grid -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> ghosts -> robots
-    -> stroke, cursor
+    floor, grid -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> ghosts -> sight lines,
+    arrows of reasons -> robots -> stroke, cursor
 
 Everything changes by assignment to a few nodes; nothing here knows threads or commands.
 """
@@ -20,6 +20,7 @@ from higvf_console.ui.scene_ghosts import Ghosts
 from higvf_console.ui.scene_ground import Ground, with_margin
 from higvf_console.ui.scene_parts import Canvas
 from higvf_console.ui.scene_path import PathLayer
+from higvf_console.ui.scene_reasons import ReasonLayer, SightLayer
 from higvf_console.ui.scene_team import Team
 from higvf_console.viewport import Arena
 
@@ -42,6 +43,9 @@ class View:
             the filter enlarges it for unicycles and noise.
         commit_at_once: a drawn path is followed when its stroke ends; else it waits.
         horizon: how far the preview looks ahead [s].
+        explained: the robot whose velocity is explained; None = the one that is steered.
+        reasons: its velocity as a chain of arrows.
+        sights: which fires it sees, and what hides the others.
     """
 
     field: FieldKind | None = None
@@ -52,6 +56,13 @@ class View:
     clearance: bool = False
     commit_at_once: bool = True
     horizon: float = USUAL
+    explained: int | None = None
+    reasons: bool = False
+    sights: bool = False
+
+    def robot(self, snapshot: "Snapshot") -> int:
+        """Index of the robot whose velocity is explained."""
+        return snapshot.state.intent.influenced if self.explained is None else self.explained
 
 
 class Scene:
@@ -68,6 +79,8 @@ class Scene:
         self._path = PathLayer(canvas)
         self._ghosts = Ghosts(canvas, setup)
         self._field = FieldLayer(canvas, setup)
+        self._reasons = ReasonLayer(canvas, setup)
+        self._sights = SightLayer(canvas, setup)
 
     def update(self, snapshot: "Snapshot", preview: "Preview | None" = None) -> None:
         """Shows a snapshot, and what is foreseen; call it inside `server.atomic()`."""
@@ -77,5 +90,8 @@ class Scene:
         self._path.update(state)
         self._ghosts.update(state, preview)
         self._field.update(view.field, state)
+        robot = view.robot(snapshot)
+        self._reasons.update(snapshot.last, robot if view.reasons else None)
+        self._sights.update(snapshot.last, robot if view.sights else None)
         self._ground.show_boundaries(view.boundaries)
         self._team.show(links=view.links, trails=view.trails, labels=view.labels, clearance=view.clearance)

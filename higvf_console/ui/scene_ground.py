@@ -1,5 +1,7 @@
 """What does not move: floor, metre grid with axes and scale bar, obstacles with their boundaries."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
@@ -54,9 +56,14 @@ def boundaries(canvas: Canvas, setup: Setup) -> list[Lines]:
 
 
 def obstacle_outlines(setup: Setup, margin: float) -> list[Floats]:
-    """Closed outlines (n, 2), `margin` [m] away from every circle, bar and convex hull of a polygon."""
-    hulls = [shapes.inflated(chains[0], margin) for chains in obstacles_of(setup.polygons)]
-    return _round_outlines(setup, margin) + hulls
+    """Closed outlines (n, 2), `margin` [m] away from what robots go round: lone parts, and the hulls of groups."""
+    world = setup.world
+    starts = world.ring_start[0]
+    hulls = [world.hull[first:last] for first, last in pairwise(starts)]
+    return [
+        shapes.inflated(hull, margin) if len(hull) else shapes.capsule(ring[:2], ring[2:4], ring[4] + margin)
+        for ring, hull in zip(world.ring, hulls, strict=True)
+    ]
 
 
 def obstacle_surfaces(setup: Setup) -> list[Floats]:

@@ -37,11 +37,14 @@ class Layer(IntEnum):
     CHEVRON = 12
     GHOST = 13
     CLEARANCE = 14
-    HALO = 15
-    ROBOT = 16
-    ROBOT_TEXT = 17
-    STROKE = 18
-    CURSOR = 19
+    SIGHT = 15
+    HALO = 16
+    VELOCITY = 17
+    REASON = 18
+    ROBOT = 19
+    ROBOT_TEXT = 20
+    STROKE = 21
+    CURSOR = 22
 
 
 class Canvas:

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 
 import mapbox_earcut
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.ui.glyphs import Triangles
@@ -60,9 +59,8 @@ def closed(chain: Floats) -> Floats:
     return np.concatenate([chain, chain[:1]])
 
 
-def inflated(points: Floats, margin: float, corners: int = 48) -> Floats:
-    """The closed outline of all points within `margin` of the convex hull of points (n, 2)."""
-    hull = points[ConvexHull(points).vertices]
+def inflated(hull: Floats, margin: float, corners: int = 48) -> Floats:
+    """The closed outline of all points within `margin` of a convex polygon (n, 2) that runs counter-clockwise."""
     along = np.roll(hull, -1, axis=0) - hull
     angle = np.arctan2(along[:, 1], along[:, 0]) - np.pi / 2  # of each edge's outward normal
     before = np.roll(angle, 1)

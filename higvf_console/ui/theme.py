@@ -46,6 +46,14 @@ class Palette(NamedTuple):
     gaze: str = "#ffffff"
     field: str = "#3e566c"
     trouble: str = "#cc79a7"
+    own_target: str = "#e69f00"
+    neighbours: str = "#2fbf93"
+    so_far: str = "#a7b1bd"
+    formation: str = "#56b4e9"
+    way_round: str = "#cc79a7"
+    hold: str = "#c9d1d9"
+    safety: str = "#ff6b4a"
+    velocity: str = "#515b67"
 
 
 DARK = Palette()

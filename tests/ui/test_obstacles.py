@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import Page
 
 from higvf_console.arrays import Floats, floats
+from higvf_console.control.rings import ALONE, find_rings, ring_at
 from higvf_console.control.world import edge_bars
 from higvf_console.session.polygons import signed_area, signed_distance
 from higvf_console.sim.setup import Setup
@@ -48,11 +49,24 @@ def test_a_free_area_inside_is_left_out() -> None:
 
 
 def test_an_inflated_hull_keeps_its_margin_from_every_corner() -> None:
-    outline = shapes.inflated(U_SHAPE, 25.0)
     hull = floats([[400, 200], [700, 200], [700, 500], [400, 500]])
+    outline = shapes.inflated(hull, 25.0)
     assert signed_distance([hull], outline) == pytest.approx(np.full(len(outline), 25.0))
     assert outline[0] == pytest.approx(outline[-1])
     assert signed_area(outline[:-1]) == pytest.approx(300 * 300 + 4 * 300 * 25 + np.pi * 25**2, rel=1e-3)
+
+
+def test_boundaries_are_drawn_where_the_field_turns_robots_and_once_for_parts_without_a_way_between() -> None:
+    setup = team(
+        circles=[(200.0, 200.0, 20.0), (255.0, 210.0, 25.0), (600.0, 500.0, 40.0)],
+        bars=[(900.0, 200.0, 900.0, 400.0, 6.0), (905.0, 420.0, 1000.0, 430.0, 4.0)],
+    )
+    rings = find_rings(setup.start.motion, setup.world, setup.gains.safety.obstacle_clearance)
+    outlines = obstacle_outlines(setup, 25.0)
+    assert len(outlines) == 3
+    for group, outline in enumerate(outlines):
+        gaps = [ring_at(rings, ALONE, group, x, y)[0] for x, y in outline]
+        assert gaps == pytest.approx([25.0] * len(gaps))
 
 
 def test_segments_are_clipped_at_the_sides_of_a_rectangle() -> None:

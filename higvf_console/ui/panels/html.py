@@ -30,6 +30,11 @@ STYLE = f"""<style>
 .hg th {{ font-weight: 500; color: var(--mantine-color-dimmed); text-align: right; padding: 0 0 3px 6px; }}
 .hg td {{ text-align: right; padding: 2px 0 2px 6px; border-top: 1px solid var(--mantine-color-default-border); }}
 .hg th:nth-child(-n+2), .hg td:nth-child(-n+2) {{ text-align: left; padding-left: 0; }}
+.hg table.numbers th:nth-child(2), .hg table.numbers td:nth-child(2) {{ text-align: right; padding-left: 6px; }}
+.hg .title {{ font-weight: 600; margin: 6px 0 2px; }}
+.hg .held {{ display: grid; grid-template-columns: auto 1fr; gap: 10px; margin-top: 4px; }}
+.hg .swatch {{ display: inline-block; width: 12px; height: 9px; border-radius: 2px; margin-right: 5px; }}
+.hg .chosen {{ color: {DARK.own_target}; }}
 .hg tr.out td {{ color: var(--mantine-color-dimmed); }}
 .hg tfoot td {{ font-weight: 600; }}
 .hg .log div {{ display: grid; grid-template-columns: 52px 1fr; gap: 8px; padding: 4px 0 4px 8px;
@@ -43,6 +48,7 @@ STYLE = f"""<style>
 .hg .good {{ color: {DARK.progress}; }}
 .hg .alarm {{ color: #ff6b6b; font-weight: 600; }}
 .hg .operator {{ color: {DARK.operator}; font-weight: 600; }}
+[role=tab] {{ padding-inline: 7px !important; }}
 .mantine-Notifications-root {{ top: auto !important; bottom: 18px !important; left: 290px !important; }}
 </style>"""
 

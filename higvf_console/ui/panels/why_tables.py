@@ -1,0 +1,127 @@
+"""The tables of the panel that explains a robot: parts of its velocity, active barrier rows, target scores, proofs."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from higvf_console.arrays import Floats
+from higvf_console.session.explain import Part
+from higvf_console.session.sight import Sight, hider_names
+from higvf_console.session.tight_rows import TightRow
+from higvf_console.sim.certificates import CONNECTED, Certificate
+from higvf_console.sim.setup import Setup
+from higvf_console.ui.panels.html import DASH, dot, text
+from higvf_console.ui.scene_reasons import PART_COLOUR
+
+if TYPE_CHECKING:
+    from higvf_console.session.session import Snapshot
+
+PART_NAMES = {
+    Part.TARGET: ("Own target", "Robot intention v_t"),
+    Part.HUMAN: ("Human", "Human intention v_h"),
+    Part.NEIGHBOURS: ("Neighbours", "Their shared intentions"),
+    Part.SO_FAR: ("So far", "What the shared intention was a moment ago"),
+    Part.FORMATION: ("Formation", "Formation velocity v_f"),
+    Part.ROUND: ("Way round", "Bump functions and circulation round obstacles"),
+    Part.HOLD: ("Limit, pause", "Speed limit; or a pause, or STOP"),
+    Part.SAFETY: ("Safety", "What the safety filter corrects"),
+}
+MOST_ROWS = 4  # active barrier rows that are named
+MOST_HIDERS = 2  # obstacles that are named for one fire
+_MINUS, _LEAST, _MOST = "\u2212", "\u2265", "\u2264"
+
+
+def parts_html(robot: int, parts: Floats, velocity: Floats) -> str:
+    """The parts (8, 2) of a robot's velocity (2,) [m/s] and their sum."""
+    rows = "".join(
+        f'<tr class="{"" if np.hypot(*vector) >= 0.05 else "out"}" title="{text(PART_NAMES[part][1])}">'
+        f"<td>{dot(PART_COLOUR[part])}{PART_NAMES[part][0]}</td>{_components(vector)}</tr>"
+        for part, vector in zip(Part, parts, strict=True)
+    )
+    head = "<tr><th>Part m/s</th><th>x</th><th>y</th><th>length</th></tr>"
+    return (
+        f'<div class="title">Why robot {robot + 1} moves</div><table class="numbers"><thead>{head}</thead>'
+        f"<tbody>{rows}</tbody><tfoot><tr><td>Velocity</td>{_components(velocity)}</tr></tfoot></table>"
+    )
+
+
+def _components(vector: Floats) -> str:
+    x, y = vector.tolist()
+    return f"<td>{signed(x)}</td><td>{signed(y)}</td><td>{math.hypot(x, y):.1f}</td>"
+
+
+def signed(value: float) -> str:
+    """A number with one digit and a true minus; never minus zero."""
+    shown = f"{abs(value):.1f}"
+    return f"{_MINUS}{shown}" if value < 0.0 and float(shown) != 0.0 else shown
+
+
+def rows_html(rows: Sequence[TightRow]) -> str:
+    """What holds the robot back, with its distance and the least one."""
+    if not rows:
+        return '<div class="held dim">No barrier holds it back.</div>'
+    named = "<br>".join(
+        f'<b>{text(row.name)}</b>, {row.distance:.1f} m <span class="dim">({_LEAST} {row.least:.1f})</span>'
+        for row in rows[:MOST_ROWS]
+    )
+    more = f' <span class="dim">and {len(rows) - MOST_ROWS} more</span>' if len(rows) > MOST_ROWS else ""
+    return f'<div class="held"><span class="dim">Held back by</span><span>{named}{more}</span></div>'
+
+
+def sight_html(found: Sequence[Sight], snapshot: "Snapshot", robot: int, setup: Setup) -> str:
+    """The target score of each burning fire, what it would be unhidden, and what hides it; the target is marked."""
+    title = '<div class="title">What it sees</div>'
+    if not found:
+        return f'{title}<span class="dim">No fire burns.</span>'
+    target = snapshot.last.after.target[robot]
+    rows = "".join(
+        f'<tr class="{"" if sight.value > 0.0 else "out"}"><td>{sight.fire + 1}{_target(sight.fire == target)}</td>'
+        f"<td>{_why_hidden(sight, setup)}</td><td>{math.degrees(sight.value):.1f}°</td>"
+        f"<td>{math.degrees(sight.whole):.1f}°</td></tr>"
+        for sight in found
+    )
+    head = "<tr><th>Fire</th><th>Hidden by</th><th>Score</th><th>of</th></tr>"
+    return f"{title}<table><thead>{head}</thead><tbody>{rows}</tbody></table>"
+
+
+def _target(chosen: bool) -> str:
+    return ' <span class="chosen">target</span>' if chosen else ""
+
+
+def _why_hidden(sight: Sight, setup: Setup) -> str:
+    if not sight.in_range:
+        return "out of range"
+    names = hider_names(sight, setup)
+    more = f" +{len(names) - MOST_HIDERS}" if len(names) > MOST_HIDERS else ""
+    return text(", ".join(names[:MOST_HIDERS])) + more if names else DASH
+
+
+def certificate_html(found: Sequence[Certificate]) -> str:
+    """Each condition with its value, its limit, and whether it is met."""
+    rows = "".join(
+        f'<tr title="{text(certificate.symbol)}"><td>{text(certificate.name)}</td><td>{_number(certificate.value)}</td>'
+        f"<td>{_limit(certificate)}</td>"
+        f"<td>{'met' if certificate.met else '<span class=alarm>not met</span>'}</td></tr>"
+        for certificate in found
+    )
+    head = "<tr><th>Condition</th><th>Value</th><th>Limit</th><th></th></tr>"
+    return (
+        f'<div class="title">Does the method hold?</div><table class="numbers"><thead>{head}</thead>'
+        f"<tbody>{rows}</tbody></table>"
+    )
+
+
+def _limit(certificate: Certificate) -> str:
+    if certificate.least and 0.0 < certificate.limit <= CONNECTED:
+        return "> 0"
+    return f"{_LEAST if certificate.least else _MOST} {certificate.limit:g}"
+
+
+def _number(value: float) -> str:
+    if math.isinf(value):
+        return "none" if value > 0.0 else DASH
+    if abs(value) < 5e-5:
+        return "0"
+    return f"{value:.3g}".replace("-", _MINUS)
