@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 
 from higvf_console.commands import (
+    Acknowledge,
     AskReset,
     ClearPath,
     Clutch,
@@ -28,6 +29,7 @@ PLAIN: dict[str, Callable[[], OperatorCommand]] = {
     "reverse_path": ReversePath,
     "next_task": NextTask,
     "reset_run": ResetRun,
+    "acknowledge": Acknowledge,
 }
 ACTIONS: dict[str, Callable[[], OperatorCommand]] = {
     **PLAIN,

@@ -9,6 +9,8 @@ from higvf_console.commands import (
     ChannelState,
     Clutch,
     Command,
+    FaultKind,
+    InjectFault,
     InputSpec,
     OperatorCommand,
     OperatorContext,
@@ -119,7 +121,7 @@ def test_every_action_of_the_list_gives_its_command(write: Write, at: ContextAt)
     given = script(write(text)).poll(at(0.0))
     assert [type(c).__name__ for c in given] == [
         "StrokeBegin", "StrokePoints", "StrokeEnd", "Pick", "Clutch", "Pause", "Resume", "Stop", "AskReset",
-        "ResetStop", "ClearPath", "ReversePath", "NextTask", "ResetRun",
+        "ResetStop", "ClearPath", "ReversePath", "NextTask", "ResetRun", "Acknowledge",
     ]  # fmt: skip
     assert [c.closed for c in given if isinstance(c, Clutch)] == [True]
 
@@ -134,9 +136,9 @@ def test_a_run_that_starts_again_fires_again_but_not_the_scripts_own_reset(write
 def test_health_counts_what_is_done(write: Write, at: ContextAt) -> None:
     player = script(write("- {at_s: 1, do: pause}\n- {at_s: 5, do: resume}\n"))
     player.poll(at(2.0))
-    assert player.health(2.0) == (ChannelState.LIVE, "1 of 2 actions done")
+    assert player.health(2.0)[:2] == (ChannelState.LIVE, "1 of 2 actions done")
     player.poll(at(5.0))
-    assert player.health(5.0) == (ChannelState.ENDED, "2 of 2 actions done")
+    assert player.health(5.0)[:2] == (ChannelState.ENDED, "2 of 2 actions done")
     player.close()
     player.close()
 
@@ -192,3 +194,27 @@ def test_a_missing_script_and_any_option_are_refused(write: Write) -> None:
         script("nowhere.yaml")
     with pytest.raises(InputError, match="unknown key 'start'"):
         open_script(InputSpec("script", write("- {at_s: 1, do: pause}\n"), options={"start": "1"}))
+
+
+def test_a_fault_is_injected_at_its_time(write: Write, at: ContextAt) -> None:
+    player = script(write("- at_s: 2\n  fault: {channel: gaze, kind: delay, for_s: 3, by_s: 0.4}\n"))
+    assert player.poll(at(1.9)) == []
+    (fault,) = player.poll(at(2.0))
+    assert isinstance(fault, InjectFault)
+    assert (fault.channel, fault.kind, fault.seconds, fault.delay) == ("gaze", FaultKind.DELAY, 3.0, 0.4)
+    assert (fault.time, fault.source) == (2.0, "script")
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        ("{channel: gaze, kind: melt, for_s: 3}", "fault: kind: 'melt' is not one of freeze, drop, delay"),
+        ("{channel: gaze, kind: drop}", "fault: for_s is missing"),
+        ("{kind: drop, for_s: 1}", "fault: channel: None is not the name of an input"),
+        ("{channel: gaze, for_s: 1, until: 3}", "fault: unknown key 'until'"),
+    ],
+)
+def test_a_fault_that_cannot_be_is_refused(write: Write, fault: str, said: str) -> None:
+    with pytest.raises(ScriptError) as refusal:
+        script(write(f"- at_s: 2\n  fault: {fault}\n"))
+    assert said in str(refusal.value)

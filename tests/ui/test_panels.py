@@ -18,11 +18,19 @@ from higvf_console.sim.simulation import advance
 from higvf_console.state import PathStatus, SimState
 from higvf_console.ui.panels.callbacks import SETTLE_S, mirror, number_in, one_of, reaction, truth
 from higvf_console.ui.panels.chart import Curve, chart_svg
+from higvf_console.ui.panels.faults import faults_html
 from higvf_console.ui.panels.fires import MOST_SAMPLES, LossHistory, summary_html, table_html
 from higvf_console.ui.panels.html import area, clock
 from higvf_console.ui.panels.log import MOST_AT_ONCE, MOST_SHOWN, Notifications, log_html, newer
 from higvf_console.ui.panels.run import nearest_speed
-from higvf_console.ui.panels.status import channel_html, clearance_line, filter_line, mode_of, operator_line
+from higvf_console.ui.panels.status import (
+    CHANNEL_MARK,
+    channel_html,
+    clearance_line,
+    filter_line,
+    mode_of,
+    operator_line,
+)
 from tests.teams import team
 
 SETUP = team(fires=[(500.0, 250.0, 20.0), (300.0, 450.0, 30.0)])
@@ -216,3 +224,19 @@ def test_the_speed_list_shows_the_nearest_offered_speed() -> None:
     assert nearest_speed(1.0)[0] == "1"
     assert nearest_speed(0.3).startswith("0.25")
     assert nearest_speed(7.5)[0] == "8"
+
+
+def test_every_state_of_an_input_has_a_shape_of_its_own_and_a_word_unless_it_is_live() -> None:
+    assert set(CHANNEL_MARK) == set(ChannelState)
+    assert len({mark for mark, _ in CHANNEL_MARK.values()}) == len(ChannelState), "colour alone tells nothing"
+    for state in ChannelState:
+        html = channel_html("gaze", ChannelHealth(state, "why"))
+        assert (f">{state.value}<" in html) == (state is not ChannelState.LIVE)
+
+
+def test_the_fault_panel_tells_why_an_input_is_as_it_is() -> None:
+    snapshot = SimpleNamespace(channels=(("gaze", ChannelHealth(ChannelState.LOST, "last heard <3 s ago")),))
+    html = faults_html(snapshot)  # pyright: ignore[reportArgumentType]
+    assert "gaze" in html
+    assert "lost" in html
+    assert "last heard &lt;3 s ago" in html
