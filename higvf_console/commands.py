@@ -1,7 +1,7 @@
 """The closed list of operator commands, and the contracts that every interface stands on.
 
 Whatever the device, its wishes arrive as these commands; nothing else changes the intent of a run. A command is data:
-`sim.operator.apply_command` gives it its meaning (the clock commands Freeze, Step and SetSpeed: the session).
+`sim.operator.apply_command` gives it its meaning (Freeze, Step, SetSpeed, Acknowledge and InjectFault: the session).
 """
 
 from collections.abc import Mapping, Sequence
@@ -172,10 +172,46 @@ class SetSpeed(Command):
     factor: float
 
 
+@dataclass(frozen=True)
+class Acknowledge(Command):
+    """The operator has seen that lost channels are back: their commands count again.
+
+    Attributes:
+        channel: which one; empty = all.
+    """
+
+    channel: str = ""
+
+
+class FaultKind(StrEnum):
+    """What a channel can be made to suffer."""
+
+    FREEZE = "freeze"  # nothing comes; what was said meanwhile comes all at once when the fault ends
+    DROP = "drop"  # nothing comes, and what was said is lost
+    DELAY = "delay"  # everything comes late
+
+
+@dataclass(frozen=True)
+class InjectFault(Command):
+    """A channel fails on purpose, for a test or a lesson.
+
+    Attributes:
+        channel: which one.
+        kind: a `FaultKind`, or its word.
+        seconds: how long the fault lasts [s].
+        delay: of everything that comes, with `FaultKind.DELAY` [s].
+    """
+
+    channel: str
+    kind: str = FaultKind.FREEZE
+    seconds: float = 3.0
+    delay: float = 0.5
+
+
 OperatorCommand: TypeAlias = (
     StrokeBegin | StrokePoints | StrokeEnd | StrokeCancel | Cursor | Clutch | Pick | ProposePick | Confirm | Discard
     | Pause | Resume | Stop | AskReset | ResetStop | ClearPath | ReversePath | NextTask | ResetRun | Freeze | Step
-    | SetSpeed
+    | SetSpeed | Acknowledge | InjectFault
 )  # fmt: skip
 
 
@@ -210,14 +246,23 @@ class ChannelState(StrEnum):
     LIVE = "live"
     STALE = "stale"
     LOST = "lost"
+    RECOVERED = "back, not resumed"  # heard again after a loss; waits for the operator's acknowledgement
     ENDED = "ended"  # a replayed log is at its end
 
 
 class ChannelHealth(NamedTuple):
-    """How a channel is, in one word and one sentence."""
+    """How a channel is, in one word and one sentence.
+
+    Attributes:
+        state: as the interface sees it.
+        detail: why.
+        heard: session time of a live device's last sign of life, by which the session's limits judge it [s]; None where
+            the interface's own word holds, as with a replay, which may be quiet and is not dead.
+    """
 
     state: ChannelState
     detail: str
+    heard: float | None = None
 
 
 @dataclass(frozen=True)
@@ -267,4 +312,8 @@ class PointerSink(Protocol):
 
     def push(self, command: OperatorCommand) -> None:
         """Appends a command; never waits, callable from any thread."""
+        ...
+
+    def beat(self) -> None:
+        """A page has told that it is there; callable from any thread."""
         ...

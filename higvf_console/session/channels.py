@@ -50,19 +50,24 @@ class Channels:
             if names.count(name) > 1:
                 raise InputError(f"interface '{name}' is given {names.count(name)} times; give each once")
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the interfaces, in the order given."""
+        return tuple(interface.name for interface in self._interfaces)
+
     def named(self, name: str) -> Interface | None:
         """The interface of that name."""
         return next((interface for interface in self._interfaces if interface.name == name), None)
 
-    def poll(self, context: OperatorContext) -> tuple[list[OperatorCommand], list[Event]]:
-        """All commands that are due, and an event for each interface that failed just now."""
-        commands: list[OperatorCommand] = []
+    def poll(self, context: OperatorContext) -> tuple[dict[str, list[OperatorCommand]], list[Event]]:
+        """The commands that are due, by interface, and an event for each interface that failed just now."""
+        commands: dict[str, list[OperatorCommand]] = {}
         events: list[Event] = []
         for interface in self._interfaces:
             if interface.name in self._failed:
                 continue
             try:
-                commands.extend(interface.poll(context))
+                commands[interface.name] = list(interface.poll(context))
             except Exception as error:  # whatever a device's code raises must not stop the team's loop
                 events.append(self.fail(interface.name, error, context.time))
         return commands, events

@@ -19,7 +19,7 @@
     parameters: {safety: {robot_clearance: 25}}                        # groups and names of `control.gains`
     forms: corrected                         # or zero-in, printed; or a word for each of `control.forms`
     filter: distributed                      # or centralised
-    inputs: {emg: {labels: {fist: pause}}}   # settings by interface
+    inputs: {emg: {labels: {fist: pause}}}   # settings by interface; stale, lost, on_lost of any: channel_settings
     demo: ["gaze=assets/recordings/barrier-gaze.tsv:frame=screen"]     # what --demo plays, as --input
     duration_s: 120
 
@@ -40,6 +40,8 @@ from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.world import NO_LINKS, make_world
 from higvf_console.errors import ScenarioError
 from higvf_console.quantity import Quantity
+from higvf_console.session.channel_settings import read_inputs
+from higvf_console.session.channel_state import Limits
 from higvf_console.session.channels import unknown_settings
 from higvf_console.session.placement import (
     Network,
@@ -67,7 +69,6 @@ from higvf_console.session.sections import (
     read_fires,
     read_formation,
     read_forms,
-    read_inputs,
     read_links,
     read_obstacles,
     read_parameters,
@@ -113,6 +114,7 @@ class Scenario:
         gains: all tunables.
         filter: which safety filter runs.
         inputs: settings by interface name.
+        limits: when silence of an input matters, by its name, where the scenario says.
         demo: inputs of `--demo`, written as on the command line.
         duration: how long a headless run lasts at most [s].
         warnings: what is allowed but probably not meant.
@@ -136,6 +138,7 @@ class Scenario:
     gains: Gains
     filter: FilterKind
     inputs: Mapping[str, Mapping[str, object]]
+    limits: Mapping[str, Limits]
     demo: tuple[str, ...]
     duration: float
     warnings: tuple[str, ...]
@@ -240,7 +243,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
     robots = read_robots(entries["robots"], arena)
     count = len(robots.points)
     gains = read_parameters(entry("parameters", {}))._replace(forms=read_forms(entry("forms", "corrected")))
-    inputs = read_inputs(entry("inputs", {}))
+    inputs, limits = read_inputs(entry("inputs", {}))
     links = read_links(entries["links"], count) if "links" in entries else None
     network = start_network(robots.points, links, gains.formation.communication_range)
     check_formation(network.degree, gains, source)
@@ -266,6 +269,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         gains=gains,
         filter=FilterKind(entry("filter", "distributed").choice(tuple(FilterKind))),
         inputs=inputs,
+        limits=limits,
         demo=tuple(item.text() for item in entry("demo", []).items()),
         duration=entry("duration_s", 120.0).number(_DURATION),
         warnings=(

@@ -277,13 +277,3 @@ def read_forms(node: Node) -> Forms:
         return FORMS[node.choice(tuple(FORMS))]
     entries = node.section(Forms._fields)
     return Forms(**{name: WORDS[entry.choice(tuple(WORDS))] for name, entry in entries.items()})
-
-
-def read_inputs(node: Node) -> dict[str, dict[str, object]]:
-    """Settings of each interface, as the interface wants them."""
-    if not isinstance(node.value, dict):
-        raise node.wrong("a section with one entry an interface")
-    for name, settings in node.value.items():
-        if not isinstance(settings, dict):
-            raise Node(settings, node.source, f"{node.place}.{name}").wrong("a section of settings")
-    return node.value

@@ -1,6 +1,6 @@
 """A session: the one loop between operator and team.
 
-    each tick:  poll the interfaces -> apply their commands -> advance -> say what happened -> record -> publish
+    each tick:  poll the interfaces -> apply their commands -> watch the channels -> advance -> record -> publish
 
 The session owns the clock (freeze, step, speed). Everyone else reads `snapshot`, which is replaced as a whole and never
 written, so a view may keep one for as long as it likes.
@@ -24,7 +24,6 @@ from higvf_console.commands import (
     PointerSink,
     SetSpeed,
     Step,
-    StrokeCancel,
     StrokePoints,
 )
 from higvf_console.errors import InputError
@@ -36,6 +35,7 @@ from higvf_console.session.recording import Recorder
 from higvf_console.session.run import Run
 from higvf_console.session.scenario import Scenario
 from higvf_console.session.sections import FilterKind
+from higvf_console.session.supervision import SOURCE, Said, Supervisor
 from higvf_console.sim.certificates import Worst
 from higvf_console.sim.metrics import loss_area
 from higvf_console.sim.setup import Event, Severity
@@ -45,7 +45,7 @@ from higvf_console.viewport import Viewport
 SLOWEST, FASTEST = 0.25, 8.0  # speed factors
 CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time
 EVENTS_KEPT = 2000
-_HEALTH_EVERY = 25  # ticks
+_WATCH_EVERY = 5  # ticks from one look after the channels to the next
 
 _log = logging.getLogger(__name__)
 
@@ -133,7 +133,7 @@ class Session:
         self.error: Exception | None = None
         self._run = Run(self.setup, scenario.filter)
         self._channels = Channels(interfaces)
-        self._health = self._channels.health(0.0)
+        self._supervisor = Supervisor(self._channels, scenario.limits)
         self._recorder = recorder
         self._frozen = False
         self._speed = 1.0
@@ -211,15 +211,19 @@ class Session:
             self._run.time, "operator", self.viewport, self._run.state.drawing.clutch, intent.paused,
             intent.influenced, self._run.extinguished, len(self._run.state.motion.position),
         )  # fmt: skip
-        commands, failures = self._channels.poll(context)
-        for command in commands:
-            self._apply(command)
-        if failures:
-            self._add(tuple(failures))
-            if self._channels.failed(self._run.state.drawing.stroke_source):
-                self._apply(StrokeCancel(source=self._run.state.drawing.stroke_source))
+        said, failures = self._supervisor.poll(context)
+        for channel, command in said:
+            self._apply(command, channel)
+        self._add(failures)
+        if failures or self._beats % _WATCH_EVERY == 0:
+            commands, events = self._supervisor.watch(self._run.time, self._run.state)
+            self._add(events)
+            for command in commands:
+                self._apply(command, SOURCE)
+        self._beats += 1
 
-    def _apply(self, command: OperatorCommand) -> None:
+    def _apply(self, command: OperatorCommand, channel: str) -> None:
+        before = self._run.state
         try:
             events = self._run.apply(command)
         except Exception as error:  # a device may send what no type checker saw; the state is as it was
@@ -228,6 +232,7 @@ class Session:
             self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
             return
         self._add(events)
+        self._add(self._supervisor.applied(Said(channel, command), self._run.time, before, self._run.state))
         self._set_clock(command)
         if not isinstance(command, Cursor | StrokePoints):
             self.commands.append(AppliedCommand(self._run.time, command))
@@ -275,9 +280,6 @@ class Session:
 
     def _publish(self, started: float) -> None:
         run = self._run
-        if self._beats % _HEALTH_EVERY == 0:
-            self._health = self._channels.health(run.time)
-        self._beats += 1
         self.snapshot = Snapshot(
             state=run.state,
             trace=run.trace,
@@ -292,7 +294,7 @@ class Session:
             deadlock_s=run.deadlock_ticks * self.setup.gains.safety.control_period,
             worst=run.worst,
             extinguished=run.extinguished,
-            channels=self._health,
+            channels=self._supervisor.health,
             events=self._events,
         )
 

@@ -1,7 +1,7 @@
 """What each operator command means: pure, from state to state, with the events that a person should read.
 
-A command that cannot be carried out changes nothing and says why. The clock commands (Freeze, Step, SetSpeed) belong
-to the session and pass through.
+A command that cannot be carried out changes nothing and says why. Those for the clock (Freeze, Step, SetSpeed) and the
+channels (Acknowledge, InjectFault) belong to the session and pass through.
 """
 
 import math
@@ -11,6 +11,7 @@ import numpy as np
 
 from higvf_console.arrays import Floats, floats
 from higvf_console.commands import (
+    Acknowledge,
     AskReset,
     ClearPath,
     Clutch,
@@ -18,6 +19,7 @@ from higvf_console.commands import (
     Cursor,
     Discard,
     Freeze,
+    InjectFault,
     NextTask,
     OperatorCommand,
     Pause,
@@ -91,7 +93,7 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
             return _finish(state, time)
         case ResetRun():
             return setup.start, _say(0.0, "reset", "The run starts again.")
-        case Freeze() | Step() | SetSpeed():
+        case Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
             return state, ()
         case _:
             assert_never(command)

@@ -40,6 +40,7 @@ from higvf_console.commands import (
 from higvf_console.session.previewer import Choice, Previewer
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.ui import camera, keys, page, pointer, theme
+from higvf_console.ui.panels.faults import FaultsPanel
 from higvf_console.ui.panels.fires import FiresPanel
 from higvf_console.ui.panels.html import SPACER
 from higvf_console.ui.panels.log import LogPanel
@@ -180,13 +181,13 @@ class Console:
         camera.install(server, self._scene.camera_arena)
         hand = Hand(session, self._view, self._steer)
         pointer.install(server, hand, theme.DARK.stroke)
-        keys.install(server, hand.key)
+        keys.install(server, hand.key, session.pointer.beat)
         page.on_leave(server, hand.leave)
         add_commands(server.gui, hand)
 
     def _build_panels(self) -> None:
         gui, session, sink = self._server.gui, self._session, self._session.pointer
-        status = StatusPanel(gui, session.setup.gains.safety.control_period)
+        status = StatusPanel(gui, session.setup.gains.safety.control_period, sink)
         run = RunPanel(gui, sink)
         gui.add_html(SPACER)
         tabs = gui.add_tab_group()
@@ -201,7 +202,9 @@ class Console:
             view = ViewPanel(gui, self._view)
         with tabs.add_tab("Log", viser.Icon.LIST):
             log = LogPanel(self._server)
-        self._panels = (status, run, self._steer, preview, fires, why, view, log)
+        with tabs.add_tab("Faults", viser.Icon.PLUG_CONNECTED_X):
+            faults = FaultsPanel(gui, [name for name, _ in session.snapshot.channels], sink)
+        self._panels = (status, run, self._steer, preview, fires, why, view, log, faults)
 
     def _choice(self) -> Choice:
         return Choice(self._view.horizon, self._steer.smoothing)

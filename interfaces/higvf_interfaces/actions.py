@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 
 from higvf_console.commands import (
+    Acknowledge,
     AskReset,
     ClearPath,
     Clutch,
@@ -32,6 +33,7 @@ PLAIN: dict[str, Callable[[], OperatorCommand]] = {
     "reset_run": ResetRun,
     "confirm": Confirm,
     "discard": Discard,
+    "acknowledge": Acknowledge,
 }
 ACTIONS: dict[str, Callable[[], OperatorCommand]] = {
     **PLAIN,

@@ -1,4 +1,4 @@
-"""A channel of decoded labels, replayed on the session clock: feed -> interpreter -> commands.
+"""A channel of decoded labels, replayed on the session clock or live: feed -> interpreter -> commands.
 
 Every action's own name is a label too, and so is what a channel's defaults add; the scenario's map goes over both:
 
@@ -16,7 +16,7 @@ from higvf_console.commands import (
     OperatorContext,
     ResetRun,
 )
-from higvf_interfaces import interpretation
+from higvf_interfaces import interpretation, lsl
 from higvf_interfaces.debouncer import Evidence, Verdict
 from higvf_interfaces.emulation import ERRORS, EmulatedFeed, error_model
 from higvf_interfaces.evidence import STREAMING
@@ -30,14 +30,14 @@ from higvf_interfaces.streams import Stamp
 OPTIONS = (
     "labels", "threshold", "refractory", "start", "format",
     *(key for key in interpretation.OPTIONS if key not in ("threshold", "refractory")),
-    *(key for key in RECORDED if key != "format"), *DECODING, *ERRORS,
+    *(key for key in RECORDED if key != "format"), *DECODING, *ERRORS, *lsl.OPTIONS,
 )  # fmt: skip
 
 
 class DecisionReplay:
     """A channel's decisions, played on the session clock.
 
-    They are those of a log or, with the option `decoder`, those that the decoder makes of a recording of raw signals.
+    They are those of a log or a live stream or, with the option `decoder`, those that the decoder makes of raw signals.
     What gives no command is counted and told by `health`.
     """
 
@@ -52,7 +52,13 @@ class DecisionReplay:
         self._interpreter = Interpreter(defaults, options, STREAMING if decodes else Evidence())
         errors = error_model(options)
         start = options.number("start", 0.0, -1e6, 1e6, "s")
-        if decodes:
+        self._live: lsl.LslReader | None = None
+        if lsl.is_live(spec.source):
+            from higvf_interfaces.live_feeds import live_feed  # noqa: PLC0415 - as below
+
+            feed = live_feed(options)
+            self._live = feed.reader
+        elif decodes:
             from higvf_interfaces.decoding.replay import decoder_feed  # noqa: PLC0415 - filters load for a second
 
             feed = decoder_feed(spec.source, options, start)
@@ -86,15 +92,21 @@ class DecisionReplay:
                 given.append(self._stamp(command, decision.time, context))
         return given
 
-    def health(self, now: float) -> ChannelHealth:  # noqa: ARG002 - a log is as well as its last decision
+    def health(self, now: float) -> ChannelHealth:
         """Never seen before the first decision, ended after the last; the detail tells what was ignored."""
         detail = "; ".join((*self._interpreter.describe(), *self._feed.notes))
+        if self._live is not None:
+            quiet = self._live.quiet
+            state = ChannelState.NEVER_SEEN if quiet is None else ChannelState.LIVE
+            return ChannelHealth(state, detail, None if quiet is None else now - quiet)
         if self._feed.ended and self._feed.started:
             return ChannelHealth(ChannelState.ENDED, f"replayed to its end; {detail}")
         return ChannelHealth(ChannelState.LIVE if self._feed.started else ChannelState.NEVER_SEEN, detail)
 
     def close(self) -> None:
-        """Has nothing to let go of: a file is closed after reading."""
+        """Ends the reading of a live stream; a file is closed after reading."""
+        if self._live is not None:
+            self._live.close()
 
     def _repeats(self, index: int, command: OperatorCommand) -> bool:
         """Whether this is a restart that the log gave before; given twice, the run would never end."""

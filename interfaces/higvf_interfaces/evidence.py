@@ -13,7 +13,17 @@ from higvf_interfaces.fields import Fields, shown
 NEEDS = ("threshold", "votes", "hysteresis", "refractory", "memory")
 ROBOT = "robot"  # stands for every `robot:NUMBER`
 LEAST = ("stop", "pause")
-MORE = ("resume", "next_task", "ask_reset", "reset_stop", "reset_run", "clear_path", "reverse_path", ROBOT)
+MORE = (
+    "resume",
+    "next_task",
+    "ask_reset",
+    "reset_stop",
+    "reset_run",
+    "acknowledge",
+    "clear_path",
+    "reverse_path",
+    ROBOT,
+)
 STREAMING = Evidence(votes=3, of=5, enter=0.8, leave=0.5, refractory=1.0)  # for a decoder that decides all the time
 
 

@@ -1,4 +1,4 @@
-"""Replayed gaze as operator input: where the operator looks is the cursor, and under the clutch fixations draw.
+"""Gaze, replayed or live, as operator input: where the operator looks is the cursor, under the clutch fixations draw.
 
     recording -> screen pixels -> fixations, piece by piece -> session clock -> Cursor, StrokeBegin / Points / End
 
@@ -27,15 +27,17 @@ from higvf_console.commands import (
     StrokePoints,
 )
 from higvf_console.viewport import Viewport
+from higvf_interfaces import lsl
 from higvf_interfaces.dwell_button import IDLE, step
 from higvf_interfaces.fields import Fields, option_fields
 from higvf_interfaces.gaze_source import OPTIONS as SOURCE_OPTIONS
 from higvf_interfaces.gaze_source import GazeSource
+from higvf_interfaces.live_gaze import LiveGaze
 from higvf_interfaces.playback import GazePlayback
 from higvf_interfaces.screens import ground_length, to_ground
 from higvf_interfaces.streams import Stamp
 
-OPTIONS = (*SOURCE_OPTIONS, "clutch", "button", "viewport", "preview")
+OPTIONS = (*SOURCE_OPTIONS, *lsl.OPTIONS, "clutch", "button", "viewport", "preview")
 CLUTCHES = ("held", "paused", "always", "dwell")
 PEN_UP = 1.5  # without valid gaze for so long, the pen lifts itself [s]
 LOST = 0.5  # a hole in the log that long loses the cursor [s]
@@ -56,7 +58,7 @@ BUTTON = Box(0.0, 0.85, 0.1, 1.0)  # the bottom left corner: the arena is letter
 
 
 class GazeReplay:
-    """A gaze recording, played on the session clock."""
+    """A gaze recording on the session clock, or a live stream."""
 
     def __init__(self, spec: InputSpec) -> None:
         """Opens `spec.source` and finds the first fixations.
@@ -69,8 +71,9 @@ class GazeReplay:
         self._box = _button(options)
         self._follows_browser = options.choice("viewport", "fit", ("fit", "browser")) == "browser"
         self._preview = options.flag("preview", False)
-        self._source = GazeSource(spec, options)
-        self._playback = GazePlayback(self._source.pieces)
+        self._live = LiveGaze(spec, options) if lsl.is_live(spec.source) else None
+        self._source = self._live or GazeSource(spec, options)
+        self._playback = GazePlayback(self._source.pieces) if isinstance(self._source, GazeSource) else self._source
         self._smoothing_px = SMOOTHING * self._source.px_per_deg
         self._name = spec.channel
         self._stamp = Stamp(spec.channel)
@@ -98,8 +101,12 @@ class GazeReplay:
         return [self._stamp(command, context.time, context) for command in commands]
 
     def health(self, now: float) -> ChannelHealth:
-        """Never seen before the first sample, stale in a hole, ended behind the last."""
-        detail = "; ".join((self._remark, self._source.file.stream.format, *self._source.notes))
+        """Never seen before the first sample; a recording is stale in a hole and ended behind its last sample."""
+        detail = "; ".join((self._remark, self._source.format, *self._source.notes))
+        if self._live is not None:
+            quiet = self._live.reader.quiet
+            state = ChannelState.NEVER_SEEN if quiet is None else ChannelState.LIVE
+            return ChannelHealth(state, detail, None if quiet is None else now - quiet)
         if not self._playback.started:
             return ChannelHealth(ChannelState.NEVER_SEEN, f"starts at {self._playback.first_time:.1f} s; {detail}")
         if self._playback.ended:
@@ -108,7 +115,9 @@ class GazeReplay:
         return ChannelHealth(ChannelState.STALE if hole else ChannelState.LIVE, detail)
 
     def close(self) -> None:
-        """Has nothing to let go of: the file was closed after reading."""
+        """Ends the reading of a live stream; a file was closed after reading."""
+        if self._live is not None:
+            self._live.close()
 
     def _forget(self) -> None:
         """Starts like new, because the run has."""

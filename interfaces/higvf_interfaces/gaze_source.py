@@ -74,6 +74,11 @@ class GazeSource:
         return classify_blocks((pixels for _, pixels in self.blocks()), self.px_per_deg, self.method)
 
     @property
+    def format(self) -> str:
+        """Name of the format."""
+        return self.file.stream.format
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What has been repaired, assumed or left out so far, in words."""
         away = (f"{self.away} samples off the screen",) if self.away else ()

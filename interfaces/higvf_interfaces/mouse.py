@@ -4,6 +4,7 @@ import threading
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
+from time import monotonic
 
 import numpy as np
 
@@ -32,21 +33,20 @@ class Mouse:
     a stroke only behind thousands of later commands.
     """
 
-    def __init__(self, name: str = "mouse", stale_after: float = 60.0, capacity: int = CAPACITY) -> None:
+    def __init__(self, name: str = "mouse", capacity: int = CAPACITY) -> None:
         """Starts with an empty queue.
 
         Args:
             name: channel name.
-            stale_after: silence after which the channel is called stale [session s].
             capacity: commands that wait at most.
         """
         self._name = name
-        self._stale_after = stale_after
         self._capacity = capacity
         self._waiting: deque[OperatorCommand] = deque()
         self._lock = threading.Lock()
         self._stamp = Stamp(name)
-        self._last_seen: float | None = None
+        self._last_used: float | None = None
+        self._last_beat: float | None = None  # [s] of the wall clock
 
     @property
     def name(self) -> str:
@@ -60,21 +60,26 @@ class Mouse:
             if len(self._waiting) > self._capacity:
                 self._waiting = _make_room(self._waiting, self._capacity)
 
+    def beat(self) -> None:
+        """A page is there; from the first time on, silence of all pages counts."""
+        self._last_beat = monotonic()
+
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """Everything pushed since the last poll, in order, given now."""
         with self._lock:
             taken, self._waiting = self._waiting, deque()
         if taken:
-            self._last_seen = context.time
+            self._last_used = context.time
         return [self._stamp(command, context.time, context) for command in taken]
 
     def health(self, now: float) -> ChannelHealth:
-        """Never seen, live, or stale after a long silence; a hand off the mouse is no fault."""
-        if self._last_seen is None:
+        """Heard when a page last told that it is there; a hand off the mouse is no fault."""
+        used = "not used yet" if self._last_used is None else f"last used {max(0.0, now - self._last_used):.0f} s ago"
+        if self._last_beat is not None:
+            return ChannelHealth(ChannelState.LIVE, used, now - (monotonic() - self._last_beat))
+        if self._last_used is None:
             return ChannelHealth(ChannelState.NEVER_SEEN, "nothing from the browser yet")
-        quiet = max(0.0, now - self._last_seen)
-        state = ChannelState.STALE if quiet > self._stale_after else ChannelState.LIVE
-        return ChannelHealth(state, f"last used {quiet:.0f} s ago")
+        return ChannelHealth(ChannelState.LIVE, used)
 
     def close(self) -> None:
         """Drops what still waits."""
@@ -83,9 +88,9 @@ class Mouse:
 
 
 def open_mouse(spec: InputSpec) -> Mouse:
-    """Entry point `mouse`; option `stale` [s]."""
-    stale = option_fields(spec, ("stale",)).number("stale", 60.0, 0.1, 86_400.0, "s")
-    return Mouse(spec.channel, stale)
+    """Entry point `mouse`; it has no options."""
+    option_fields(spec, ())
+    return Mouse(spec.channel)
 
 
 def _make_room(commands: Iterable[OperatorCommand], capacity: int) -> deque[OperatorCommand]:

@@ -35,22 +35,49 @@ def classify_blocks(
         method: as `fixations.classify` takes it.
         longest: samples held at most.
     """
-    held = Pixels(floats([]), floats([], 0, 2), bools([]))
-    begin = 0  # samples before have been handed out; they are the filters' left side
+    maker = PieceMaker(px_per_deg, method, longest)
     for block in blocks:
-        held = _joined(held, block)
+        piece = maker.push(block)
+        if piece is not None:
+            yield piece
+    rest = maker.rest()
+    if rest is not None:
+        yield rest
+
+
+class PieceMaker:
+    """Cuts a recording, or a live stream, into pieces block by block."""
+
+    def __init__(self, px_per_deg: float = PX_PER_DEG, method: str = IVT, longest: int = LONGEST) -> None:
+        """Holds nothing yet; the arguments are those of `classify_blocks`."""
+        self._px_per_deg, self._method, self._longest = px_per_deg, method, longest
+        self._held = Pixels(floats([]), floats([], 0, 2), bools([]))
+        self._begin = 0  # samples before have been handed out; they are the filters' left side
+
+    def push(self, block: Pixels) -> Classified | None:
+        """What the next samples have settled, if anything."""
+        self._held = held = _joined(self._held, block)
+        begin = self._begin
         if not len(held.time):
-            continue
-        found = classify(*held, px_per_deg, method=method, begin=begin)
+            return None
+        found = classify(*held, self._px_per_deg, method=self._method, begin=begin)
         end = max(begin, _settled(found))
-        if end == begin and len(held.time) - begin >= longest:
+        if end == begin and len(held.time) - begin >= self._longest:
             end = int(np.searchsorted(held.time, held.time[-1] - HORIZON))
-        if end > begin:
-            yield _piece(found, begin, end)
-            kept = int(np.searchsorted(held.time, held.time[end - 1] - HORIZON))
-            held, begin = Pixels(held.time[kept:], held.points[kept:], held.valid[kept:]), end - kept
-    if len(held.time) > begin:
-        yield _piece(classify(*held, px_per_deg, method=method, begin=begin), begin, len(held.time))
+        if end == begin:
+            return None
+        kept = int(np.searchsorted(held.time, held.time[end - 1] - HORIZON))
+        self._held = Pixels(held.time[kept:], held.points[kept:], held.valid[kept:])
+        self._begin = end - kept
+        return _piece(found, begin, end)
+
+    def rest(self) -> Classified | None:
+        """What is held and not settled, as if nothing followed."""
+        held, begin = self._held, self._begin
+        if len(held.time) <= begin:
+            return None
+        found = classify(*held, self._px_per_deg, method=self._method, begin=begin)
+        return _piece(found, begin, len(held.time))
 
 
 def _joined(first: Pixels, then: Pixels) -> Pixels:

@@ -1,9 +1,10 @@
-"""The YAML script of operator actions, read strictly: each entry has one trigger and one action.
+"""The YAML script of operator actions, read strictly: each entry has one trigger, and one action or one fault.
 
 - at_s: 12.0                        - when: {extinguished: 1}
   do: pick                            after_s: 0.5
   robot: 2                            do: stroke
-                                      points_m: [[300, 200], [500, 260], [700, 240]]
+- at_s: 20                              points_m: [[300, 200], [500, 260], [700, 240]]
+  fault: {channel: gaze, kind: freeze, for_s: 3}
 """
 
 from collections.abc import Sequence
@@ -11,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple, cast
 
 from higvf_console.arrays import Floats
-from higvf_console.commands import Clutch, OperatorCommand, Pick
+from higvf_console.commands import Clutch, FaultKind, InjectFault, OperatorCommand, Pick
 from higvf_console.errors import ScriptError
 from higvf_interfaces.actions import PLAIN
 from higvf_interfaces.fields import Fields, shown
@@ -24,7 +25,8 @@ DETAILS: dict[str, tuple[str, ...]] = {
     "clutch": ("closed",),
     **dict.fromkeys(PLAIN, ()),
 }
-_TRIGGER = ("at_s", "when", "after_s", "do")
+FAULT = ("channel", "kind", "for_s", "by_s")
+_TRIGGER = ("at_s", "when", "after_s", "do", "fault")
 _LONGEST = 1e6  # [s]
 
 
@@ -95,10 +97,13 @@ def _entry(entry: object, place: str) -> Entry:
     if not isinstance(entry, dict):
         raise ScriptError(f"{place}: {shown(entry)} is not an entry with do: and at_s: or when:")
     values = cast(dict[str, object], entry)
+    if "fault" in values and "do" not in values:
+        fields = Fields(values, _TRIGGER, place, ScriptError)
+        return Entry(place, _trigger(fields), _fault(fields))
     action = values.get("do")
     if not isinstance(action, str) or action not in DETAILS:
         raise ScriptError(f"{place}: do: {shown(action)} is not an action; known actions: {', '.join(DETAILS)}")
-    fields = Fields(values, (*_TRIGGER, *DETAILS[action]), place, ScriptError)
+    fields = Fields(values, (*_TRIGGER[:-1], *DETAILS[action]), place, ScriptError)
     return Entry(place, _trigger(fields), _action(action, fields))
 
 
@@ -116,6 +121,19 @@ def _trigger(fields: Fields) -> Trigger:
     if event.has("extinguished"):
         return Trigger(None, event.whole("extinguished", 1) - 1, 0, after)
     return Trigger(None, None, event.whole("extinguished_count", 1), after)
+
+
+def _fault(fields: Fields) -> InjectFault:
+    fault = Fields(fields.mapping("fault"), FAULT, f"{fields.place}: fault", ScriptError)
+    channel = fault.values.get("channel")
+    if not isinstance(channel, str) or not channel:
+        fault.fail(f"channel: {shown(channel)} is not the name of an input")
+    return InjectFault(
+        channel=channel,
+        kind=fault.choice("kind", FaultKind.FREEZE, tuple(FaultKind)),
+        seconds=fault.number("for_s", None, 0.001, 3600.0, "s"),
+        delay=fault.number("by_s", 0.5, 0.0, 3600.0, "s"),
+    )
 
 
 def _action(action: str, fields: Fields) -> Stroke | OperatorCommand:

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 
 import pytest
+from lsl_devices import isolated_library
 
 from higvf_console.commands import OperatorContext
 from higvf_console.viewport import Viewport
@@ -39,3 +41,9 @@ def write(tmp_path: Path) -> Callable[..., str]:
         return str(path)
 
     return written
+
+
+@pytest.fixture(scope="session")
+def lsl(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
+    """The Lab Streaming Layer, alone on this machine; skips the test where it is not installed."""
+    return isolated_library(tmp_path_factory.mktemp("lsl"))

@@ -115,16 +115,26 @@ def test_pushes_from_many_threads_all_arrive(at: ContextAt) -> None:
     assert [command.sequence for command in taken] == list(range(1600))
 
 
-def test_health_tells_never_seen_live_and_a_long_silence(at: ContextAt) -> None:
-    mouse = open_mouse(InputSpec("mouse", options={"stale": "5"}))
+def test_a_hand_off_the_mouse_is_no_fault(at: ContextAt) -> None:
+    mouse = open_mouse(InputSpec("mouse"))
     assert mouse.health(0.0).state is ChannelState.NEVER_SEEN
     mouse.push(Pause())
     mouse.poll(at(1.0))
-    assert mouse.health(5.9).state is ChannelState.LIVE
-    assert mouse.health(6.1).state is ChannelState.STALE
-    assert mouse.health(0.0).state is ChannelState.LIVE, "the run was reset, the browser is still there"
+    assert mouse.health(900.0)[:2] == (ChannelState.LIVE, "last used 899 s ago")
+    assert mouse.health(900.0).heard is None, "no page has ever told that it is there, so none can be missed"
 
 
-def test_an_unknown_option_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(InputError, match=r"unknown key 'stle'; known keys: stale"):
+def test_once_a_page_has_told_that_it_is_there_its_silence_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    wall = [50.0]
+    monkeypatch.setattr("higvf_interfaces.mouse.monotonic", lambda: wall[0])
+    mouse = open_mouse(InputSpec("mouse"))
+    mouse.beat()
+    wall[0] += 3.0
+    assert mouse.health(20.0).heard == pytest.approx(17.0)
+    mouse.beat()
+    assert mouse.health(20.0).heard == pytest.approx(20.0)
+
+
+def test_an_unknown_option_is_refused() -> None:
+    with pytest.raises(InputError, match=r"unknown key 'stle'"):
         open_mouse(InputSpec("mouse", options={"stle": "5"}))

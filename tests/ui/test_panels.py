@@ -19,12 +19,20 @@ from higvf_console.sim.simulation import advance
 from higvf_console.state import PathStatus, SimState
 from higvf_console.ui.panels.callbacks import SETTLE_S, mirror, number_in, one_of, reaction, truth
 from higvf_console.ui.panels.chart import Curve, chart_svg
+from higvf_console.ui.panels.faults import faults_html
 from higvf_console.ui.panels.fires import MOST_SAMPLES, LossHistory, summary_html, table_html
 from higvf_console.ui.panels.html import area, clock
 from higvf_console.ui.panels.log import MOST_AT_ONCE, MOST_SHOWN, Notifications, log_html, newer
 from higvf_console.ui.panels.preview import preview_html
 from higvf_console.ui.panels.run import nearest_speed
-from higvf_console.ui.panels.status import channel_html, clearance_line, filter_line, mode_of, operator_line
+from higvf_console.ui.panels.status import (
+    CHANNEL_MARK,
+    channel_html,
+    clearance_line,
+    filter_line,
+    mode_of,
+    operator_line,
+)
 from tests.teams import team
 
 SETUP = team(fires=[(500.0, 250.0, 20.0), (300.0, 450.0, 30.0)])
@@ -257,3 +265,19 @@ def test_the_preview_says_when_it_begins_and_whom_it_would_pick() -> None:
     assert "after Resume" in preview_html(preview(resumed=True))
     assert "robot 3" in preview_html(preview(), proposed=2)
     assert "takes longer than 20 s" in preview_html(preview(finish=None))
+
+
+def test_every_state_of_an_input_has_a_shape_of_its_own_and_a_word_unless_it_is_live() -> None:
+    assert set(CHANNEL_MARK) == set(ChannelState)
+    assert len({mark for mark, _ in CHANNEL_MARK.values()}) == len(ChannelState), "colour alone tells nothing"
+    for state in ChannelState:
+        html = channel_html("gaze", ChannelHealth(state, "why"))
+        assert (f">{state.value}<" in html) == (state is not ChannelState.LIVE)
+
+
+def test_the_fault_panel_tells_why_an_input_is_as_it_is() -> None:
+    snapshot = SimpleNamespace(channels=(("gaze", ChannelHealth(ChannelState.LOST, "last heard <3 s ago")),))
+    html = faults_html(snapshot)  # pyright: ignore[reportArgumentType]
+    assert "gaze" in html
+    assert "lost" in html
+    assert "last heard &lt;3 s ago" in html

@@ -24,7 +24,7 @@ STYLE = f"""<style>
 .hg dt {{ color: var(--mantine-color-dimmed); }}
 .hg dd {{ margin: 0; }}
 .hg .dot {{ display: inline-block; width: 9px; height: 9px; border-radius: 50%; margin-right: 6px; }}
-.hg .dot.hollow {{ background: none !important; border: 2px solid; }}
+.hg .mark {{ display: inline-block; width: 15px; font-size: 13px; }}
 .hg .channel {{ margin-right: 12px; white-space: nowrap; }}
 .hg table {{ width: 100%; border-collapse: collapse; }}
 .hg th {{ font-weight: 500; color: var(--mantine-color-dimmed); text-align: right; padding: 0 0 3px 6px; }}
@@ -67,10 +67,9 @@ def text(value: object) -> str:
     return escape(str(value), quote=True)
 
 
-def dot(colour: str, *, hollow: bool = False) -> str:
-    """A small disc, or a ring, of a colour."""
-    kind = "dot hollow" if hollow else "dot"
-    return f'<span class="{kind}" style="background:{colour};border-color:{colour}"></span>'
+def dot(colour: str) -> str:
+    """A small disc of a colour."""
+    return f'<span class="dot" style="background:{colour}"></span>'
 
 
 def clock(seconds: float) -> str:

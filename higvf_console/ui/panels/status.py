@@ -5,39 +5,51 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.commands import ChannelHealth, ChannelState
+from higvf_console.commands import Acknowledge, ChannelHealth, ChannelState, PointerSink
 from higvf_console.state import PathKind, PathStatus, SimState
-from higvf_console.ui.panels.html import DASH, STYLE, TIMES, block, clock, dot, text
+from higvf_console.ui.panels.callbacks import reaction
+from higvf_console.ui.panels.html import DASH, STYLE, TIMES, block, clock, text
 from higvf_console.ui.theme import DARK
 
 if TYPE_CHECKING:
     from higvf_console.session.session import Snapshot
 
-CHANNEL_COLOUR = {
-    ChannelState.LIVE: DARK.fighting,
-    ChannelState.STALE: DARK.fire_zone,
-    ChannelState.LOST: "#e5484d",
-    ChannelState.NEVER_SEEN: DARK.scorched_text,
-    ChannelState.ENDED: DARK.scorched_text,
+# Shape and word tell the state; the colour only repeats it.
+CHANNEL_MARK = {
+    ChannelState.NEVER_SEEN: ("\u25cb", DARK.scorched_text),  # circle
+    ChannelState.LIVE: ("\u25cf", DARK.fighting),  # disc
+    ChannelState.STALE: ("\u25d0", DARK.fire_zone),  # half a disc
+    ChannelState.LOST: ("\u2715", "#ff6b6b"),  # cross
+    ChannelState.RECOVERED: ("\u25b2", DARK.fire_zone),  # triangle
+    ChannelState.ENDED: ("\u25a0", DARK.scorched_text),  # square
 }
-_QUIET = {ChannelState.NEVER_SEEN, ChannelState.ENDED}
 
 
 class StatusPanel:
     """A few lines of HTML, renewed when they read differently."""
 
-    def __init__(self, gui: viser.GuiApi, control_period: float) -> None:
-        """Starts empty."""
+    def __init__(self, gui: viser.GuiApi, control_period: float, sink: PointerSink) -> None:
+        """Starts empty; what the operator acknowledges goes to `sink`."""
         self._period_ms = 1e3 * control_period
         self._style = gui.add_html(STYLE)
         self._html = gui.add_html("")
+        self._acknowledge = gui.add_button(
+            "Acknowledge", icon=viser.Icon.CHECK, color="yellow", hint="Lost inputs that are back count again"
+        )
+        self._acknowledge.visible = False
+        self._acknowledge.on_click(reaction(lambda _: sink.push(Acknowledge())))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows a snapshot."""
         self._html.content = status_html(snapshot, self._period_ms)
+        back = [name for name, health in snapshot.channels if health.state is ChannelState.RECOVERED]
+        self._acknowledge.visible = bool(back)
+        if back:
+            self._acknowledge.label = f"Acknowledge: {', '.join(back)}"
 
     def cleanup(self) -> None:
         """Removes the panel."""
+        self._acknowledge.remove()
         self._html.remove()
         self._style.remove()
 
@@ -119,7 +131,11 @@ def filter_line(snapshot: "Snapshot") -> str:
 
 
 def channel_html(name: str, health: ChannelHealth) -> str:
-    """One input: a disc (a ring while it is quiet), its name, its state when that is not simply live."""
-    mark = dot(CHANNEL_COLOUR[health.state], hollow=health.state in _QUIET)
-    state = "" if health.state is ChannelState.LIVE else f' <span class="dim">{text(health.state.value)}</span>'
-    return f'<span class="channel" title="{text(health.detail)}">{mark}{text(name)}{state}</span>'
+    """One input: a mark whose shape and colour tell its state, its name, and the state in words unless it is live."""
+    mark, colour = CHANNEL_MARK[health.state]
+    grave = health.state in (ChannelState.LOST, ChannelState.RECOVERED)
+    word = f' <span class="{"alarm" if grave else "dim"}">{text(health.state.value)}</span>'
+    return (
+        f'<span class="channel" title="{text(health.detail)}"><span class="mark" style="color:{colour}">{mark}</span>'
+        f"{text(name)}{'' if health.state is ChannelState.LIVE else word}</span>"
+    )

@@ -77,12 +77,26 @@ def decoder_feed(source: str, options: Fields, start: float) -> DecoderFeed:
     Raises:
         InputError: the recording, its calibration or an option cannot be used.
     """
+    record = read_signals(source, signal_request(options))
+    return DecoderFeed(record, *make_decoder(source, record, options), start)
+
+
+def make_decoder(source: str, record: SignalRecord, options: Fields) -> tuple[Decoder, Sequence[str]]:
+    """The decoder that an input's options describe, and what there is to say of it.
+
+    Args:
+        source: file that `record` was read from; empty for a live stream.
+        record: what is to be decoded: its channels and rate.
+        options: of the input.
+
+    Raises:
+        InputError: the calibration or an option cannot be used.
+    """
     kind = options.choice("decoder", "", DECODERS)
     mains = options.number("mains", _MAINS, 0.0, 1000.0, "Hz")
-    record = read_signals(source, signal_request(options))
     if kind == "ssvep":
-        return DecoderFeed(record, ssvep_decoder(record, options, mains), (), start)
-    return DecoderFeed(record, *_lda(source, record, options, mains), start)
+        return ssvep_decoder(record, options, mains), ()
+    return _lda(source, record, options, mains)
 
 
 def ssvep_decoder(record: SignalRecord, options: Fields, mains: float) -> SsvepDecoder:
@@ -128,7 +142,7 @@ def _lda(source: str, record: SignalRecord, options: Fields, mains: float) -> tu
             f"calibration: {calibration} has {len(model.deadband)} channels and the recording {len(record.names)}; "
             "choose the same by channels=NAME+NAME"
         )
-    same = Path(calibration).expanduser().resolve() == Path(source).expanduser().resolve()
+    same = bool(source) and Path(calibration).expanduser().resolve() == Path(source).expanduser().resolve()
     own = " of the recording that it decodes, so it looks better than it is" if same else ""
     until = f" up to {options.values['calibrate_to']} s" if options.has("calibrate_to") else ""
     notes = [f"calibrated on {len(model.labels)} labels{own}{until}"]

@@ -6,6 +6,7 @@ stream without metadata is told by `x=` and `y=` (a label or a number from 1). A
 
 import re
 from collections.abc import Iterator
+from xml.etree import ElementTree as ET
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from higvf_interfaces.formats.records import (
     block_of,
 )
 from higvf_interfaces.formats.text import TextFile
-from higvf_interfaces.formats.xdf_file import MAGIC, XdfStream, choose, load, survey
+from higvf_interfaces.formats.xdf_file import MAGIC, choose, load, survey
 
 NAME = "xdf"
 TITLE = "XDF (LabRecorder) with a gaze stream"
@@ -60,8 +61,8 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
     """
     found = survey(file.path)
     chosen = choose(file.path, found.streams, wanted.stream, TYPES)
-    labels, units = _channels(chosen)
-    x, y, origin = _point(file, labels, wanted)
+    labels, units = described_channels(chosen.header, chosen.info.channels)
+    x, y, origin = point_channels(str(file.path), labels, wanted.x, wanted.y)
     confidence = labels.index("confidence") if "confidence" in labels else None
     samples = load(file.path, chosen)
     try:
@@ -74,7 +75,7 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
     return GazeStream(
         format=NAME,
         columns=tuple(labels[place] or f"channel {place + 1}" for place in (x, y, confidence) if place is not None),
-        frame="screen" if units[x] in _PIXELS else "scene-unit" if origin == BOTTOM_LEFT else None,
+        frame=frame_of(units[x], origin),
         blocks=_blocks(samples.time, values[:, [x, y]], None if confidence is None else values[:, confidence]),
         notes=notes,
         origin=origin,
@@ -83,31 +84,41 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
     )
 
 
-def _channels(chosen: XdfStream) -> tuple[list[str], list[str]]:
-    """Label and unit of each channel; empty where the stream does not say."""
-    described = chosen.header.findall("desc/channels/channel")[: chosen.info.channels]
-    missing = [""] * (chosen.info.channels - len(described))
+def frame_of(unit: str, origin: str) -> str | None:
+    """The frame that a channel's unit and origin tell; None where they do not."""
+    return "screen" if unit in _PIXELS else "scene-unit" if origin == BOTTOM_LEFT else None
+
+
+def described_channels(header: ET.Element, count: int) -> tuple[list[str], list[str]]:
+    """Label and unit of each of `count` channels by a stream's XML header; empty where it does not say."""
+    described = header.findall("desc/channels/channel")[:count]
+    missing = [""] * (count - len(described))
     labels, units = ([(c.findtext(key) or "").strip().casefold() for c in described] for key in ("label", "unit"))
     return [re.sub(r"[\s-]+", "_", label) for label in labels] + missing, units + missing
 
 
-def _point(file: TextFile, labels: list[str], wanted: Wanted) -> tuple[int, int, str]:
-    if wanted.x is not None and wanted.y is not None:
-        return _place(file, labels, wanted.x, "x"), _place(file, labels, wanted.y, "y"), TOP_LEFT
-    for x, y, origin in _LABELS:
-        if x in labels and y in labels:
-            return labels.index(x), labels.index(y), origin
-    raise InputError(f"{file.path}: which channels are gaze? give x= and y= one of: {_listed(labels)}")
+def point_channels(place: str, labels: list[str], x: str | None, y: str | None) -> tuple[int, int, str]:
+    """Which channels are x and y, by the options `x` and `y` or by the labels, and where 0, 0 is.
+
+    Raises:
+        InputError: they cannot be told; the message begins with `place` and lists the channels.
+    """
+    if x is not None and y is not None:
+        return _place(place, labels, x, "x"), _place(place, labels, y, "y"), TOP_LEFT
+    for left, right, origin in _LABELS:
+        if left in labels and right in labels:
+            return labels.index(left), labels.index(right), origin
+    raise InputError(f"{place}: which channels are gaze? give x= and y= one of: {_listed(labels)}")
 
 
-def _place(file: TextFile, labels: list[str], text: str, option: str) -> int:
+def _place(where: str, labels: list[str], text: str, option: str) -> int:
     key = re.sub(r"[\s-]+", "_", text.strip().casefold())
     if key in labels:
         return labels.index(key)
     number = key.removesuffix(".0")
     if number.isdecimal() and 1 <= int(number[:6]) <= len(labels):
         return int(number[:6]) - 1
-    raise InputError(f"{file.path}: {option}={text[:80]} is none of the channels: {_listed(labels)}")
+    raise InputError(f"{where}: {option}={text[:80]} is none of the channels: {_listed(labels)}")
 
 
 def _listed(labels: list[str]) -> str:

@@ -34,7 +34,7 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
         for time, sample in zip(stream.times, stream.samples, strict=True)
         if np.isfinite(time)
     ]  # fmt: skip
-    decisions = [decision for time, sample in timed if (decision := _decision(time, xdf_streams.label_of(sample)))]
+    decisions = [decision for time, sample in timed if (decision := decision_of(time, xdf_streams.label_of(sample)))]
     if not decisions:
         raise InputError(f"{file.path}: the marker stream {stream.name} holds no label")
     if any(later.time < earlier.time for earlier, later in itertools.pairwise(decisions)):
@@ -43,7 +43,7 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
     return CommandLog(tuple(decisions), content.epoch, NAME, tuple(notes))
 
 
-def _decision(time: float, text: str) -> Decision | None:
+def decision_of(time: float, text: str) -> Decision | None:
     """What a marker says; one whose confidence is none of 0 to 1 keeps its label and loses that."""
     try:
         content: object = json.loads(text) if text.startswith("{") else None

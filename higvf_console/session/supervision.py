@@ -1,0 +1,218 @@
+"""The session's watch over its channels: who may command, who has gone silent, and what is done about it.
+
+A channel that is lost, or back and not yet acknowledged, may stop and pause the team and move the cursor, nothing else.
+If it was steering when it was lost, commands of the session end that: they are recorded like any other, so that a
+replay agrees. After `NextTask` v_h = 0, and the shared intention, dv_s/dt = w1 v_t - (w0 + w1) v_s + neighbours, leaves
+the human's for the robots' own with time constant 1 / (w0 + w1), 0.13 s by default, and no velocity jumps. A team that
+has no task of its own, and one that is to hold, stands from the next control period on.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from higvf_console.commands import (
+    Acknowledge,
+    ChannelHealth,
+    ChannelState,
+    ClearPath,
+    Clutch,
+    Cursor,
+    InjectFault,
+    NextTask,
+    OperatorCommand,
+    OperatorContext,
+    Pause,
+    ResetRun,
+    Resume,
+    Stop,
+    StrokeCancel,
+    StrokeEnd,
+)
+from higvf_console.session.channel_state import (
+    OUT_OF_SERVICE,
+    Limits,
+    OnLost,
+    acknowledged,
+    default_limits,
+    judged,
+    observed,
+)
+from higvf_console.session.channels import Channels
+from higvf_console.session.faults import Line, problem
+from higvf_console.sim.setup import Event, Severity
+from higvf_console.state import PathStatus, SimState
+
+SOURCE = "session"  # of the commands given here
+_CONSOLE = "mouse"  # a person's hand at the console: any command but a cursor acknowledges itself
+_OUTCOME = {
+    OnLost.AUTONOMY: "The team goes on with its own task.",
+    OnLost.HOLD: "The team holds.",
+    OnLost.KEEP: "Its path stays in force.",
+}
+
+
+class Said(NamedTuple):
+    """A command and the channel that it came by."""
+
+    channel: str
+    command: OperatorCommand
+
+
+class Supervisor:
+    """Polls the interfaces through their lines and keeps the state of each channel.
+
+    Attributes:
+        health: how each channel is, as last watched.
+    """
+
+    def __init__(self, channels: Channels, limits: Mapping[str, Limits]) -> None:
+        """Starts with every channel as it says itself.
+
+        Args:
+            channels: the interfaces.
+            limits: of the channels that the scenario names; the others have their defaults.
+        """
+        self._channels = channels
+        self._limits = {name: limits.get(name, default_limits(name)) for name in channels.names}
+        self._forget()
+        self.watch(0.0, None)
+
+    def poll(self, context: OperatorContext) -> tuple[list[Said], tuple[Event, ...]]:
+        """The commands that count now, and what there is to say of the rest."""
+        given, events = self._channels.poll(context)
+        said: list[Said] = []
+        for name in self._channels.names:
+            for command in self._lines[name].carry(given.get(name, ()), context.time):
+                if self._may(name, command):
+                    said.append(Said(name, command))
+                else:
+                    self._withheld[name] = self._withheld.get(name, 0) + 1
+        return said, tuple(events)
+
+    def applied(self, said: Said, time: float, before: SimState, after: SimState) -> tuple[Event, ...]:
+        """Takes note of a command applied at session `time` [s]: who steers, what the operator has acknowledged."""
+        channel, command = said
+        match command:
+            case StrokeEnd() if after.intent.path is not before.intent.path:
+                self._path_by = channel
+            case ClearPath():
+                self._path_by = ""
+            case Clutch(closed=closed):
+                self._clutch_by = channel if closed else ""
+            case Acknowledge(channel=name):
+                return self._acknowledge(name, time)
+            case InjectFault():
+                return self._inject(command, time)
+            case Resume() if not after.intent.paused:
+                return self._take_back([name for name in self._states if name != channel], time)
+            case ResetRun():
+                self._forget()
+            case _:
+                pass
+        if channel == _CONSOLE and not isinstance(command, Cursor | Stop | Pause):
+            return self._take_back([channel], time)
+        return ()
+
+    def watch(self, now: float, state: SimState | None) -> tuple[list[OperatorCommand], tuple[Event, ...]]:
+        """Looks after every channel at session time `now` [s]; what must be done and said where one has changed."""
+        commands: list[OperatorCommand] = []
+        events: list[Event] = []
+        health: list[tuple[str, ChannelHealth]] = []
+        for name, own in self._channels.health(now):
+            seen = self._lines[name].seen(own, now)
+            was = self._states.get(name)
+            here = judged(seen, now, self._limits[name])
+            self._states[name] = become = here if was is None else observed(was, here)
+            health.append((name, seen._replace(state=become, detail=self._detail(name, seen, now))))
+            if was is None or was is become:
+                continue
+            done = self._end_steering(name, now, state) if become is ChannelState.LOST and state else []
+            commands += done
+            events += self._tell(name, was, become, seen, now, bool(done))
+        self.health = tuple(health)
+        return commands, tuple(events)
+
+    def _forget(self) -> None:
+        """Starts like new, because the run has."""
+        self._states: dict[str, ChannelState] = {}
+        self._lines = {name: Line() for name in self._channels.names}
+        self._withheld: dict[str, int] = {}
+        self._path_by = ""
+        self._clutch_by = ""
+
+    def _may(self, name: str, command: OperatorCommand) -> bool:
+        if self._states.get(name) not in OUT_OF_SERVICE:
+            return True
+        by_hand = name == _CONSOLE and self._states[name] is ChannelState.RECOVERED
+        return by_hand or isinstance(command, Stop | Pause | Cursor | Acknowledge | InjectFault)
+
+    def _end_steering(self, name: str, now: float, state: SimState) -> list[OperatorCommand]:
+        """What ends the steering of a channel that is lost; nothing where it was not steering."""
+        done: list[OperatorCommand] = []
+        if state.drawing.stroke_source == name:
+            done.append(StrokeCancel(time=now, source=SOURCE))
+        if self._clutch_by == name and state.drawing.clutch:
+            done += [StrokeCancel(time=now, source=SOURCE)] if not done and state.drawing.stroke_source else []
+            done.append(Clutch(closed=False, time=now, source=SOURCE))
+        following = state.motion.path_status in (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY)
+        on_path = self._path_by == name and following
+        on_lost = self._limits[name].on_lost
+        if on_lost is OnLost.AUTONOMY and on_path:
+            done.append(NextTask(time=now, source=SOURCE))
+        if on_lost is OnLost.HOLD and (done or on_path) and not state.intent.paused:
+            done.append(Pause(time=now, source=SOURCE))
+        return done
+
+    def _acknowledge(self, name: str, time: float) -> tuple[Event, ...]:
+        names = [name] if name else list(self._states)
+        events = self._take_back(names, time)
+        if events:
+            return events
+        waiting = f"Input '{name}' does not wait" if name else "No input waits"
+        return (Event(time, Severity.WARNING, "refused", f"{waiting} to be acknowledged."),)
+
+    def _take_back(self, names: list[str], time: float) -> tuple[Event, ...]:
+        events: list[Event] = []
+        for name in names:
+            was = self._states.get(name)
+            if was is ChannelState.RECOVERED:
+                self._states[name] = acknowledged(was)
+                withheld = self._withheld.pop(name, 0)
+                text = f"Input '{name}' counts again; {withheld} of its commands were withheld."
+                events.append(Event(time, Severity.INFO, "channel", text))
+        return tuple(events)
+
+    def _inject(self, fault: InjectFault, time: float) -> tuple[Event, ...]:
+        wrong = problem(fault)
+        if fault.channel not in self._lines:
+            wrong = f"there is no input '{fault.channel}'; inputs: {', '.join(self._lines) or 'none'}"
+        if wrong:
+            return (Event(time, Severity.WARNING, "refused", f"No fault injected: {wrong}."),)
+        self._lines[fault.channel].inject(fault, time)
+        text = f"Fault injected: {fault.kind} of input '{fault.channel}' for {fault.seconds:g} s."
+        return (Event(time, Severity.WARNING, "channel", text),)
+
+    def _detail(self, name: str, seen: ChannelHealth, now: float) -> str:
+        quiet = f"last heard {max(0.0, now - seen.heard):.1f} s ago; " if seen.heard is not None else ""
+        withheld = self._withheld.get(name, 0)
+        return f"{quiet}{seen.detail}" + (f"; {withheld} commands withheld" if withheld else "")
+
+    def _tell(
+        self, name: str, was: ChannelState, become: ChannelState, seen: ChannelHealth, now: float, ended: bool
+    ) -> tuple[Event, ...]:
+        quiet = f"nothing for {now - seen.heard:.1f} s" if seen.heard is not None else seen.detail
+        match become:
+            case ChannelState.STALE:
+                severity, text = Severity.INFO, f"Input '{name}' is stale: {quiet}."
+            case ChannelState.LOST if self._channels.failed(name):
+                return ()  # told when it failed
+            case ChannelState.LOST:
+                outcome = f" {_OUTCOME[self._limits[name].on_lost]}" if ended else ""
+                severity, text = Severity.ALARM, f"Input '{name}' is lost: {quiet}.{outcome}"
+            case ChannelState.RECOVERED:
+                severity, text = Severity.WARNING, f"Input '{name}' is back; acknowledge it before it counts again."
+            case ChannelState.LIVE if was is ChannelState.STALE:
+                severity, text = Severity.INFO, f"Input '{name}' is live again."
+            case _:
+                return ()
+        return (Event(now, severity, "channel", text),)

@@ -1,0 +1,71 @@
+"""Faults on purpose: an input freezes, drops out or lags, so that operator and team can be seen to cope."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import viser
+
+from higvf_console.commands import ChannelState, FaultKind, InjectFault, PointerSink
+from higvf_console.ui.panels.callbacks import number_in, one_of, reaction
+from higvf_console.ui.panels.html import block, text
+
+if TYPE_CHECKING:
+    from higvf_console.session.session import Snapshot
+
+LONGEST_S, SHORTEST_S = 60.0, 0.1
+_KINDS: dict[str, Any] = {
+    "Freeze: all comes at the end": FaultKind.FREEZE,
+    "Drop: all is lost": FaultKind.DROP,
+    "Delay: all comes late": FaultKind.DELAY,
+}
+
+
+class FaultsPanel:
+    """Which input, which fault, for how long, and the button."""
+
+    def __init__(self, gui: viser.GuiApi, channels: Sequence[str], sink: PointerSink) -> None:
+        """Builds the widgets.
+
+        Args:
+            gui: where.
+            channels: names of the inputs, at least one.
+            sink: takes the fault.
+        """
+        self._sink = sink
+        names: dict[str, Any] = {name: name for name in channels}
+        self._fault = InjectFault(channel=channels[-1])
+        self._channel = gui.add_dropdown("Input", tuple(names), initial_value=self._fault.channel)
+        self._kind = gui.add_dropdown("Fault", tuple(_KINDS), hint="STOP always comes through")
+        self._seconds = gui.add_number("Lasts s", self._fault.seconds, min=SHORTEST_S, max=LONGEST_S, step=0.1)
+        self._delay = gui.add_number("Delay s", self._fault.delay, min=0.0, max=LONGEST_S, step=0.1, hint="Of a delay")
+        self._inject = gui.add_button("Inject", icon=viser.Icon.PLUG_CONNECTED_X, color="gray")
+        self._channel.on_update(reaction(lambda value: self._choose(channel=one_of(value, names))))
+        self._kind.on_update(reaction(lambda value: self._choose(kind=one_of(value, _KINDS))))
+        self._seconds.on_update(reaction(lambda value: self._choose(seconds=number_in(value, SHORTEST_S, LONGEST_S))))
+        self._delay.on_update(reaction(lambda value: self._choose(delay=number_in(value, 0.0, LONGEST_S))))
+        self._inject.on_click(reaction(lambda _: sink.push(self._fault)))
+        self._html = gui.add_html("")
+
+    def _choose(self, **changes: Any) -> None:
+        self._fault = replace(self._fault, **changes)
+
+    def update(self, snapshot: "Snapshot") -> None:
+        """Tells how each input is, in full."""
+        self._html.content = faults_html(snapshot)
+
+    def cleanup(self) -> None:
+        """Removes the widgets."""
+        for widget in (self._channel, self._kind, self._seconds, self._delay, self._inject, self._html):
+            widget.remove()
+
+
+def faults_html(snapshot: "Snapshot") -> str:
+    """A line for each input: its name, its state, and why."""
+    rows = [
+        f"<dt>{text(name)}</dt><dd>{text(health.state.value)}"
+        + (f' <span class="dim">{text(health.detail)}</span>' if health.state is not ChannelState.NEVER_SEEN else "")
+        + "</dd>"
+        for name, health in snapshot.channels
+    ]
+    return block(f"<dl>{''.join(rows)}</dl>")

@@ -1,0 +1,257 @@
+"""Lost channels: what becomes of the team, who may command meanwhile, and what it takes to come back."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fake_interfaces import FakeInterface
+
+from higvf_console.commands import (
+    Acknowledge,
+    ChannelHealth,
+    ChannelState,
+    Clutch,
+    Cursor,
+    FaultKind,
+    InjectFault,
+    NextTask,
+    OperatorCommand,
+    Pause,
+    Pick,
+    ResetRun,
+    Resume,
+    Stop,
+    StrokeBegin,
+    StrokeEnd,
+    StrokePoints,
+)
+from higvf_console.session.faults import Line
+from higvf_console.session.recording import Recorder, read_recording, replay
+from higvf_console.session.scenario import Scenario, parse_scenario
+from higvf_console.session.session import Session
+from higvf_console.state import PathKind, PathStatus
+
+STROKE = np.array([[600.0, 350.0], [500.0, 400.0], [400.0, 400.0], [300.0, 300.0]])
+BEGIN = [StrokeBegin(source="gaze"), StrokePoints(STROKE, source="gaze")]
+DRAWN: list[OperatorCommand] = [*BEGIN, StrokeEnd(source="gaze")]
+
+
+class Device(FakeInterface):
+    """Live until it falls silent, and again from another time on."""
+
+    def __init__(self, *plan: tuple[float, OperatorCommand], silent: float = 1.0, back: float = np.inf) -> None:
+        super().__init__("gaze", *plan)
+        self.silent, self.back = silent, back
+
+    def health(self, now: float) -> ChannelHealth:
+        heard = self.silent if self.silent < now < self.back else now
+        return ChannelHealth(ChannelState.LIVE, "a device", heard)
+
+
+def limited(team: Scenario, on_lost: str) -> Scenario:
+    return parse_scenario(f"{team.text}\ninputs: {{gaze: {{stale: 0.5, lost: 2, on_lost: {on_lost}}}}}\n", "team.yaml")
+
+
+def run_to(session: Session, time: float) -> Session:
+    while session.snapshot.time < time - 1e-9:
+        session.tick()
+    return session
+
+
+def state_of(session: Session, channel: str = "gaze") -> ChannelState:
+    return dict(session.snapshot.channels)[channel].state
+
+
+def given(session: Session, kind: type[OperatorCommand], source: str = "session") -> int:
+    return sum(isinstance(command, kind) and command.source == source for _, command in session.commands)
+
+
+def at_once(*commands: OperatorCommand, time: float = 0.0) -> list[tuple[float, OperatorCommand]]:
+    return [(time, command) for command in commands]
+
+
+def test_a_channel_goes_stale_and_lost_by_its_limits_and_the_log_tells(team: Scenario) -> None:
+    session = run_to(Session(team, [Device(silent=1.0)]), 1.4)
+    assert state_of(session) is ChannelState.LIVE
+    assert state_of(run_to(session, 1.8)) is ChannelState.STALE
+    assert state_of(run_to(session, 3.3)) is ChannelState.LOST
+    told = [event.text for event in session.snapshot.events if event.kind == "channel"]
+    assert [text.split(":")[0] for text in told] == ["Input 'gaze' is stale", "Input 'gaze' is lost"]
+
+
+def test_the_path_of_a_lost_channel_ends_in_autonomy(team: Scenario) -> None:
+    session = run_to(Session(limited(team, "autonomy"), [Device(*at_once(*DRAWN))]), 2.9)
+    assert session.snapshot.state.motion.path_status == PathStatus.FOLLOWING
+    run_to(session, 3.3)
+    assert session.snapshot.state.motion.path_status == PathStatus.FINISHED
+    assert given(session, NextTask) == 1
+    assert not session.snapshot.state.intent.paused
+
+
+def test_or_in_a_hold_or_is_kept_as_the_scenario_says(team: Scenario) -> None:
+    hold = run_to(Session(limited(team, "hold"), [Device(*at_once(*DRAWN))]), 3.3)
+    assert hold.snapshot.state.intent.paused
+    keep = run_to(Session(limited(team, "keep"), [Device(*at_once(*DRAWN))]), 3.3)
+    assert keep.snapshot.state.motion.path_status == PathStatus.FOLLOWING
+    assert not keep.snapshot.state.intent.paused
+
+
+def test_the_human_intention_fades_within_a_few_time_constants_and_without_a_jump(team: Scenario) -> None:
+    session = Session(limited(team, "autonomy"), [Device(*at_once(*DRAWN), silent=0.0)])
+    weights = session.setup.gains.intention
+    rate, dt = weights.decay + weights.robot_weight, session.setup.gains.safety.control_period
+    run_to(session, 1.9)
+    leader = session.snapshot.state.intent.influenced
+    gaps: list[float] = []
+    while session.snapshot.time < 4.0:
+        session.tick()
+        if session.snapshot.state.motion.path_status == PathStatus.FINISHED:
+            own = session.snapshot.trace.robot_intention * weights.robot_weight / rate
+            shared = session.snapshot.state.motion.intention
+            gaps.append(float(np.linalg.norm(shared[leader] - own[leader])))
+    steps = -np.diff(gaps[: int(1.0 / dt)])
+    assert gaps[0] > 0.3, "the human was felt"
+    assert steps.max() < 0.35 * gaps[0], "no period takes a third of it at once"
+    assert gaps[round(5 / (rate * dt))] < 0.1 * gaps[0], "after five time constants little is left"
+
+
+def test_a_stroke_that_was_growing_is_dropped_and_the_path_of_another_stays(team: Scenario) -> None:
+    mouse = FakeInterface("mouse", *at_once(StrokeBegin(), StrokePoints(STROKE), StrokeEnd()))
+    session = run_to(Session(team, [Device(*at_once(*BEGIN, time=0.5)), mouse]), 3.3)
+    assert session.snapshot.state.drawing.stroke_source == ""
+    assert session.snapshot.state.intent.path.kind != PathKind.NONE
+    assert session.snapshot.state.motion.path_status == PathStatus.FOLLOWING
+
+
+def test_a_channel_that_did_not_steer_is_lost_without_consequence(team: Scenario) -> None:
+    session = run_to(Session(limited(team, "hold"), [Device(*at_once(Pick(1), Cursor(STROKE[0])))]), 3.3)
+    assert state_of(session) is ChannelState.LOST
+    assert not session.snapshot.state.intent.paused
+    assert all(command.source != "session" for _, command in session.commands)
+
+
+def test_a_clutch_that_a_lost_channel_held_opens(team: Scenario) -> None:
+    session = run_to(Session(team, [Device(*at_once(Clutch(closed=True, source="gaze")))]), 3.3)
+    assert not session.snapshot.state.drawing.clutch
+
+
+def test_what_is_back_commands_nothing_but_stop_and_pause_before_it_is_acknowledged(team: Scenario) -> None:
+    plan = [(3.8, Pick(2, source="gaze")), (3.9, Pause(source="gaze")), (4.6, Pick(1, source="gaze"))]
+    console = FakeInterface("mouse", (4.4, Acknowledge()))
+    session = run_to(Session(team, [Device(*plan, back=3.5), console]), 4.2)
+    assert state_of(session) is ChannelState.RECOVERED
+    assert session.snapshot.state.intent.influenced == 0
+    assert session.snapshot.state.intent.paused
+    assert "1 commands withheld" in dict(session.snapshot.channels)["gaze"].detail
+    assert state_of(run_to(session, 4.6)) is ChannelState.LIVE
+    run_to(session, 4.7)
+    assert session.snapshot.state.intent.influenced == 1
+    assert "acknowledge it" in " ".join(event.text for event in session.snapshot.events)
+
+
+@pytest.mark.parametrize(
+    ("command", "source", "state"),
+    [
+        (Resume(), "emg", ChannelState.LIVE),
+        (Acknowledge(channel="gaze"), "emg", ChannelState.LIVE),
+        (Acknowledge(channel="bci"), "emg", ChannelState.RECOVERED),
+        (Pick(1), "emg", ChannelState.RECOVERED),
+        (Acknowledge(), "gaze", ChannelState.LIVE),
+        (Pick(1), "gaze", ChannelState.RECOVERED),
+    ],
+)
+def test_only_an_explicit_word_takes_a_channel_back(
+    team: Scenario, command: OperatorCommand, source: str, state: ChannelState
+) -> None:
+    device, other = Device(back=3.5), FakeInterface("emg")
+    (device if source == "gaze" else other).plan.append((4.0, command))
+    assert state_of(run_to(Session(team, [device, other]), 4.3)) is state
+
+
+def test_nothing_to_acknowledge_is_said(team: Scenario) -> None:
+    session = run_to(Session(team, [FakeInterface("emg", (0.1, Acknowledge()))]), 0.2)
+    assert session.snapshot.events[-1].text == "No input waits to be acknowledged."
+
+
+def test_a_frozen_channel_is_lost_and_its_backlog_changes_nothing(team: Scenario) -> None:
+    fault = InjectFault(channel="emg", kind=FaultKind.FREEZE, seconds=5.0)
+    emg = FakeInterface("emg", (2.0, Pick(2, source="emg")))
+    session = run_to(Session(team, [emg, FakeInterface("script", (1.0, fault))]), 5.4)
+    assert state_of(session, "emg") is ChannelState.LOST
+    run_to(session, 6.3)
+    assert state_of(session, "emg") is ChannelState.RECOVERED
+    assert session.snapshot.state.intent.influenced == 0
+
+
+def test_a_short_freeze_only_makes_commands_late(team: Scenario) -> None:
+    fault = InjectFault(channel="emg", kind=FaultKind.FREEZE, seconds=0.5)
+    emg = FakeInterface("emg", (1.2, Pick(2, source="emg")))
+    session = run_to(Session(team, [emg, FakeInterface("script", (1.0, fault))]), 1.4)
+    assert session.snapshot.state.intent.influenced == 0
+    assert run_to(session, 1.6).snapshot.state.intent.influenced == 2
+
+
+def test_a_stop_passes_every_fault(team: Scenario) -> None:
+    faults = [(0.0, InjectFault(channel="mouse", kind=kind, seconds=60.0)) for kind in FaultKind]
+    for fault in faults:
+        mouse = FakeInterface("mouse", (1.0, Stop()))
+        session = run_to(Session(team, [mouse, FakeInterface("script", fault)]), 1.1)
+        assert session.snapshot.state.intent.stopped
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        (InjectFault(channel="nose"), "there is no input 'nose'; inputs: emg"),
+        (InjectFault(channel="emg", kind="melt"), "'melt' is no kind of fault; choose freeze, drop, delay"),
+        (InjectFault(channel="emg", seconds=-1.0), "a fault of -1 s"),
+    ],
+)
+def test_a_fault_that_cannot_be_is_refused(team: Scenario, fault: InjectFault, said: str) -> None:
+    session = run_to(Session(team, [FakeInterface("emg", (0.1, fault))]), 0.2)
+    assert said in session.snapshot.events[-1].text
+
+
+def test_a_reset_run_starts_with_sound_lines(team: Scenario) -> None:
+    fault = InjectFault(channel="emg", seconds=60.0)
+    script = FakeInterface("script", (0.1, fault), (6.0, ResetRun()))
+    session = Session(team, [FakeInterface("emg"), script])
+    assert state_of(run_to(session, 5.0), "emg") is ChannelState.LOST
+    for _ in range(80):
+        session.tick()
+    assert state_of(session, "emg") is ChannelState.LIVE
+
+
+@pytest.mark.parametrize(
+    ("kind", "come"),
+    [
+        (FaultKind.DROP, {0.9: [0.9], 3.1: [3.1]}),
+        (FaultKind.DELAY, {0.9: [0.9], 1.6: [1.0], 2.1: [1.5], 2.6: [2.0], 3.1: [2.5, 3.1]}),
+        (FaultKind.FREEZE, {0.9: [0.9], 3.1: [1.0, 1.5, 2.0, 2.5, 3.1]}),
+    ],
+)
+def test_a_line_delays_drops_or_holds_back_and_nothing_overtakes(
+    kind: FaultKind, come: dict[float, list[float]]
+) -> None:
+    line, heard = Line(), dict[float, list[float]]()
+    for now in (0.9, 1.0, 1.5, 1.6, 2.0, 2.1, 2.5, 2.6, 3.1, 3.6):
+        if now == 1.0:
+            line.inject(InjectFault(channel="emg", kind=kind, seconds=2.0, delay=0.6), now)
+        said = [Pick(0, time=now)] if now in (0.9, 1.0, 1.5, 2.0, 2.5, 3.1) else []
+        for command in line.carry(said, now):
+            heard.setdefault(now, []).append(command.time)
+    assert heard == come
+
+
+@pytest.mark.parametrize("on_lost", ["autonomy", "hold"])
+def test_a_recorded_loss_replays_to_the_same_digest(team: Scenario, tmp_path: Path, on_lost: str) -> None:
+    scenario, file = limited(team, on_lost), tmp_path / "run.jsonl"
+    fault = InjectFault(channel="gaze", kind=FaultKind.FREEZE, seconds=3.0)
+    gaze = FakeInterface("gaze", *at_once(*DRAWN), (2.0, Pick(1, source="gaze")))
+    session = Session(scenario, [gaze, FakeInterface("script", (0.5, fault))], recorder=Recorder(file, scenario, 0))
+    run_to(session, 5.0)
+    session.close()
+    assert session.snapshot.state.motion.path_status == (
+        PathStatus.FINISHED if on_lost == "autonomy" else PathStatus.FOLLOWING
+    )
+    assert replay(read_recording(file)).agrees
