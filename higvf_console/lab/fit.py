@@ -1,6 +1,6 @@
 """Finds the free parameters of Table II's world from its first column alone: `higvf fit`.
 
-The rule, stated before any search:
+The rule, stated before the search whose result is shipped:
 
 1. Admissible is a sample (`fit_space.SPACE`) whose gains a scenario file would accept, and whose run without a human
    puts the fires out in the printed order 1-2-3-4-5 with no clearance below zero.

@@ -182,10 +182,16 @@ def test_too_few_runs_are_refused_with_the_least() -> None:
         search(7, 0, bowl)
 
 
+def no_influence(*_: object) -> dict[str, None]:
+    """Stands in for 60 runs, which have their own tests."""
+    return dict.fromkeys(NAMES)
+
+
 def test_a_small_study_predicts_judges_and_writes_its_world(monkeypatch: pytest.MonkeyPatch, shipped: Sample) -> None:
     monkeypatch.setattr(fit, "RESTARTS", 1)
     monkeypatch.setattr(fit, "POPULATION", 6)
-    monkeypatch.setattr(fit_study, "SPREAD_SAMPLES", 3)
+    monkeypatch.setattr(fit_study, "SPREAD_SAMPLES", 1)
+    monkeypatch.setattr(fit_study, "sensitivity", no_influence)
     beside = tuple(
         free._replace(low=value - free.step, high=value + free.step) for free, value in zip(SPACE, shipped, strict=True)
     )
@@ -194,10 +200,7 @@ def test_a_small_study_predicts_judges_and_writes_its_world(monkeypatch: pytest.
     result = found.result
     assert json.loads(json.dumps(result, allow_nan=False)) == result
     assert tuple(result["chosen"].values()) == sample_of(parse_scenario(found.scenario, "written.yaml").setup())
-    for name in ("table2", "paper", "relative_error", "targets", "spread", "sensitivity"):
-        assert result[name]
+    assert list(result["table2"]) == list(result["paper"]) == list(COLUMNS)
     for verdict in result["targets"]:
-        assert f"{verdict['target']}" in summary(result)
-        assert 0.0 <= result["spread"]["targets_met"][verdict["target"]] <= 1.0
-    assert list(result["sensitivity"]) == list(NAMES)
-    assert result["sensitivity"]["bar.x"]["fires"][:2] == [0.0, 0.0]  # the bar is behind the team until fire 4 is out
+        assert verdict["target"] in summary(result)
+        assert result["spread"]["targets_met"][verdict["target"]] == float(verdict["met"])
