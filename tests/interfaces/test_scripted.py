@@ -192,14 +192,3 @@ def test_a_missing_script_and_any_option_are_refused(write: Write) -> None:
         script("nowhere.yaml")
     with pytest.raises(InputError, match="unknown key 'start'"):
         open_script(InputSpec("script", write("- {at_s: 1, do: pause}\n"), options={"start": "1"}))
-
-        (
-            "ResetStop",
-            "ClearPath",
-            "ReversePath",
-            "NextTask",
-            "ResetRun",
-            "Confirm",
-            "Discard",
-            "Acknowledge",
-        )
