@@ -64,6 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     replay.add_argument("file", type=Path, metavar="FILE", help="made by `higvf run --record FILE`")
     replay.set_defaults(command=_replay)
     _add_reproduce(commands)
+    _add_fit(commands)
     _add_bench(commands)
     _add_inspect(commands)
     compiling = commands.add_parser("compile", help="compile the engine now, so that the first run starts at once")
@@ -75,7 +76,7 @@ def _parser() -> argparse.ArgumentParser:
 def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="measure the engine")
     bench.add_argument(
-        "--suite", choices=("filter", "tick", "deadlock"), required=True,
+        "--suite", choices=("filter", "tick", "deadlock", "preview"), required=True,
         help="the safety filter, the whole tick, or who arrives in random scenes",
     )  # fmt: skip
     bench.add_argument("--json", action="store_true", help="write JSON")
@@ -146,6 +147,15 @@ def _add_inspect(commands: Any) -> None:
     inspect.add_argument(
         "--scenario", default="firefighting", metavar="SCENARIO", help="whose arena is looked at (default firefighting)"
     )
+
+
+def _add_fit(commands: Any) -> None:
+    fit = commands.add_parser("fit", help="fit what the paper leaves open to Table II, column 1, and predict the rest")
+    fit.set_defaults(command=_fit)
+    fit.add_argument("--runs", type=int, default=6000, metavar="N", help="worlds to try (default 6000)")
+    fit.add_argument("--seed", type=_seed, default=0, metavar="S", help="of the search (default 0)")
+    fit.add_argument("--json", metavar="FILE", help="write the result as JSON; - is standard output")
+    fit.add_argument("--scenario", metavar="FILE", help="write the chosen world as a scenario file")
 
 
 def _positive(text: str) -> float:
@@ -229,6 +239,22 @@ def _reproduce(given: argparse.Namespace) -> int:
     from higvf_console.session.scenario import load_scenario
 
     reproduce(given.cases, given.out, given.json, prepare=lambda: _warm_up(load_scenario("firefighting").setup()))
+    return 0
+
+
+def _fit(given: argparse.Namespace) -> int:
+    from higvf_console.lab.fit_study import BASE, study
+    from higvf_console.lab.fit_text import summary
+    from higvf_console.session.scenario import load_scenario
+
+    _warm_up(load_scenario(BASE).setup())
+    found = study(given.runs, given.seed)
+    if given.scenario is not None:
+        _write("--scenario", given.scenario, found.scenario)
+    if given.json is not None:
+        _write("--json", given.json, json.dumps(found.result, indent=2) + "\n")
+    if given.json != "-":
+        print(summary(found.result))
     return 0
 
 
@@ -337,14 +363,19 @@ def _run_headless(session: "Session", given: argparse.Namespace) -> int:
     for event in session.snapshot.events:
         if event.kind in _WORTH_SAYING:
             _tell(f"{event.time:.2f} s: {event.text}")
-    if given.report in (None, "-"):
-        sys.stdout.write(report)
-        return 0
-    try:
-        Path(given.report).write_text(report, encoding="utf-8")
-    except OSError as error:
-        raise HigvfError(f"--report {given.report}: {error.strerror}") from error
+    _write("--report", given.report or "-", report)
     return 0
+
+
+def _write(option: str, file: str, text: str) -> None:
+    """Writes what an option asks for; - is standard output."""
+    if file == "-":
+        sys.stdout.write(text)
+        return
+    try:
+        Path(file).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise HigvfError(f"{option} {file}: {error.strerror}") from error
 
 
 def _serve(session: "Session", given: argparse.Namespace) -> int:

@@ -51,10 +51,12 @@ class StrokeEnd(Command):
     Attributes:
         smoothing: standard deviation by which the path may leave the points [m]; None = the scenario's.
         robot: index of the robot that shall feel it; None = the one that is influenced now.
+        preview: the path waits for a Confirm; nothing moves along it before.
     """
 
     smoothing: float | None = None
     robot: int | None = None
+    preview: bool = False
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,29 @@ class Pick(Command):
     """Robot `robot` (index from 0) is the influenced one from now on; the path is kept."""
 
     robot: int
+
+
+@dataclass(frozen=True)
+class ProposePick(Command):
+    """A decoder is unsure whether robot `robot` (index from 0) was asked for: it waits for a Confirm.
+
+    Attributes:
+        robot: as in `Pick`.
+        within: how long it waits [s].
+    """
+
+    robot: int
+    within: float = 5.0
+
+
+@dataclass(frozen=True)
+class Confirm(Command):
+    """What waits becomes real: the proposed robot is picked, the pending path is followed from where it is then."""
+
+
+@dataclass(frozen=True)
+class Discard(Command):
+    """What waits is dropped: the pending path and the proposed robot."""
 
 
 @dataclass(frozen=True)
@@ -148,8 +173,9 @@ class SetSpeed(Command):
 
 
 OperatorCommand: TypeAlias = (
-    StrokeBegin | StrokePoints | StrokeEnd | StrokeCancel | Cursor | Clutch | Pick | Pause | Resume | Stop | AskReset
-    | ResetStop | ClearPath | ReversePath | NextTask | ResetRun | Freeze | Step | SetSpeed
+    StrokeBegin | StrokePoints | StrokeEnd | StrokeCancel | Cursor | Clutch | Pick | ProposePick | Confirm | Discard
+    | Pause | Resume | Stop | AskReset | ResetStop | ClearPath | ReversePath | NextTask | ResetRun | Freeze | Step
+    | SetSpeed
 )  # fmt: skip
 
 

@@ -2,13 +2,14 @@
 
     SimState = motion   what physics advances each tick (the kernel reads and returns it)
              + intent   what the operator asks of the team (the kernel reads it, commands write it)
-             + drawing  the cursor and the growing stroke (seen on screen, never felt by a robot)
+             + drawing  cursor, growing stroke, what waits to be confirmed (seen on screen, never felt by a robot)
 
 Positions are in the world frame, x right, y up, in metres; times in seconds; angles in radians. Indices count from 0,
 the numbers that people see from 1. Arrays are never written in place: a step returns new ones, so that any thread may
 keep a state for as long as it likes.
 """
 
+import math
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -135,6 +136,10 @@ class Drawing(NamedTuple):
         stroke_source: interface that draws it; empty when nobody does.
         clutch: whether the operator holds the clutch that lets gaze draw.
         ask_reset: whether a latched STOP has been asked to reset and waits for the second step.
+        pending: a drawn path that waits to be confirmed; NO_PATH when none does.
+        pending_robot: index of the robot that it was drawn for; NOBODY = the one that is influenced then.
+        proposed: index of the robot that a decoder is unsure to have been asked for; NOBODY when none is.
+        proposed_until: when that proposal lapses [s of session time].
     """
 
     cursor: Floats
@@ -142,6 +147,10 @@ class Drawing(NamedTuple):
     stroke_source: str
     clutch: bool
     ask_reset: bool
+    pending: Path = NO_PATH
+    pending_robot: int = NOBODY
+    proposed: int = NOBODY
+    proposed_until: float = math.inf
 
 
 class SimState(NamedTuple):
@@ -174,7 +183,7 @@ class World(NamedTuple):
         ring_start: (3, G + 1) group g's rows in `hull`, `part` and `pocket`.
         hull: (H, 2) corners of convex hulls, counter-clockwise [m]; a lone part has none.
         part: (P + Q,) parts by group: circle k, then bar k - P.
-        pocket: (C, 2) unit vectors of the shortest way out of a hull, row by row of its grid.
+        pocket: (C, 3) grids of hulls, row by row: unit vector of the shortest way out, distance to the parts [m].
     """
 
     circles: Floats

@@ -82,7 +82,7 @@ def compute(motion: Motion, intent: Intent, world: World, gains: Gains) -> Plan:
     sight = perceive(motion, world, gains)
     rung, flip = climb(motion, intent.influenced if following(motion, intent) else NOBODY, gains)
     status = broken_away(motion, intent, sight.fire_value, sight.target, component, gains)
-    w, status, idle, gap = progress(motion, intent, status, rung[intent.influenced], gains)
+    w, status, idle, gap = progress(motion, intent, status, rung[intent.influenced], world, gains)
     human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
     leader = intent.influenced if human else NOBODY
     steered = has_human(component, intent.influenced, human)

@@ -6,8 +6,11 @@ from higvf_console.arrays import Floats, Ints
 from higvf_console.control.deadlock import EN_ROUTE_PATIENCE, GIVE_UP
 from higvf_console.control.gains import Gains
 from higvf_console.control.kernel import kernel
+from higvf_console.control.obstacles import part_at
 from higvf_console.control.paths import WINDOW, nearest, point_at, travel_left
-from higvf_console.state import NOBODY, Intent, Motion, Path, PathKind, PathStatus
+from higvf_console.state import NOBODY, Intent, Motion, Path, PathKind, PathStatus, World
+
+VAIN_PATIENCE = 10.0  # as EN_ROUTE_PATIENCE, where no robot can come near enough to the path's end
 
 
 @kernel
@@ -43,12 +46,15 @@ def broken_away(motion: Motion, intent: Intent, value: Floats, target: Ints, com
 
 
 @kernel
-def progress(motion: Motion, intent: Intent, status: int, rung: int, gains: Gains) -> tuple[float, int, float, float]:
+def progress(
+    motion: Motion, intent: Intent, status: int, rung: int, world: World, gains: Gains
+) -> tuple[float, int, float, float]:
     """Path parameter w [m], status, idle time [s] and least travel left [m] after one control period from `status`.
 
     An open path is finished when w is at its end and the robot within the end radius of it. Without progress (no new
     least travel left, or on an endless path no motion) for `patience` it is given up and flagged as BLOCKED; a robot
-    that still moves, or climbs the ladder out of a deadlock (`rung` is its own), is granted forty times that.
+    that still moves, or climbs the ladder out of a deadlock (`rung` is its own), is granted forty times that; ten times
+    where no robot can come near enough to the end.
     """
     idle, gap = motion.path_idle, motion.path_gap
     if intent.path.kind == PathKind.NONE or status != PathStatus.FOLLOWING:
@@ -70,10 +76,30 @@ def progress(motion: Motion, intent: Intent, status: int, rung: int, gains: Gain
         idle, gap = 0.0, min(gap, left)
     else:
         hopeful = moving or 0 < rung < GIVE_UP
-        idle += gains.safety.control_period / (EN_ROUTE_PATIENCE if hopeful else 1.0)
+        patience = EN_ROUTE_PATIENCE if hopeful else 1.0
+        if hopeful and idle > 0.05 * gains.path.patience and beyond_reach(path, motion, world, gains):
+            patience = VAIN_PATIENCE
+        idle += gains.safety.control_period / patience
     if idle >= gains.path.patience:
         status = PathStatus.BLOCKED.value
     return w, status, idle, gap
+
+
+@kernel
+def beyond_reach(path: Path, motion: Motion, world: World, gains: Gains) -> bool:
+    """Whether every point within the end radius of an open path's end is too near to one obstacle or burning fire."""
+    x, y = destination(path, 0.0)
+    room = gains.safety.obstacle_clearance - gains.path.end_radius
+    if path.closed or math.isnan(x):
+        return False
+    for k in range(world.circles.shape[0] + world.bars.shape[0]):
+        if part_at(k, x, y, world)[0] < room:
+            return True
+    for j in range(world.fire_position.shape[0]):
+        distance = math.hypot(x - world.fire_position[j, 0], y - world.fire_position[j, 1])
+        if motion.fire_burning[j] and distance - motion.fire_radius[j] < room:
+            return True
+    return False
 
 
 @kernel

@@ -44,12 +44,12 @@ def group_obstacles(circles: Floats, bars: Floats, clearance: float) -> Groups:
     label = _labels(parts, 2.0 * clearance)
     members = [np.flatnonzero(label == name) for name in range(label.max(initial=-1) + 1)]
     ring = np.zeros((len(members), 9))
-    hulls, pockets = [np.zeros((0, 2))], [np.zeros((0, 2))]
+    hulls, pockets = [np.zeros((0, 2))], [np.zeros((0, 3))]
     for g, group in enumerate(members):
         if len(group) == 1:
             ring[g, :5] = parts[group[0]]
             hulls.append(np.zeros((0, 2)))
-            pockets.append(np.zeros((0, 2)))
+            pockets.append(np.zeros((0, 3)))
             continue
         hull = _hull(parts[group])
         centre = (hull.min(axis=0) + hull.max(axis=0)) / 2
@@ -141,7 +141,7 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
 
     Returns:
         (4,) x, y of the first node and cell width [m], number of columns.
-        (rows * columns, 2) unit vectors, row by row.
+        (rows * columns, 3) unit vectors and distances to the parts [m], row by row.
     """
     low, high = hull.min(axis=0), hull.max(axis=0)
     cell = max(_LEAST_CELL, float((high - low).max()) / _CELLS)
@@ -156,11 +156,12 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
     region = region.ravel()
     open_regions = np.unique(region[free.ravel() & (depth <= 0.0)])
     if not (np.isin(region, open_regions) & free.ravel() & (depth > 0.0)).any():
-        return np.zeros(4), np.zeros((0, 2))
+        return np.zeros(4), np.zeros((0, 3))
     way = _travel(room, depth <= 0.0, clearance, cell, rows, columns)
     down, across = np.gradient(-way.reshape(rows, columns))
     length = np.maximum(np.hypot(across, down), 1e-300)
-    return floats([xs[0], ys[0], cell, columns]), np.stack([(across / length).ravel(), (down / length).ravel()], axis=1)
+    way_out = [(across / length).ravel(), (down / length).ravel(), room]
+    return floats([xs[0], ys[0], cell, columns]), np.stack(way_out, axis=1)
 
 
 def _depth(hull: Floats, points: Floats) -> Floats:

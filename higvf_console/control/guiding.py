@@ -79,6 +79,13 @@ def composite_velocity(
         around = 1.0 if side[i, k] >= 0 else -1.0
         hull = has_hull(rings, row, k)
         if hull and row == ALONE and opened(rings, ALONE, k, goal_x, goal_y):
+            if gap < 0.0 and world.ring[k, 8] > 0.0:
+                gap, nx, ny = smoothed_gap(k, x, y, world)
+                zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, 0.0, around, False, margins, forms)
+                path_weight *= 1.0 - zero_out
+                bump_sum += zero_out
+                turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
+                continue
             for p in range(world.ring_start[1, k], world.ring_start[1, k + 1]):
                 part = world.part[p]
                 gap, nx, ny = part_at(part, x, y, world)
@@ -142,6 +149,46 @@ def way_out(rings: Rings, row: int, k: int, x: float, y: float, world: World) ->
         if length > 0.0:
             return out_x / length, out_y / length
     return 0.0, 0.0
+
+
+@kernel
+def smoothed_gap(g: int, x: float, y: float, world: World) -> tuple[float, float, float]:
+    """Gap to the parts of group g inside its hull [m], and its unit gradient, both C2.
+
+    A uniform cubic B-spline over the distances at the nodes of the group's grid: where parts meet at an angle, the
+    distance itself has edges. Barrier rows keep to the exact distances.
+    """
+    columns = int(world.ring[g, 8])
+    first = world.ring_start[2, g]
+    rows = (world.ring_start[2, g + 1] - first) // columns
+    cell = world.ring[g, 7]
+    u = min(max((x - world.ring[g, 5]) / cell, 1.0), columns - 2.001)
+    v = min(max((y - world.ring[g, 6]) / cell, 1.0), rows - 2.001)
+    column, line = int(u), int(v)
+    gap, slope_x, slope_y = 0.0, 0.0, 0.0
+    for down in range(4):
+        weight_v, change_v = _spline(v - line, down)
+        for right in range(4):
+            weight_u, change_u = _spline(u - column, right)
+            room = world.pocket[first + (line + down - 1) * columns + column + right - 1, 2]
+            gap += weight_u * weight_v * room
+            slope_x += change_u * weight_v * room
+            slope_y += weight_u * change_v * room
+    length = math.sqrt(slope_x * slope_x + slope_y * slope_y)
+    return (gap, slope_x / length, slope_y / length) if length > 0.0 else (gap, 1.0, 0.0)
+
+
+@kernel
+def _spline(t: float, node: int) -> tuple[float, float]:
+    """Weight of the uniform cubic B-spline's node 0..3 at t in [0, 1), and its derivative."""
+    s = 1.0 - t
+    if node == 0:
+        return s * s * s / 6.0, -s * s / 2.0
+    if node == 1:
+        return (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0, (3.0 * t * t - 4.0 * t) / 2.0
+    if node == 2:
+        return (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0, (4.0 * s - 3.0 * s * s) / 2.0
+    return t * t * t / 6.0, t * t / 2.0
 
 
 @kernel

@@ -8,7 +8,6 @@ team; there is no `parallel` and no `fastmath`, so that results agree bit for bi
 import hashlib
 import os
 import shutil
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -28,8 +27,9 @@ def _cache_folder() -> Path:
     folder = root / digest.hexdigest()[:16]
     folder.mkdir(parents=True, exist_ok=True)
     folder.touch()
+    now = folder.stat().st_mtime
     for old in root.iterdir():
-        if time.time() - old.stat().st_mtime > _KEPT_FOR:
+        if now - old.stat().st_mtime > _KEPT_FOR:
             shutil.rmtree(old, ignore_errors=True)
     return folder
 

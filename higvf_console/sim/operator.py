@@ -14,12 +14,15 @@ from higvf_console.commands import (
     AskReset,
     ClearPath,
     Clutch,
+    Confirm,
     Cursor,
+    Discard,
     Freeze,
     NextTask,
     OperatorCommand,
     Pause,
     Pick,
+    ProposePick,
     ResetRun,
     ResetStop,
     Resume,
@@ -35,7 +38,7 @@ from higvf_console.commands import (
 from higvf_console.control.paths import sketch_path, start_parameter
 from higvf_console.errors import PathError
 from higvf_console.sim.setup import Event, Setup, Severity
-from higvf_console.state import NO_PATH, Drawing, Path, PathKind, PathStatus, SimState
+from higvf_console.state import NO_PATH, NOBODY, Drawing, Path, PathKind, PathStatus, SimState
 from higvf_console.viewport import Arena
 
 Outcome = tuple[SimState, tuple[Event, ...]]
@@ -47,19 +50,25 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
     time = state.motion.tick * setup.gains.safety.control_period
     match command:
         case StrokeBegin():
-            return _drawing(state, stroke=_NO_STROKE, stroke_source=command.source), ()
+            return _drawing(_path_dropped(state), stroke=_NO_STROKE, stroke_source=command.source), ()
         case StrokePoints(points=points):
             return _grow(state, command.source, points), ()
         case StrokeCancel():
             return _drawing(state, stroke=_NO_STROKE, stroke_source=""), ()
         case StrokeEnd():
-            return _commit(state, command, setup, time)
+            return _end_stroke(state, command, setup, time)
         case Cursor(point=point):
             return _drawing(state, cursor=floats(point, 2)), ()
         case Clutch(closed=closed):
             return _drawing(state, clutch=bool(closed)), ()
         case Pick(robot=robot):
-            return _pick(state, robot, time)
+            return _pick(_proposal_dropped(state), robot, time)
+        case ProposePick():
+            return _propose(state, command, time)
+        case Confirm():
+            return _confirm(state, time)
+        case Discard():
+            return _discard(state, time)
         case Pause():
             return _pause(state, True), _say(time, "paused", "Paused: the team holds and still yields.")
         case Resume() if state.intent.stopped:
@@ -108,7 +117,17 @@ def clipped(points: Floats, arena: Arena) -> tuple[Floats, bool]:
     return inside, bool((inside != points).any())
 
 
-def _commit(state: SimState, command: StrokeEnd, setup: Setup, time: float) -> Outcome:
+def proposal(drawing: Drawing, time: float) -> int:
+    """The robot that is proposed at session time `time` [s], or NOBODY: a proposal lapses."""
+    return drawing.proposed if time <= drawing.proposed_until else NOBODY
+
+
+def waiting(drawing: Drawing, time: float) -> bool:
+    """Whether a Confirm has something to make real at session time `time` [s]."""
+    return drawing.pending.kind != PathKind.NONE or proposal(drawing, time) != NOBODY
+
+
+def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) -> Outcome:
     points, left = clipped(state.drawing.stroke, setup.arena)
     smoothing = setup.gains.path.stroke_smoothing if command.smoothing is None else command.smoothing
     state = _drawing(state, stroke=_NO_STROKE, stroke_source="")
@@ -116,21 +135,64 @@ def _commit(state: SimState, command: StrokeEnd, setup: Setup, time: float) -> O
         path = sketch_path(points, smoothing)
     except PathError as error:
         return state, _refuse(time, f"No path: {error}.")
-    events: tuple[Event, ...] = ()
-    if command.robot is not None:
-        state, events = _pick(state, command.robot, time)
-    kind = "closed" if path.closed else "open"
-    robot = state.intent.influenced + 1
-    events += _say(time, "path", f"Robot {robot} follows a new {kind} path of {path.length:.0f} m.")
+    robot = NOBODY if command.robot is None else int(command.robot)
+    ended, events = (_wait if command.preview else _commit)(state, path, robot, time)
     if left:
         events += (Event(time, Severity.WARNING, "clipped", "The stroke left the arena and was clipped to it."),)
-    return follow(state, path), events
+    return ended, events
+
+
+def _wait(state: SimState, path: Path, robot: int, time: float) -> Outcome:
+    robots = len(state.motion.position)
+    if robot != NOBODY and not 0 <= robot < robots:
+        return state, _no_robot(robot, robots, time)
+    said = _say(time, "pending", f"A path of {path.length:.0f} m waits to be committed.")
+    return _drawing(state, pending=path, pending_robot=robot), said
+
+
+def _commit(state: SimState, path: Path, robot: int, time: float) -> Outcome:
+    state, events = _path_dropped(state), ()
+    if robot != NOBODY:
+        state, events = _pick(state, robot, time)
+    kind = "closed" if path.closed else "open"
+    text = f"Robot {state.intent.influenced + 1} follows a new {kind} path of {path.length:.0f} m."
+    return follow(state, path), events + _say(time, "path", text)
+
+
+def _propose(state: SimState, command: ProposePick, time: float) -> Outcome:
+    robots, robot = len(state.motion.position), int(command.robot)
+    if not 0 <= robot < robots:
+        return state, _no_robot(robot, robots, time)
+    if robot == state.intent.influenced:
+        return _proposal_dropped(state), ()
+    trust = "" if command.confidence is None else f" (confidence {command.confidence:.2f})"
+    said = _say(time, "proposed", f"Robot {robot + 1} is proposed{trust}: confirm it within {command.within:g} s.")
+    return _drawing(state, proposed=robot, proposed_until=time + float(command.within)), said
+
+
+def _confirm(state: SimState, time: float) -> Outcome:
+    """The proposed robot first, so that a pending path is that robot's."""
+    drawing = state.drawing
+    if not waiting(drawing, time):
+        return state, _refuse(time, "There is nothing to confirm.")
+    state, events, robot = _proposal_dropped(state), (), proposal(drawing, time)
+    if robot != NOBODY:
+        state, events = _pick(state, robot, time)
+    if drawing.pending.kind == PathKind.NONE:
+        return state, events
+    state, said = _commit(state, drawing.pending, drawing.pending_robot, time)
+    return state, events + said
+
+
+def _discard(state: SimState, time: float) -> Outcome:
+    dropped = _path_dropped(_proposal_dropped(state))
+    return dropped, _say(time, "discarded", "What waited is discarded.") if waiting(state.drawing, time) else ()
 
 
 def _pick(state: SimState, robot: int, time: float) -> Outcome:
     robots, robot = len(state.motion.position), int(robot)
     if not 0 <= robot < robots:
-        return state, _refuse(time, f"There is no robot {robot + 1}: the team has robots 1 to {robots}.")
+        return state, _no_robot(robot, robots, time)
     if robot == state.intent.influenced:
         return state, ()
     motion = state.motion._replace(path_idle=0.0, path_gap=math.inf)
@@ -166,17 +228,29 @@ def _drawing(state: SimState, **changes: object) -> SimState:
     return state._replace(drawing=drawing)
 
 
+def _path_dropped(state: SimState) -> SimState:
+    return _drawing(state, pending=NO_PATH, pending_robot=NOBODY)
+
+
+def _proposal_dropped(state: SimState) -> SimState:
+    return _drawing(state, proposed=NOBODY, proposed_until=math.inf)
+
+
 def _pause(state: SimState, paused: bool) -> SimState:
     return state._replace(intent=state.intent._replace(paused=paused))
 
 
 def _stop(state: SimState, stopped: bool) -> SimState:
-    state = _drawing(state, ask_reset=False)
+    state = _drawing(_path_dropped(_proposal_dropped(state)), ask_reset=False)
     return state._replace(intent=state.intent._replace(stopped=stopped, paused=True))
 
 
 def _say(time: float, kind: str, text: str) -> tuple[Event, ...]:
     return (Event(time, Severity.INFO, kind, text),)
+
+
+def _no_robot(robot: int, robots: int, time: float) -> tuple[Event, ...]:
+    return _refuse(time, f"There is no robot {robot + 1}: the team has robots 1 to {robots}.")
 
 
 def _refuse(time: float, text: str) -> tuple[Event, ...]:

@@ -103,8 +103,8 @@ def advance_coupled(state: SimState, world: World, gains: Gains, safety: Coupled
 
 def roll(state: SimState, world: World, gains: Gains, ticks: int) -> tuple[SimState, Rollout]:
     """The state `ticks` control periods later, nothing commanded on the way, and the history."""
-    motion, *history = _roll(state.motion, state.intent, world, packed(gains), ticks)
-    return SimState(motion, state.intent, state.drawing), Rollout(*history)
+    motion, history = _roll(state.motion, state.intent, world, packed(gains), ticks)
+    return SimState(motion, state.intent, state.drawing), history
 
 
 @kernel
@@ -215,9 +215,7 @@ def _pairs(start: Ints, to: Ints) -> Ints:
 
 
 @kernel
-def _roll(
-    motion: Motion, intent: Intent, world: World, gains: PackedGains, ticks: int
-) -> tuple[Motion, Floats, Floats, Floats, Bools, Bools, Bools, Ints]:
+def _roll(motion: Motion, intent: Intent, world: World, gains: PackedGains, ticks: int) -> tuple[Motion, Rollout]:
     position = np.empty((ticks, motion.position.shape[0], 2))
     loss = np.empty((ticks, motion.fire_radius.shape[0]))
     clearance = np.empty(ticks)
@@ -232,7 +230,7 @@ def _roll(
         burning[k] = motion.fire_burning
         deadlocked[k], infeasible[k] = trace.deadlocked.any(), trace.infeasible.any()
         status[k] = motion.path_status
-    return motion, position, loss, clearance, burning, deadlocked, infeasible, status
+    return motion, Rollout(position, loss, clearance, burning, deadlocked, infeasible, status)
 
 
 def warm_up(state: SimState, world: World, gains: Gains) -> None:

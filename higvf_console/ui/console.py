@@ -21,6 +21,8 @@ from higvf_console.arrays import Floats
 from higvf_console.commands import (
     AskReset,
     ClearPath,
+    Confirm,
+    Discard,
     Freeze,
     OperatorCommand,
     Pause,
@@ -35,11 +37,13 @@ from higvf_console.commands import (
     StrokeEnd,
     StrokePoints,
 )
+from higvf_console.session.previewer import Choice, Previewer
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.ui import camera, keys, page, pointer, theme
 from higvf_console.ui.panels.fires import FiresPanel
 from higvf_console.ui.panels.html import SPACER
 from higvf_console.ui.panels.log import LogPanel
+from higvf_console.ui.panels.preview import PreviewPanel
 from higvf_console.ui.panels.run import RunPanel
 from higvf_console.ui.panels.status import StatusPanel
 from higvf_console.ui.panels.steer import SteerPanel
@@ -79,7 +83,7 @@ class Hand:
         elif len(points):
             self._push(StrokePoints(points=points))
         if phase == "end":
-            self._push(StrokeEnd(smoothing=self._steer.smoothing))
+            self._push(StrokeEnd(smoothing=self._steer.smoothing, preview=not self._view.commit_at_once))
         if phase in ("cancel", "end"):
             self._drawing = None
 
@@ -113,6 +117,8 @@ class Hand:
             "ask_reset": AskReset(),
             "reset_stop": ResetStop(),
             "pause": Resume() if snapshot.state.intent.paused else Pause(),
+            "confirm": Confirm(),
+            "discard": Discard(),
             "clear_path": ClearPath(),
             "reverse_path": ReversePath(),
             "freeze": Freeze(not snapshot.frozen),
@@ -164,6 +170,7 @@ class Console:
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
         self._view = View()
+        self._previewer = Previewer(session, self._choice)
         self._stopped: bool | None = None
         self._frames = 0
         self._failures: set[str] = set()
@@ -184,7 +191,8 @@ class Console:
         gui.add_html(SPACER)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Steer", viser.Icon.ROUTE):
-            self._steer = SteerPanel(gui, session.scenario, len(session.setup.start.motion.position), sink)
+            preview = PreviewPanel(gui, self._previewer, sink)
+            self._steer = SteerPanel(gui, session.scenario, len(session.setup.start.motion.position), sink, self._view)
         with tabs.add_tab("Fires", viser.Icon.FLAME):
             fires = FiresPanel(gui, session)
         with tabs.add_tab("Why", viser.Icon.HELP_CIRCLE):
@@ -193,10 +201,14 @@ class Console:
             view = ViewPanel(gui, self._view)
         with tabs.add_tab("Log", viser.Icon.LIST):
             log = LogPanel(self._server)
-        self._panels = (status, run, self._steer, fires, why, view, log)
+        self._panels = (status, run, self._steer, preview, fires, why, view, log)
+
+    def _choice(self) -> Choice:
+        return Choice(self._view.horizon, self._steer.smoothing)
 
     def start(self) -> None:
-        """Runs the view on a thread of its own."""
+        """Runs the view on a thread of its own, and the look ahead on another."""
+        self._previewer.start()
         self._thread = threading.Thread(target=self.run, args=(self._stopping,), name="view", daemon=True)
         self._thread.start()
 
@@ -211,7 +223,7 @@ class Console:
     def show(self, snapshot: "Snapshot") -> None:
         """Shows one snapshot. A part that fails is logged once and does not keep the others from showing."""
         with self._server.atomic():
-            self._try("scene", lambda: self._scene.update(snapshot))
+            self._try("scene", lambda: self._scene.update(snapshot, self._previewer.latest))
             if self._frames % FRAMES_PER_PANEL == 0:
                 for panel in self._panels:
                     self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))
@@ -229,7 +241,8 @@ class Console:
                 _log.exception("%s cannot be shown", part)
 
     def close(self) -> None:
-        """Stops the view thread; the server stays."""
+        """Stops both threads; the server stays."""
+        self._previewer.close()
         self._stopping.set()
         if self._thread is not None:
             self._thread.join()

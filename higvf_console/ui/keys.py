@@ -33,6 +33,8 @@ KEYMAP: tuple[KeyBinding, ...] = (
     KeyBinding("Space", "stop", "STOP: every robot stands still. Reset it in two steps with the red button"),
     KeyBinding("P", "pause", "Pause or resume: robots hold and still give way, the world goes on"),
     KeyBinding("1 … 9", "pick", "Influence the robot of that number"),
+    KeyBinding("Enter", "confirm", "Commit what waits: the drawn path, the proposed robot"),
+    KeyBinding("Esc", "discard", "Cancel the stroke that is being drawn, or discard what waits"),
     KeyBinding("C", "clear_path", "Clear the path"),
     KeyBinding("R", "reverse_path", "Reverse the path"),
     KeyBinding("Z", "freeze", "Freeze or run the simulation clock"),
@@ -40,7 +42,6 @@ KEYMAP: tuple[KeyBinding, ...] = (
     KeyBinding("V", "field_arrows", "Show the next vector field"),
     KeyBinding("F", "fit_view", "Fit the arena to the view", in_page=True),
     KeyBinding("?", "help", "Show or hide this list", in_page=True),
-    KeyBinding("Esc", "cancel_stroke", "Cancel the stroke that is being drawn", in_page=True),
 )
 POINTER_HELP = (
     ("drag", "Draw the desired path"),
@@ -55,6 +56,7 @@ NOTE = (
 
 _PICKS = {str(number): f"pick_{number}" for number in range(1, 10)}
 _LETTERS = {binding.key.lower(): binding.name for binding in KEYMAP if len(binding.key) == 1}
+_WORDS = {"enter": "confirm", "escape": "discard"}  # by what the browser calls the key
 # Everything that `on_key` may be called with.
 NAMES = frozenset(
     {binding.name for binding in KEYMAP if not binding.in_page and binding.name != "pick"}
@@ -97,7 +99,7 @@ def install(server: viser.ViserServer, on_key: Callable[[int, str], None]) -> No
     page.on_leave(server, forget)
     config = {
         "keys": [(binding.key, binding.text) for binding in KEYMAP],
-        "names": _LETTERS | _PICKS,
+        "names": _LETTERS | _PICKS | _WORDS,
         "pointer": POINTER_HELP,
         "note": NOTE,
     }

@@ -1,7 +1,7 @@
 """The arena as the operator sees it, from above: layers that a snapshot is poured into.
 
-    floor, grid -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> sight lines,
-    arrows of reasons -> robots -> cursor
+    floor, grid -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> ghosts -> sight lines,
+    arrows of reasons -> robots -> stroke, cursor
 
 Everything changes by assignment to a few nodes; nothing here knows threads or commands.
 """
@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING
 import viser
 
 from higvf_console.control.field import FieldKind
+from higvf_console.session.preview import USUAL
 from higvf_console.sim.setup import Setup
 from higvf_console.ui.scene_field import FieldLayer
 from higvf_console.ui.scene_fires import Fires
+from higvf_console.ui.scene_ghosts import Ghosts
 from higvf_console.ui.scene_ground import Ground, with_margin
 from higvf_console.ui.scene_parts import Canvas
 from higvf_console.ui.scene_path import PathLayer
@@ -23,6 +25,7 @@ from higvf_console.ui.scene_team import Team
 from higvf_console.viewport import Arena
 
 if TYPE_CHECKING:
+    from higvf_console.session.preview import Preview
     from higvf_console.session.session import Snapshot
 
 
@@ -38,6 +41,8 @@ class View:
         labels: numbers of the robots.
         clearance: circles of half the robot clearance: two that touch are as close as they may be; round it, pale, as
             the filter enlarges it for unicycles and noise.
+        commit_at_once: a drawn path is followed when its stroke ends; else it waits.
+        horizon: how far the preview looks ahead [s].
         explained: the robot whose velocity is explained; None = the one that is steered.
         reasons: its velocity as a chain of arrows.
         sights: which fires it sees, and what hides the others.
@@ -49,6 +54,8 @@ class View:
     boundaries: bool = True
     labels: bool = True
     clearance: bool = False
+    commit_at_once: bool = True
+    horizon: float = USUAL
     explained: int | None = None
     reasons: bool = False
     sights: bool = False
@@ -70,16 +77,18 @@ class Scene:
         self._fires = Fires(canvas, setup)
         self._team = Team(canvas, setup)
         self._path = PathLayer(canvas)
+        self._ghosts = Ghosts(canvas, setup)
         self._field = FieldLayer(canvas, setup)
         self._reasons = ReasonLayer(canvas, setup)
         self._sights = SightLayer(canvas, setup)
 
-    def update(self, snapshot: "Snapshot") -> None:
-        """Shows a snapshot; call it inside `server.atomic()`."""
+    def update(self, snapshot: "Snapshot", preview: "Preview | None" = None) -> None:
+        """Shows a snapshot, and what is foreseen; call it inside `server.atomic()`."""
         state, trace, view = snapshot.state, snapshot.trace, self._view
         self._fires.update(state, trace, snapshot.loss_area)
         self._team.update(state, trace, snapshot.time)
         self._path.update(state)
+        self._ghosts.update(state, preview)
         self._field.update(view.field, state)
         robot = view.robot(snapshot)
         self._reasons.update(snapshot.last, robot if view.reasons else None)

@@ -35,15 +35,16 @@ class Layer(IntEnum):
     OBSTACLE = 10
     PATH = 11
     CHEVRON = 12
-    CLEARANCE = 13
-    SIGHT = 14
-    HALO = 15
-    VELOCITY = 16
-    REASON = 17
-    ROBOT = 18
-    ROBOT_TEXT = 19
-    STROKE = 20
-    CURSOR = 21
+    GHOST = 13
+    CLEARANCE = 14
+    SIGHT = 15
+    HALO = 16
+    VELOCITY = 17
+    REASON = 18
+    ROBOT = 19
+    ROBOT_TEXT = 20
+    STROKE = 21
+    CURSOR = 22
 
 
 class Canvas:

@@ -7,6 +7,8 @@ from higvf_console.commands import (
     AskReset,
     ClearPath,
     Clutch,
+    Confirm,
+    Discard,
     NextTask,
     OperatorCommand,
     Pause,
@@ -28,6 +30,8 @@ PLAIN: dict[str, Callable[[], OperatorCommand]] = {
     "reverse_path": ReversePath,
     "next_task": NextTask,
     "reset_run": ResetRun,
+    "confirm": Confirm,
+    "discard": Discard,
 }
 ACTIONS: dict[str, Callable[[], OperatorCommand]] = {
     **PLAIN,

@@ -1,11 +1,11 @@
-"""Label -> action -> evidence -> command, and the ghost of a robot change that waits for its confirmation."""
+"""Label -> action -> evidence -> command; a robot change of low confidence is only proposed."""
 
 from collections import Counter, deque
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple, cast
+from typing import cast
 
-from higvf_console.commands import OperatorCommand, Pick
+from higvf_console.commands import OperatorCommand, Pick, ProposePick
 from higvf_interfaces.actions import ACTIONS, CHOICES, command_for
 from higvf_interfaces.debouncer import Debounced, Evidence, Stage, Verdict, judge, observe
 from higvf_interfaces.evidence import NEEDS, EvidenceTable
@@ -13,16 +13,8 @@ from higvf_interfaces.fields import Fields, shown
 from higvf_interfaces.formats.records import Decision
 
 IDLE = "none"  # the action of a label that is known and means nothing
-CONFIRM, DISCARD = "confirm", "discard"  # what becomes of a ghost
-OPTIONS = (*NEEDS, "evidence", CONFIRM, "confirm_within")
+OPTIONS = (*NEEDS, "evidence", "confirm", "confirm_within")
 _TRACE = 50  # verdicts kept for display
-
-
-class Ghost(NamedTuple):
-    """A robot change of low confidence that waits until `until` [s]."""
-
-    command: Pick
-    until: float
 
 
 class Interpreter:
@@ -30,7 +22,6 @@ class Interpreter:
 
     Attributes:
         trace: the last verdicts, oldest first.
-        ghost: the robot change that waits for a confirmation; None = none does.
     """
 
     def __init__(self, defaults: Mapping[str, str], options: Fields, base: Evidence) -> None:
@@ -41,7 +32,7 @@ class Interpreter:
         """
         self._actions = label_map(defaults, options)
         self._evidence = EvidenceTable(options, base)
-        self._confirm = options.number(CONFIRM, 0.0, 0.0, 1.0)
+        self._confirm = options.number("confirm", 0.0, 0.0, 1.0)
         self._patience = options.number("confirm_within", 5.0, 0.1, 3600.0, "s")
         self._ignored: Counter[str] = Counter()
         self._latest = "no decision yet"
@@ -50,7 +41,6 @@ class Interpreter:
     def restart(self) -> None:
         """Forgets what was decoded, because the run has started again."""
         self._state = Debounced()
-        self.ghost: Ghost | None = None
         self.trace: deque[Verdict] = deque(maxlen=_TRACE)
 
     def command(self, decision: Decision, robots: int) -> OperatorCommand | None:
@@ -63,9 +53,6 @@ class Interpreter:
         decision = decision._replace(label=plain_label(decision.label))
         trust = "" if decision.confidence is None else f" ({decision.confidence:.2f})"
         self._latest = f"latest: {decision.label[:40]}{trust}"
-        if self.ghost is not None and decision.time > self.ghost.until:
-            self.ghost = None
-            self._ignore("robot change that nobody confirmed")
         action = self._actions.get(decision.label)
         if action is None:
             return self._ignore(f"unknown label {shown(decision.label)}")
@@ -79,28 +66,18 @@ class Interpreter:
         self.trace.append(verdict)
         if verdict.stage is not Stage.PASSED:
             return self._ignore(verdict.reason)
-        return self._settled(action, wanted, decision)
+        return None if wanted is None else self._sure_enough(replace(wanted, confidence=decision.confidence))
 
     def describe(self) -> tuple[str, ...]:
-        """The latest decision, the ghost, and what was ignored, in words."""
+        """The latest decision, and what was ignored, in words."""
         ignored = ", ".join(f"{count} x {reason}" for reason, count in self._ignored.most_common(5))
-        waits = [f"robot {self.ghost.command.robot + 1} waits for '{CONFIRM}'"] if self.ghost is not None else []
-        return (self._latest, *waits, *([f"ignored: {ignored}"] if ignored else []))
+        return (self._latest, *([f"ignored: {ignored}"] if ignored else []))
 
-    def _settled(self, action: str, wanted: OperatorCommand | None, decision: Decision) -> OperatorCommand | None:
-        """What an accepted action gives: its command, a ghost, or the end of one."""
-        ghost = self.ghost
-        if action in (CONFIRM, DISCARD):
-            self.ghost = None
-            return ghost.command if ghost is not None and action == CONFIRM else None
-        if wanted is None:
-            return None
-        wanted = replace(wanted, confidence=decision.confidence)
-        if isinstance(wanted, Pick):
-            low = decision.confidence is not None and decision.confidence < self._confirm
-            self.ghost = Ghost(wanted, decision.time + self._patience) if low else None
-            return None if low else wanted
-        return wanted
+    def _sure_enough(self, wanted: OperatorCommand) -> OperatorCommand:
+        """The command, or the proposal of a robot change that any channel may confirm."""
+        if not isinstance(wanted, Pick) or wanted.confidence is None or wanted.confidence >= self._confirm:
+            return wanted
+        return ProposePick(wanted.robot, self._patience, confidence=wanted.confidence)
 
     def _needed(self, label: str) -> Evidence:
         return self._evidence.of(self._actions.get(label, IDLE))
@@ -115,16 +92,15 @@ def label_map(defaults: Mapping[str, str], options: Fields) -> dict[str, str]:
     Raises:
         InputError: a label that is no text, or an action that is not in the list; the message gives the list.
     """
-    further = (IDLE, CONFIRM, DISCARD)
-    actions = {action: action for action in (*ACTIONS, CONFIRM, DISCARD)}
+    actions = {action: action for action in ACTIONS}
     actions |= {plain_label(label): action for label, action in defaults.items()}
     for label, action in cast(Mapping[object, object], options.mapping("labels")).items():
         if isinstance(label, bool) or not isinstance(label, str | int):
             options.fail(f"labels: {shown(label)} is not a text; put it in quotation marks")
         text = IDLE if action is None else str(action).strip()
-        if text not in further and command_for(text) is None:
+        if text != IDLE and command_for(text) is None:
             options.fail(
-                f"labels: {label}: {shown(action)} is not an action; known actions: {', '.join((*CHOICES, *further))}"
+                f"labels: {label}: {shown(action)} is not an action; known actions: {', '.join((*CHOICES, IDLE))}"
             )
         actions[plain_label(str(label))] = text
     return actions

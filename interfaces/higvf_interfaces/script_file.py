@@ -19,7 +19,7 @@ from higvf_interfaces.yaml_files import read_yaml
 
 EVENTS = ("extinguished", "extinguished_count")
 DETAILS: dict[str, tuple[str, ...]] = {
-    "stroke": ("points_m", "robot", "smoothing_m", "over_s"),
+    "stroke": ("points_m", "robot", "smoothing_m", "over_s", "preview"),
     "pick": ("robot",),
     "clutch": ("closed",),
     **dict.fromkeys(PLAIN, ()),
@@ -59,12 +59,14 @@ class Stroke(NamedTuple):
         robot: index of the robot that shall feel it; None = the one influenced then.
         smoothing: standard deviation by which the path may leave the points [m]; None = the scenario's.
         duration: over which the points arrive [s].
+        preview: the path waits for the action `confirm`.
     """
 
     points: Floats
     robot: int | None
     smoothing: float | None
     duration: float
+    preview: bool = False
 
 
 class Entry(NamedTuple):
@@ -124,6 +126,7 @@ def _action(action: str, fields: Fields) -> Stroke | OperatorCommand:
                 robot=fields.whole("robot", 1) - 1 if fields.has("robot") else None,
                 smoothing=fields.number("smoothing_m", None, 0.0, 1e6, "m") if fields.has("smoothing_m") else None,
                 duration=fields.number("over_s", 0.0, 0.0, _LONGEST, "s"),
+                preview=fields.flag("preview", False),
             )
         case "pick":
             return Pick(fields.whole("robot", 1) - 1)

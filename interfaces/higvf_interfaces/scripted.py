@@ -121,7 +121,7 @@ def _schedule(stroke: Stroke, start: float) -> list[tuple[float, OperatorCommand
     """A stroke's commands and their times, the points evenly over its duration."""
     end = start + stroke.duration
     begin = (start, StrokeBegin())
-    close = (end, StrokeEnd(smoothing=stroke.smoothing, robot=stroke.robot))
+    close = (end, StrokeEnd(smoothing=stroke.smoothing, robot=stroke.robot, preview=stroke.preview))
     if stroke.duration == 0:
         return [begin, (start, StrokePoints(stroke.points)), close]
     times = np.linspace(start, end, len(stroke.points))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from higvf_console.arrays import floats
-from higvf_console.control.guiding import way_out
+from higvf_console.control.guiding import smoothed_gap, way_out
 from higvf_console.control.rings import ALONE, TOGETHER, convex_hull, find_rings, has_hull, opened, ring_at, row_of
 from higvf_console.sim.setup import Setup
 from higvf_console.state import NOBODY
@@ -115,3 +115,13 @@ def test_every_part_lies_within_its_groups_hull() -> None:
         reach = [c[:2] @ direction + c[2] for c in world.circles]
         reach += [max(b[:2] @ direction, b[2:4] @ direction) + b[4] for b in world.bars]
         assert (hull @ direction).max() >= max(reach) - 1e-9
+
+
+def test_inside_a_hull_the_smoothed_gap_is_near_the_distance_and_its_slope_is_the_normal() -> None:
+    world = team(polygons=[U]).world
+    for x, y, distance in ((560.0, 350.0, 60.0), (600.0, 350.0, 20.0), (560.0, 300.0, 30.0), (530.0, 410.0, 20.0)):
+        gap, nx, ny = smoothed_gap(0, x, y, world)
+        assert gap == pytest.approx(distance, abs=world.ring[0, 7])
+        step = 1e-4
+        slope = np.array([smoothed_gap(0, x + step, y, world)[0] - gap, smoothed_gap(0, x, y + step, world)[0] - gap])
+        assert slope / np.hypot(*slope) == pytest.approx([nx, ny], abs=1e-3)

@@ -4,7 +4,17 @@ from collections.abc import Callable
 
 import pytest
 
-from higvf_console.commands import InputSpec, OperatorCommand, OperatorContext, Pause, Pick, Resume, Stop
+from higvf_console.commands import (
+    Confirm,
+    Discard,
+    InputSpec,
+    OperatorCommand,
+    OperatorContext,
+    Pause,
+    Pick,
+    ProposePick,
+    Stop,
+)
 from higvf_console.errors import InputError
 from higvf_interfaces.bci import open_bci
 from higvf_interfaces.debouncer import Stage
@@ -61,39 +71,27 @@ def test_wrong_evidence_is_refused_with_what_would_be_right(
     assert message in str(refusal.value)
 
 
-def test_an_unsure_robot_change_waits_and_is_confirmed_or_discarded(write: Write, at: ContextAt) -> None:
-    replay = bci(write, "robot2", "0.5", confirm=0.7)
-    assert given(replay, at) == []
-    assert "robot 2 waits for 'confirm'" in replay.health(99.0).detail
-    assert given(bci(write, "robot2 robot3 confirm confirm", "0.5", confirm=0.7), at) == [(Pick, 0.3)]
-    assert given(bci(write, "robot2 discard confirm", "0.5", confirm=0.7), at) == []
+def test_an_unsure_robot_change_is_only_proposed_whoever_may_confirm_it(write: Write, at: ContextAt) -> None:
+    (proposed,) = bci(write, "robot2", "0.5", confirm=0.7, confirm_within=3).poll(at(99.0))
+    assert isinstance(proposed, ProposePick)
+    assert (proposed.robot, proposed.within, proposed.confidence) == (1, 3.0, 0.5)
     sure = bci(write, "robot2", "0.8", confirm=0.7)
     assert given(sure, at) == [(Pick, 0.1)]
     assert given(bci(write, "robot2", confirm=0.7), at) == [(Pick, 0.1)], "an unknown confidence is not a low one"
-    assert given(bci(write, "pause", "0.1", confirm=0.7), at) == [(Pause, 0.1)], "only robot changes wait"
+    assert given(bci(write, "pause", "0.1", confirm=0.7), at) == [(Pause, 0.1)], "only robot changes are proposed"
 
 
-def test_the_confirmed_robot_is_the_one_that_was_meant_last_with_its_own_confidence(
-    write: Write, at: ContextAt
-) -> None:
-    replay = bci(write, "robot2 robot3 confirm", "0.5", confirm=0.7)
-    (pick,) = replay.poll(at(99.0))
-    assert isinstance(pick, Pick)
-    assert (pick.robot, pick.confidence) == (2, 0.5)
+def test_confirm_and_discard_are_actions_of_every_channel(write: Write, at: ContextAt) -> None:
+    assert given(bci(write, "confirm discard"), at) == [(Confirm, 0.1), (Discard, 0.2)]
+    nodding = open_bci(InputSpec("bci", write("time,label\n1,nod\n"), settings={"labels": {"nod": "confirm"}}))
+    assert given(nodding, at) == [(Confirm, 1.0)]
 
 
-def test_a_robot_change_that_nobody_confirms_is_forgotten_and_counted(write: Write, at: ContextAt) -> None:
-    replay = bci(write, "robot2 idle idle idle idle confirm", "0.5", confirm=0.7, confirm_within=0.3)
-    assert given(replay, at) == []
-    assert "1 x robot change that nobody confirmed" in replay.health(99.0).detail
-
-
-def test_a_reset_of_the_run_forgets_the_ghost_and_the_votes(write: Write, at: ContextAt) -> None:
-    replay = bci(write, "robot2 confirm resume", "0.5", confirm=0.7)
+def test_a_reset_of_the_run_forgets_the_votes(write: Write, at: ContextAt) -> None:
+    replay = bci(write, "stop stop stop", votes="3/5", evidence={"stop": {"votes": "2/5"}})
     assert replay.poll(at(0.1)) == []
     assert replay.poll(at(0.0)) == []
-    assert "waits" not in replay.health(0.0).detail
-    assert [type(c) for c in replay.poll(at(9.0))] == [Pick, Resume]
+    assert given(replay, at)[0] == (Stop, 0.2)
 
 
 def test_every_decision_can_be_traced_to_the_stage_that_held_it(write: Write, at: ContextAt) -> None:

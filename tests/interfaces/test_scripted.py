@@ -119,7 +119,7 @@ def test_every_action_of_the_list_gives_its_command(write: Write, at: ContextAt)
     given = script(write(text)).poll(at(0.0))
     assert [type(c).__name__ for c in given] == [
         "StrokeBegin", "StrokePoints", "StrokeEnd", "Pick", "Clutch", "Pause", "Resume", "Stop", "AskReset",
-        "ResetStop", "ClearPath", "ReversePath", "NextTask", "ResetRun",
+        "ResetStop", "ClearPath", "ReversePath", "NextTask", "ResetRun", "Confirm", "Discard",
     ]  # fmt: skip
     assert [c.closed for c in given if isinstance(c, Clutch)] == [True]
 
@@ -192,3 +192,14 @@ def test_a_missing_script_and_any_option_are_refused(write: Write) -> None:
         script("nowhere.yaml")
     with pytest.raises(InputError, match="unknown key 'start'"):
         open_script(InputSpec("script", write("- {at_s: 1, do: pause}\n"), options={"start": "1"}))
+
+
+def test_a_scripted_stroke_may_wait_for_a_scripted_confirm(write: Write, at: ContextAt) -> None:
+    text = """
+- {at_s: 0, do: stroke, points_m: [[0, 0], [1, 1]], preview: true}
+- {at_s: 1, do: confirm}
+"""
+    given = script(write(text)).poll(at(1.0))
+    assert [type(c).__name__ for c in given][-2:] == ["StrokeEnd", "Confirm"]
+    assert isinstance(given[2], StrokeEnd)
+    assert given[2].preview

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from higvf_console.errors import HigvfError
-from higvf_console.lab import bench, bench_filter, bench_tick, timing
+from higvf_console.lab import bench, bench_filter, bench_preview, bench_tick, timing
 
 
 def quick(contenders: dict[str, Callable[[int], object]], _: object = None) -> dict[str, float]:
@@ -67,3 +67,18 @@ def test_contenders_take_turns_and_are_warmed_up_first() -> None:
 def test_an_unknown_suite_is_refused_with_the_choices() -> None:
     with pytest.raises(HigvfError, match="no benchmark suite 'speed'; choose filter, tick, deadlock"):
         bench.run_suite("speed", as_json=False)
+
+
+def test_the_preview_suite_gives_the_look_ahead_and_the_lateness_of_both_loops(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_preview, "take_turns", quick)
+    measured = bench_preview.run(1.3)
+    monkeypatch.setattr(bench_preview, "run", lambda: measured)
+    report = json.loads(bench.run_suite("preview", as_json=True))
+    assert report["realtime_factor"] == pytest.approx(60.0 / 0.002)
+    assert report["previews_per_s"] == pytest.approx(500.0)
+    without, ahead = (report["lateness_ms"][name] for name in ("without_preview", "with_preview"))
+    for late in (without, ahead):
+        assert sum(count for _, count in late["histogram"]) == late["periods"]
+        assert 0.0 <= late["p50"] <= late["p99"] <= late["p999"] <= late["worst"]
+    assert without["previews_per_s"] == 0.0 < ahead["previews_per_s"]
+    assert "30,000 times real time" in bench.run_suite("preview", as_json=False)

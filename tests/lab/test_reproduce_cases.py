@@ -94,9 +94,9 @@ def test_no_run_ever_comes_nearer_than_it_may(reproduction: Results) -> None:
 @pytest.mark.parametrize(
     ("scenario", "script", "demo", "order"),
     [
-        ("firefighting", None, False, (1, 2, 3, 4, 5)),
-        ("firefighting", "priority", False, (1, 3, 2, 4, 5)),
-        ("firefighting", "hidden-fire", False, (1, 2, 3, 4, 5)),
+        ("table2", None, False, (1, 2, 3, 4, 5)),
+        ("table2", "table2-priority", False, (1, 3, 2, 4, 5)),
+        ("table2", "table2-hidden", False, (1, 2, 3, 4, 5)),
         ("barrier-gaze", None, False, (2, 1, 3)),
         ("barrier-gaze", None, True, (2, 3, 1)),
         ("physical-1", None, False, (1, 2, 3)),
@@ -112,9 +112,9 @@ def test_fires_go_out_in_the_order_of_the_paper(
 
 
 def test_both_strokes_save_area_and_the_second_one_only_at_fire_5(reproduction: Results) -> None:
-    alone = loss(run_of(reproduction, "firefighting"))
-    priority = loss(run_of(reproduction, "firefighting", "priority"))
-    hidden = loss(run_of(reproduction, "firefighting", "hidden-fire"))
+    alone = loss(run_of(reproduction, "table2"))
+    priority = loss(run_of(reproduction, "table2", "table2-priority"))
+    hidden = loss(run_of(reproduction, "table2", "table2-hidden"))
     assert priority.sum() < alone.sum()
     assert hidden.sum() < alone.sum()
     assert np.sign(np.round(priority - alone)).tolist() == [0, 1, -1, -1, -1]

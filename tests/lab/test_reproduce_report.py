@@ -64,14 +64,14 @@ def test_the_json_says_what_was_run_and_what_was_found(report: Path) -> None:
         for measurement in case["measurements"]:
             assert set(measurement) == {"what", "value", "unit", "expected", "holds"}
     (run,) = whole["runs"]
-    assert run["command"] == "higvf run firefighting --headless --script scenarios/scripts/priority.yaml"
+    assert run["command"] == "higvf run table2 --headless --script scenarios/scripts/table2-priority.yaml"
     assert run["forms"] == "corrected"
     assert re.fullmatch("[0-9a-f]{64}", run["digest"])
 
 
 def test_the_digest_is_that_of_a_headless_run(report: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    script = Path(__file__).parents[2] / "scenarios" / "scripts" / "priority.yaml"
-    assert cli.main(["run", "firefighting", "--headless", "--script", str(script)]) == 0
+    script = Path(__file__).parents[2] / "scenarios" / "scripts" / "table2-priority.yaml"
+    assert cli.main(["run", "table2", "--headless", "--script", str(script)]) == 0
     assert json.loads(capsys.readouterr().out)["digest"] == load(report)["runs"][0]["digest"]
 
 

@@ -15,6 +15,7 @@ from higvf_console.lab.scene_file import scene_setup, scene_yaml
 from higvf_console.lab.scenes import END_CLEARANCE, GAPS, TIME_LIMIT, Kind, Scene
 from higvf_console.session.placement import check_start
 from higvf_console.session.scenario import parse_scenario
+from higvf_console.session.sections import Obstacles
 
 SCENES = [(kind, seed) for kind in Kind for seed in range(6)]
 each_scene = pytest.mark.parametrize(("kind", "seed"), SCENES)
@@ -76,7 +77,8 @@ def test_a_team_starts_safe_and_spaced(kind: Kind, seed: int) -> None:
     scene, gains = make_scene(kind, seed), Gains()
     setup = scene_setup(scene, gains)
     assert 3 <= len(scene.robots) <= 10
-    check_start(scene.robots, setup.start.motion.fire_radius, setup.world, gains, "the scene")
+    obstacles = Obstacles(scene.circles, scene.bars, scene.polygons)
+    check_start(scene.robots, setup.start.motion.fire_radius, setup.world, obstacles, gains, "the scene")
     assert min(math.dist(a, b) for a, b in itertools.combinations(scene.robots, 2)) >= 40.0
 
 

@@ -9,11 +9,14 @@ from fake_interfaces import FakeInterface
 
 from higvf_console.commands import (
     Clutch,
+    Confirm,
     Cursor,
+    Discard,
     Freeze,
     OperatorCommand,
     Pause,
     Pick,
+    ProposePick,
     ResetRun,
     Resume,
     Step,
@@ -30,6 +33,12 @@ from higvf_console.session.session import Session
 STROKE = np.array([[650.1, 250.0], [500.0, 400.0], [400.0, 1.0 / 3.0], [300.0, 300.0]])
 PLAN: list[tuple[float, OperatorCommand]] = [
     (0.2, Cursor(np.array([np.nan, np.nan]), source="gaze")),
+    (0.22, ProposePick(1, 3.0, source="bci", confidence=0.5)),
+    (0.24, StrokeBegin(source="gaze")),
+    (0.24, StrokePoints(STROKE[::-1], source="gaze")),
+    (0.26, StrokeEnd(source="gaze", preview=True)),
+    (0.40, Confirm(source="emg")),
+    (0.42, Discard(source="emg")),
     (0.5, StrokeBegin(source="gaze")),
     (0.5, StrokePoints(STROKE[:2], source="gaze")),
     (0.7, Clutch(closed=True, source="emg", confidence=0.75)),

@@ -11,11 +11,14 @@ from higvf_console.commands import (
     AskReset,
     ClearPath,
     Clutch,
+    Confirm,
     Cursor,
+    Discard,
     NextTask,
     OperatorCommand,
     Pause,
     Pick,
+    ProposePick,
     ResetRun,
     ResetStop,
     Resume,
@@ -23,13 +26,14 @@ from higvf_console.commands import (
     Stop,
     StrokeBegin,
     StrokeCancel,
+    StrokeEnd,
     StrokePoints,
 )
 from higvf_console.control.paths import path_points
 from higvf_console.sim.operator import apply_command
 from higvf_console.sim.setup import Event, Setup
 from higvf_console.sim.simulation import advance
-from higvf_console.state import PathKind, PathStatus, SimState
+from higvf_console.state import NO_PATH, NOBODY, PathKind, PathStatus, SimState
 from tests.teams import stroke, team
 
 LINE = [(100.0, 350.0), (300.0, 350.0), (500.0, 350.0)]
@@ -116,6 +120,89 @@ def test_a_robot_that_does_not_exist_cannot_be_picked(setup: Setup, robot: int) 
     state, events = after(setup, [Pick(robot)])
     assert state == setup.start
     assert f"no robot {robot + 1}: the team has robots 1 to 3" in events[0].text
+
+
+def drawn(robot: int | None = None) -> list[OperatorCommand]:
+    """A stroke that waits."""
+    return [*stroke(LINE)[:2], StrokeEnd(robot=robot, preview=True)]
+
+
+def test_a_stroke_that_waits_changes_nothing_that_a_robot_feels(setup: Setup) -> None:
+    before, _ = after(setup, [*stroke([(100, 350), (100, 500), (100, 600)]), Pick(1)])
+    state, events = after(setup, drawn(robot=2), before)
+    assert (state.motion, state.intent) == (before.motion, before.intent)
+    assert state.drawing.pending.length == pytest.approx(400.0, abs=1.0)
+    assert "400 m waits" in events[-1].text
+
+
+def test_a_confirmed_path_is_joined_from_where_the_robot_is_by_then(setup: Setup) -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 200)
+    circle = floats(np.stack([600.0 + 150.0 * np.cos(turn), 350.0 + 150.0 * np.sin(turn)], axis=1))
+    waits, _ = after(setup, [*stroke(circle)[:2], StrokeEnd(preview=True)])
+    position = waits.motion.position + np.array([600.0 - waits.motion.position[0, 0], 200.0])  # above the centre
+    state, events = after(setup, [Confirm()], waits._replace(motion=waits.motion._replace(position=position)))
+    assert state.motion.path_parameter == pytest.approx(150.0 * np.pi / 2, abs=2.0)
+    assert state.intent.path is waits.drawing.pending
+    assert state.drawing.pending is NO_PATH
+    assert "Robot 1 follows" in events[-1].text
+
+
+def test_a_path_that_waits_is_the_named_robot_s_or_that_of_the_one_influenced_at_its_confirmation(setup: Setup) -> None:
+    assert after(setup, [*drawn(robot=2), Confirm()])[0].intent.influenced == 2
+    assert after(setup, [*drawn(), Pick(1), Confirm()])[0].intent.influenced == 1
+
+
+@pytest.mark.parametrize("ending", [Discard(), Stop(), ResetRun(), StrokeBegin()])
+def test_a_discard_a_stop_a_reset_and_a_new_stroke_drop_the_path_that_waits(
+    setup: Setup, ending: OperatorCommand
+) -> None:
+    state, _ = after(setup, [*drawn(), ending])
+    assert state.drawing.pending is NO_PATH
+    confirmed, events = after(setup, [Confirm()], state)
+    assert confirmed.intent.path is NO_PATH
+    assert events[-1].text == "There is nothing to confirm."
+
+
+def test_a_stroke_that_waits_for_a_robot_that_does_not_exist_is_refused(setup: Setup) -> None:
+    state, events = after(setup, drawn(robot=7))
+    assert state.drawing.pending is NO_PATH
+    assert "no robot 8" in events[-1].text
+
+
+def test_a_proposed_robot_waits_and_is_picked_by_a_confirm(setup: Setup) -> None:
+    proposed, events = after(setup, [ProposePick(2, confidence=0.55)])
+    assert proposed.intent.influenced == 0
+    assert "Robot 3 is proposed (confidence 0.55)" in events[-1].text
+    picked, _ = after(setup, [Confirm(source="emg")], proposed)
+    assert (picked.intent.influenced, picked.drawing.proposed) == (2, NOBODY)
+
+
+def test_a_confirm_makes_all_real_that_waits_the_path_for_the_proposed_robot(setup: Setup) -> None:
+    state, _ = after(setup, [ProposePick(1), *drawn(), Confirm()])
+    assert (state.intent.influenced, state.intent.path.kind) == (1, PathKind.SPLINE)
+
+
+@pytest.mark.parametrize("ending", [Discard(), Stop(), ResetRun(), Pick(1), ProposePick(0)])
+def test_a_discard_a_stop_a_reset_and_a_sure_pick_drop_the_proposed_robot(
+    setup: Setup, ending: OperatorCommand
+) -> None:
+    state, _ = after(setup, [ProposePick(2), ending, Confirm()])
+    assert state.intent.influenced != 2
+
+
+def test_a_proposal_lapses(setup: Setup) -> None:
+    state, _ = after(setup, [ProposePick(2, within=0.5)])
+    for _ in range(26):
+        state, _ = advance(state, setup.world, setup.gains)
+    late, events = after(setup, [Confirm()], state)
+    assert late.intent.influenced == 0
+    assert events[-1].kind == "refused"
+
+
+def test_a_proposal_of_a_robot_that_does_not_exist_is_refused(setup: Setup) -> None:
+    state, events = after(setup, [ProposePick(3)])
+    assert state.drawing.proposed == NOBODY
+    assert "no robot 4" in events[-1].text
 
 
 def test_clear_removes_and_reverse_turns_the_path(setup: Setup) -> None:

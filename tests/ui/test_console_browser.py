@@ -1,20 +1,16 @@
 """The whole console in a real browser: session, scene, panels, pointer and keys, as the operator meets them."""
 
-import threading
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
 
 import cv2
 import numpy as np
 import pytest
-import viser
 from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import Floats, floats
 from higvf_console.commands import (
     AskReset,
     Freeze,
-    InputSpec,
     OperatorCommand,
     Pause,
     Pick,
@@ -25,57 +21,19 @@ from higvf_console.commands import (
     Step,
     Stop,
 )
-from higvf_console.session.channels import open_interface
-from higvf_console.session.scenario import load_scenario
-from higvf_console.session.session import Session
-from higvf_console.sim.simulation import warm_up
-from higvf_console.state import PathKind, SimState
-from higvf_console.ui import guard
-from higvf_console.ui.console import Console
+from higvf_console.state import PathKind
 from tests.browser import draw, open_console, press_stop, screenshot, to_page, wait_for_console, wait_until
+from tests.consoles import Running, console_at_work
 from tests.teams import stroke
 
 pytestmark = pytest.mark.browser
 
 
-class Running(NamedTuple):
-    """A console at work."""
-
-    session: Session
-    server: viser.ViserServer
-    console: Console
-    url: str
-
-    @property
-    def state(self) -> SimState:
-        return self.session.snapshot.state
-
-    def push(self, *commands: OperatorCommand) -> None:
-        for command in commands:
-            self.session.pointer.push(command)
-
-    def given(self, kind: type[OperatorCommand]) -> list[OperatorCommand]:
-        return [applied.command for applied in self.session.commands if isinstance(applied.command, kind)]
-
-
 @pytest.fixture(scope="module")
 def running() -> Iterator[Running]:
     """The firefighting scenario, live."""
-    session = Session(load_scenario("firefighting"), [open_interface(InputSpec("mouse"))])
-    warm_up(session.setup.start, session.setup.world, session.setup.gains)
-    token = guard.new_token()
-    server = guard.open_server("127.0.0.1", 0, token, "Console")
-    console = Console(session, server)
-    stopping = threading.Event()
-    loop = threading.Thread(target=session.run, args=(stopping,), daemon=True)
-    loop.start()
-    console.start()
-    yield Running(session, server, console, guard.login_url(server, token))
-    stopping.set()
-    loop.join()
-    console.close()
-    session.close()
-    server.stop()
+    with console_at_work("firefighting") as running:
+        yield running
 
 
 @pytest.fixture(scope="module")

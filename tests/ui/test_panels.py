@@ -13,6 +13,7 @@ from higvf_console.arrays import floats
 from higvf_console.commands import ChannelHealth, ChannelState
 from higvf_console.control.paths import sketch_path
 from higvf_console.session.baseline import Baseline
+from higvf_console.session.preview import Future, Preview
 from higvf_console.sim.setup import Event, Severity
 from higvf_console.sim.simulation import advance
 from higvf_console.state import PathStatus, SimState
@@ -21,6 +22,7 @@ from higvf_console.ui.panels.chart import Curve, chart_svg
 from higvf_console.ui.panels.fires import MOST_SAMPLES, LossHistory, summary_html, table_html
 from higvf_console.ui.panels.html import area, clock
 from higvf_console.ui.panels.log import MOST_AT_ONCE, MOST_SHOWN, Notifications, log_html, newer
+from higvf_console.ui.panels.preview import preview_html
 from higvf_console.ui.panels.run import nearest_speed
 from higvf_console.ui.panels.status import channel_html, clearance_line, filter_line, mode_of, operator_line
 from tests.teams import team
@@ -216,3 +218,42 @@ def test_the_speed_list_shows_the_nearest_offered_speed() -> None:
     assert nearest_speed(1.0)[0] == "1"
     assert nearest_speed(0.3).startswith("0.25")
     assert nearest_speed(7.5)[0] == "8"
+
+
+def preview(**changes: Any) -> Preview:
+    path = sketch_path(floats([[100, 100], [200, 100], [300, 100]]), 0.0)
+    futures = Future(((1, 4.0), (0, 9.0)), 3000.0), Future(((0, 6.0),), 4000.0)
+    foreseen = Preview(
+        with_intent(path=path), False, 20.0, np.zeros((3, 2, 2)), *futures, 2.5, None, None, None, 7.5,
+        floats([], 0, 2, 2),
+    )  # fmt: skip
+    return foreseen._replace(**changes)
+
+
+def test_the_preview_compares_with_doing_nothing() -> None:
+    html = preview_html(preview())
+    assert "3\u202f000 m²" in html
+    assert "\u22121\u202f000 m², \u221225.0%" in html
+    assert "2 \u2192 1" in html
+    assert "without: 1" in html
+    assert "2.5 m" in html
+    assert "finished in 7.5 s" in html
+    assert "warn" not in html
+    worse = preview_html(preview(otherwise=Future((), 2000.0)))
+    assert '"warn">+1\u202f000 m²' in worse
+    assert "as without it" in preview_html(preview(otherwise=Future((), 3000.2)))
+
+
+def test_the_preview_warns_of_what_would_go_wrong() -> None:
+    pieces = floats([[[0, 0], [30, 0]], [[30, 0], [30, 12]]])
+    html = preview_html(preview(deadlock=3.0, infeasible=4.0, given_up=9.0, finish=None, repulsive=pieces))
+    for words in ("Held by barriers in 3.0 s", "No safe velocity in 4.0 s", "given up after 9.0 s", "42 m of the path"):
+        assert words in html
+    assert "alarm" in preview_html(preview(clearance=-0.1))
+
+
+def test_the_preview_says_when_it_begins_and_whom_it_would_pick() -> None:
+    assert "from now" in preview_html(preview())
+    assert "after Resume" in preview_html(preview(resumed=True))
+    assert "robot 3" in preview_html(preview(), proposed=2)
+    assert "takes longer than 20 s" in preview_html(preview(finish=None))

@@ -11,6 +11,7 @@
   const TYPES_SPACE =
     "textarea, input:not([inputmode]):not([role=combobox]):not([type=checkbox]):not([type=range])";
   const TYPES_LETTERS = "textarea, select, [contenteditable=true], input:not([type=checkbox]):not([type=range])";
+  const TAKES_ENTER = "button, a, summary, [role=button], [role=tab], [role=option], [role=menuitem]";
 
   const overlay = page.overlay(
     `<style>
@@ -191,7 +192,8 @@
     }
     if (event.ctrlKey || event.metaKey || event.altKey || target.matches?.(TYPES_LETTERS)) return;
     const name = hotkey(event);
-    if (!name) return;
+    if (!name || (event.key === "Enter" && target.matches?.(TAKES_ENTER))) return;
+    if (event.key === "Escape") return sendKey(name); // whatever else it closes may hear it too
     event.preventDefault();
     event.stopImmediatePropagation();
     if (event.repeat) return;

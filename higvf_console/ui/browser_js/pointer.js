@@ -160,7 +160,7 @@
 
   function onKey(event) {
     if (event.key !== "Escape" || !stroke) return;
-    event.stopPropagation();
+    event.stopImmediatePropagation(); // it discards nothing else
     cancel();
   }
 

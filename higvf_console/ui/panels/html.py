@@ -44,6 +44,8 @@ STYLE = f"""<style>
 .hg .key {{ display: grid; grid-template-columns: 22px 1fr; gap: 3px 8px; align-items: center; }}
 .hg .key svg {{ width: 20px; height: 14px; overflow: visible; }}
 .hg .warn {{ color: {DARK.fire_zone}; font-weight: 600; }}
+.hg .ahead {{ min-height: 124px; }}
+.hg .good {{ color: {DARK.progress}; }}
 .hg .alarm {{ color: #ff6b6b; font-weight: 600; }}
 .hg .operator {{ color: {DARK.operator}; font-weight: 600; }}
 [role=tab] {{ padding-inline: 7px !important; }}

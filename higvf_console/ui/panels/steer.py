@@ -1,4 +1,4 @@
-"""Whom the operator steers and along what: robot picker, path actions, the scenario's own strokes."""
+"""Whom the operator steers, along what and when: picker, path actions, the scenario's own strokes, commit at once."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +16,9 @@ from higvf_console.commands import (
     StrokePoints,
 )
 from higvf_console.quantity import quantities
-from higvf_console.ui.panels.callbacks import mirror, number_in, one_of, reaction
-from higvf_console.ui.panels.html import block
+from higvf_console.session.preview import LONGEST, SHORTEST
+from higvf_console.ui.panels.callbacks import mirror, number_in, one_of, reaction, truth
+from higvf_console.ui.scene import View
 
 if TYPE_CHECKING:
     from higvf_console.session.scenario import Scenario
@@ -27,10 +28,6 @@ if TYPE_CHECKING:
 MOST_LISTED = 50  # robots; a larger team is picked from by number
 _CLEAR, _REVERSE, _NEXT = "Clear", "Reverse", "Next task"
 _FEELS = "The robot that feels your path"
-_HELP = block(
-    '<span class="dim">Drag in the arena to draw the path of the chosen robot. Click a robot, or press its number, '
-    "to choose it.</span>"
-)
 
 
 class SteerPanel:
@@ -40,9 +37,9 @@ class SteerPanel:
         smoothing: how far the next drawn path may leave its stroke [m].
     """
 
-    def __init__(self, gui: viser.GuiApi, scenario: "Scenario", robots: int, sink: PointerSink) -> None:
+    def __init__(self, gui: viser.GuiApi, scenario: "Scenario", robots: int, sink: PointerSink, view: View) -> None:
         """Builds the widgets for a team and the strokes that its scenario ships."""
-        self._sink = sink
+        self._sink, self._view = sink, view
         self._robots = robots
         self._picker = self._make_picker(gui)
         self._actions = gui.add_button_group(
@@ -56,8 +53,17 @@ class SteerPanel:
             "Smoothing m", self.smoothing, min=meaning.low, max=meaning.high, step=1.0, hint=meaning.text
         )
         self._smoothing.on_update(reaction(lambda value: self._smooth(value, meaning.low, meaning.high)))
-        self._help = gui.add_html(_HELP)
         self._strokes = [self._make_show_me(gui, stroke) for stroke in scenario.strokes]
+        self._at_once = gui.add_checkbox(
+            "Commit at once",
+            view.commit_at_once,
+            hint="On: a path is followed when you end its stroke. Off: it waits for Commit (Enter) or Discard (Esc)",
+        )
+        self._at_once.on_update(reaction(lambda value: setattr(view, "commit_at_once", truth(value))))
+        self._horizon = gui.add_slider(
+            "Look ahead s", SHORTEST, LONGEST, 5.0, view.horizon, hint="How far the team is run ahead while you draw"
+        )
+        self._horizon.on_update(reaction(self._look))
 
     def _make_picker(self, gui: viser.GuiApi) -> viser.GuiDropdownHandle[str] | viser.GuiNumberHandle[int]:
         if self._robots <= MOST_LISTED:
@@ -78,15 +84,21 @@ class SteerPanel:
         return button
 
     def _show(self, stroke: "ShownStroke") -> None:
-        for command in (StrokeBegin(), StrokePoints(points=floats(stroke.points)), StrokeEnd(robot=stroke.robot)):
+        end = StrokeEnd(robot=stroke.robot, preview=not self._view.commit_at_once)
+        for command in (StrokeBegin(), StrokePoints(points=floats(stroke.points)), end):
             self._sink.push(command)
 
     def _smooth(self, value: object, low: float, high: float) -> None:
         self.smoothing = number_in(value, low, high)
 
+    def _look(self, value: object) -> None:
+        self._view.horizon = number_in(value, SHORTEST, LONGEST)
+
     def update(self, snapshot: "Snapshot") -> None:
-        """Shows who is influenced now, and the smoothing in force."""
+        """Shows who is influenced now, and the settings in force."""
         mirror(self._smoothing, self.smoothing)
+        mirror(self._at_once, self._view.commit_at_once)
+        mirror(self._horizon, self._view.horizon)
         influenced = snapshot.state.intent.influenced
         if 0 <= influenced < self._robots:
             listed = self._robots <= MOST_LISTED
@@ -94,5 +106,5 @@ class SteerPanel:
 
     def cleanup(self) -> None:
         """Removes the widgets."""
-        for widget in (self._picker, self._actions, self._smoothing, self._help, *self._strokes):
+        for widget in (self._picker, self._actions, self._smoothing, *self._strokes, self._at_once, self._horizon):
             widget.remove()

@@ -124,6 +124,7 @@ def _past_obstacles(run: Run, name: str) -> Findings:
     arrived = int(np.argmax(error <= BAND))
     away = measures.intervals(error[arrived:] > BAND)
     longest = max([run.time[b] - run.time[a] for a, b in away], default=0.0)
+    half_lap = 0.5 * path.length / run.setup.gains.blending.cruise_speed
     return Findings(
         (
             _clearance_measure(run),
@@ -142,7 +143,7 @@ def _past_obstacles(run: Run, name: str) -> Findings:
                 "temporarily deviates, then returns",
                 bool(away) and bool(error[arrived:].min() < BAND),
             ),
-            within("The longest of them", float(longest), "s", 0.0, 10.0, "temporarily"),
+            within("The longest of them", float(longest), "s", 0.0, half_lap, "temporarily: less than half a lap"),
             within(
                 "Share of the time on the path, once there",
                 float((error[arrived:] <= BAND).mean()),

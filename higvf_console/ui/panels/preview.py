@@ -1,0 +1,136 @@
+"""The look ahead: what the stroke would lead to, and the word that commits it."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import viser
+
+from higvf_console.commands import Confirm, Discard, PointerSink, StrokeBegin, StrokeCancel
+from higvf_console.session.preview import FiresOut, Preview
+from higvf_console.sim.operator import proposal, waiting
+from higvf_console.state import NOBODY
+from higvf_console.ui.panels.callbacks import one_of, reaction
+from higvf_console.ui.panels.html import DASH, area, block
+
+if TYPE_CHECKING:
+    from higvf_console.session.previewer import Previewer
+    from higvf_console.session.session import Snapshot
+
+_COMMIT, _REDRAW, _DISCARD = "Commit", "Redraw", "Discard"
+_ARROW, _MINUS = " \u2192 ", "\u2212"
+_HELP = (
+    "Drag in the arena to draw the path of the chosen robot; what it would lead to is foreseen here and in the arena. "
+    "Click a robot, or press its number, to choose it."
+)
+_NO_ROLL = " With the centralised filter nothing is foreseen."
+
+
+class PreviewPanel:
+    """Read-out and buttons, at a height that does not change, so that nothing jumps while the hand is at work."""
+
+    def __init__(self, gui: viser.GuiApi, previewer: "Previewer", sink: PointerSink) -> None:
+        """Builds the widgets."""
+        self._previewer, self._sink = previewer, sink
+        self._html = gui.add_html("")
+        self._actions = gui.add_button_group(
+            "Preview",
+            (_COMMIT, _REDRAW, _DISCARD),
+            disabled=True,
+            hint="Follow the drawn path (Enter), draw another in its place, or drop all that waits (Esc)",
+        )
+        self._actions.on_click(reaction(self._act))
+
+    def _act(self, value: object) -> None:
+        # A stroke takes the place of the path that waits; cancelled at once, it leaves the proposed robot alone.
+        actions: dict[str, Any] = {
+            _COMMIT: (Confirm(),),
+            _REDRAW: (StrokeBegin(), StrokeCancel()),
+            _DISCARD: (Discard(),),
+        }
+        for command in one_of(value, actions):
+            self._sink.push(command)
+
+    def update(self, snapshot: "Snapshot") -> None:
+        """Shows what waits and what is foreseen."""
+        drawing = snapshot.state.drawing
+        self._actions.disabled = not waiting(drawing, snapshot.time)
+        preview = self._previewer.latest
+        if preview is not None:
+            content = preview_html(preview, proposal(drawing, snapshot.time))
+        else:
+            content = f'<span class="dim">{_HELP}{"" if self._previewer.available else _NO_ROLL}</span>'
+        self._html.content = block(f'<div class="ahead">{content}</div>')
+
+    def cleanup(self) -> None:
+        """Removes the widgets."""
+        for widget in (self._html, self._actions):
+            widget.remove()
+
+
+def preview_html(preview: Preview, proposed: int = NOBODY) -> str:
+    """The read-out of a preview."""
+    after = "after Resume" if preview.resumed else "from now"
+    rows = [("Ahead", f'{preview.horizon:g} s <span class="dim">{after}</span>')]
+    if proposed != NOBODY:
+        rows.append(("Proposed", f'<span class="operator">robot {proposed + 1}</span>'))
+    if preview.start.motion.fire_burning.any():
+        rows += [("Burnt", burnt_line(preview)), ("Fires out", fires_line(preview))]
+    rows += [("Clearance", clearance_line(preview.clearance)), ("Path", path_line(preview))]
+    lines = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in rows)
+    warned = "".join(f'<div class="warn">{warning}</div>' for warning in warnings(preview))
+    return f"<dl>{lines}</dl>{warned}"
+
+
+def burnt_line(preview: Preview) -> str:
+    """Loss area at the horizon, and its difference from doing nothing."""
+    loss, otherwise = preview.future.loss_area, preview.otherwise.loss_area
+    gap = loss - otherwise
+    if abs(gap) < 0.5:
+        change = '<span class="dim">as without it</span>'
+    else:
+        sign, mood = ("+", "warn") if gap > 0 else (_MINUS, "good")
+        share = f", {sign}{100 * abs(gap) / otherwise:.1f}%" if otherwise > 0.0 else ""
+        change = f'<span class="{mood}">{sign}{area(abs(gap))} m²{share}</span>'
+    return f"{area(loss)} m² {change}"
+
+
+def fires_line(preview: Preview) -> str:
+    """The order in which fires go out, and the other one where it differs."""
+    order, other = fire_order(preview.future.fires_out), fire_order(preview.otherwise.fires_out)
+    return order if order == other else f'{order} <span class="dim">without: {other}</span>'
+
+
+def fire_order(out: FiresOut) -> str:
+    """Fires by the numbers that people see."""
+    return _ARROW.join(str(fire + 1) for fire, _ in out) or "none"
+
+
+def clearance_line(clearance: float) -> str:
+    """The smallest distance to anything; a violation stands out."""
+    if not math.isfinite(clearance):
+        return DASH
+    shown = f"{clearance:.1f} m"
+    return (f'<span class="alarm">{shown}</span>' if clearance < 0.0 else shown) + ' <span class="dim">least</span>'
+
+
+def path_line(preview: Preview) -> str:
+    """Whether and when the path is finished."""
+    if preview.finish is not None:
+        return f"finished in {preview.finish:.1f} s"
+    if preview.given_up is not None:
+        return f'<span class="warn">given up after {preview.given_up:.1f} s</span>'
+    return f"takes longer than {preview.horizon:g} s"
+
+
+def warnings(preview: Preview) -> list[str]:
+    """What the operator should know before it is committed."""
+    found: list[str] = []
+    if preview.infeasible is not None:
+        found.append(f"No safe velocity in {preview.infeasible:.1f} s: least violation")
+    if preview.deadlock is not None:
+        found.append(f"Held by barriers in {preview.deadlock:.1f} s")
+    if len(preview.repulsive):
+        length = float(np.hypot(*(preview.repulsive[:, 1] - preview.repulsive[:, 0]).T).sum())
+        found.append(f"{length:.0f} m of the path in repulsive areas")
+    return found

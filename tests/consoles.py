@@ -1,0 +1,57 @@
+"""A whole console for browser tests: session, server and view, live on threads of their own."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+import viser
+
+from higvf_console.commands import InputSpec, OperatorCommand
+from higvf_console.session.channels import open_interface
+from higvf_console.session.scenario import load_scenario
+from higvf_console.session.session import Session
+from higvf_console.sim.simulation import warm_up
+from higvf_console.state import SimState
+from higvf_console.ui import guard
+from higvf_console.ui.console import Console
+
+
+class Running(NamedTuple):
+    """A console at work."""
+
+    session: Session
+    server: viser.ViserServer
+    console: Console
+    url: str
+
+    @property
+    def state(self) -> SimState:
+        return self.session.snapshot.state
+
+    def push(self, *commands: OperatorCommand) -> None:
+        for command in commands:
+            self.session.pointer.push(command)
+
+    def given(self, kind: type[OperatorCommand]) -> list[OperatorCommand]:
+        return [applied.command for applied in self.session.commands if isinstance(applied.command, kind)]
+
+
+@contextmanager
+def console_at_work(scenario: str) -> Iterator[Running]:
+    """A scenario, live."""
+    session = Session(load_scenario(scenario), [open_interface(InputSpec("mouse"))])
+    warm_up(session.setup.start, session.setup.world, session.setup.gains)
+    token = guard.new_token()
+    server = guard.open_server("127.0.0.1", 0, token, "Console")
+    console = Console(session, server)
+    stopping = threading.Event()
+    loop = threading.Thread(target=session.run, args=(stopping,), daemon=True)
+    loop.start()
+    console.start()
+    yield Running(session, server, console, guard.login_url(server, token))
+    stopping.set()
+    loop.join()
+    console.close()
+    session.close()
+    server.stop()

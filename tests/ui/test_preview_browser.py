@@ -1,0 +1,157 @@
+"""The look ahead in a real browser: ghosts while a stroke is drawn, then commit, redraw or discard."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page
+
+from higvf_console.arrays import Floats, floats
+from higvf_console.commands import Confirm, Discard, Freeze, Pick, ProposePick, ResetRun, Resume, SetSpeed
+from higvf_console.session.preview import Preview
+from higvf_console.state import NO_PATH, NOBODY, PathKind
+from tests.browser import draw, open_console, screenshot, to_page, wait_until
+from tests.consoles import Running, console_at_work
+
+pytestmark = pytest.mark.browser
+
+HAND = np.stack([np.linspace(720, 1050, 120), 340 + 120 * np.sin(np.linspace(0, 3, 120))], axis=1)
+THROUGH = np.stack([np.linspace(690, 420, 120), 340 + 60 * np.sin(np.linspace(0, 3, 120))], axis=1)  # an obstacle
+
+
+@pytest.fixture(scope="module")
+def running() -> Iterator[Running]:
+    """The firefighting scenario, live."""
+    with console_at_work("firefighting") as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def page(chromium: Browser, running: Running) -> Iterator[Page]:
+    """A page of 1280 x 720 that shows it."""
+    page = open_console(chromium, running.url, 1280, 720)
+    page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((close) => close.click())")
+    yield page
+    page.context.close()
+
+
+@pytest.fixture(autouse=True)
+def _waiting_is_on(running: Running, page: Page) -> None:
+    """Each test begins with a frozen run at its start, and strokes that wait."""
+    running.push(Freeze(True), SetSpeed(1.0), Discard(), Resume(), ResetRun(), Pick(0))
+    wait_until(lambda: running.state.motion.tick == 0 and running.state.intent.influenced == 0)
+    running.session.commands.clear()
+    at_once = page.get_by_role("checkbox", name="Commit at once")
+    if at_once.is_checked():
+        at_once.click()
+    wait_until(lambda: not running.console._view.commit_at_once)  # pyright: ignore[reportPrivateUsage]
+
+
+def latest(running: Running) -> Preview | None:
+    return running.console._previewer.latest  # pyright: ignore[reportPrivateUsage]
+
+
+def visible(page: Page, node: str) -> bool:
+    return page.evaluate("(node) => window.__viserMutable.nodeRefFromName[node].visible", node)
+
+
+def draw_and_wait(page: Page, running: Running, hand: Floats = HAND) -> Preview:
+    """Draws a stroke; what is foreseen of the path that waits."""
+    draw(page, to_page(page, hand))
+    wait_until(lambda: running.state.drawing.pending is not NO_PATH)
+    path = running.state.drawing.pending
+
+    def of_this_path() -> Preview | None:
+        found = latest(running)
+        return found if found is not None and found.start.intent.path is path else None
+
+    return wait_until(of_this_path)
+
+
+def test_a_ghost_is_seen_while_the_stroke_grows(page: Page, running: Running) -> None:
+    draw(page, to_page(page, HAND), finish="")
+    wait_until(lambda: visible(page, "/ghost/team") and visible(page, "/ghost/chosen") and visible(page, "/ghost/ends"))
+    screenshot(page, "preview-drawing")
+    assert running.state.drawing.stroke_source
+    assert running.state.intent.path is NO_PATH
+    page.keyboard.press("Escape")
+    wait_until(lambda: not running.state.drawing.stroke_source)
+    wait_until(lambda: not visible(page, "/ghost/team"))
+    assert running.given(Discard) == [], "Escape cancels the stroke and discards nothing else"
+
+
+def test_a_committed_path_is_followed_as_its_ghost_said(page: Page, running: Running) -> None:
+    preview = draw_and_wait(page, running)
+    wait_until(lambda: visible(page, "/ghost/path"))
+    assert running.state.intent.path is NO_PATH, "nothing moves along a path that waits"
+    page.get_by_role("button", name="Commit", exact=True).click()
+    wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
+    wait_until(lambda: not visible(page, "/ghost/path") and not visible(page, "/ghost/team"))
+    page.get_by_role("button", name="Run clock", exact=True).click()
+    wait_until(lambda: running.state.motion.tick > 300)
+    running.push(Freeze(True))
+    wait_until(lambda: running.session.snapshot.frozen)
+    motion = running.state.motion
+    gap = np.hypot(*(preview.tracks - motion.position[:, None]).transpose(2, 0, 1)).min(axis=1)
+    assert (gap < 5.0).all(), "every robot is on its ghost's track"
+
+
+def test_a_discarded_path_is_dropped_and_so_is_its_ghost(page: Page, running: Running) -> None:
+    draw_and_wait(page, running)
+    page.get_by_role("button", name="Discard", exact=True).click()
+    wait_until(lambda: running.state.drawing.pending is NO_PATH)
+    wait_until(lambda: not visible(page, "/ghost/path") and not visible(page, "/ghost/team"))
+    wait_until(page.get_by_role("button", name="Discard", exact=True).is_disabled)
+    assert running.state.intent.path is NO_PATH
+
+
+def test_enter_commits_and_escape_discards(page: Page, running: Running) -> None:
+    draw_and_wait(page, running)
+    page.keyboard.press("Escape")
+    wait_until(lambda: running.state.drawing.pending is NO_PATH)
+    draw_and_wait(page, running)
+    page.keyboard.press("Enter")
+    wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
+    assert len(running.given(Confirm)) == 1
+
+
+def test_enter_on_a_focused_button_presses_it_and_commits_nothing(page: Page, running: Running) -> None:
+    draw_and_wait(page, running)
+    page.get_by_role("button", name="Pause", exact=True).focus()
+    page.keyboard.press("Enter")
+    wait_until(lambda: running.state.intent.paused)
+    assert running.given(Confirm) == []
+
+
+def test_a_path_that_waits_is_drawn_anew_and_the_proposed_robot_stays(page: Page, running: Running) -> None:
+    running.push(ProposePick(2, within=600.0, confidence=0.5))
+    wait_until(lambda: visible(page, "/ghost/proposed"))
+    draw_and_wait(page, running)
+    page.get_by_role("button", name="Redraw", exact=True).click()
+    wait_until(lambda: running.state.drawing.pending is NO_PATH)
+    assert running.state.drawing.proposed == 2
+    page.get_by_role("button", name="Commit", exact=True).click()
+    wait_until(lambda: running.state.intent.influenced == 2 and running.state.drawing.proposed == NOBODY)
+    wait_until(lambda: not visible(page, "/ghost/proposed"))
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 720), (1920, 1080)])
+def test_the_read_out_tells_the_outcome_and_warns(page: Page, running: Running, width: int, height: int) -> None:
+    page.set_viewport_size({"width": width, "height": height})
+    page.wait_for_timeout(800)
+    preview = draw_and_wait(page, running, floats(THROUGH))
+    assert len(preview.repulsive)
+    wait_until(lambda: visible(page, "/ghost/repulsive"))
+    words = page.locator(".hg", has_text="Burnt").last
+    wait_until(lambda: "in repulsive areas" in words.inner_text() and "m²" in words.inner_text())
+    page.wait_for_timeout(500)
+    screenshot(page, f"preview-{width}x{height}")
+    page.set_viewport_size({"width": 1280, "height": 720})
+
+
+def test_with_commit_at_once_a_stroke_is_followed_when_it_ends(page: Page, running: Running) -> None:
+    page.get_by_role("checkbox", name="Commit at once").click()
+    wait_until(lambda: running.console._view.commit_at_once)  # pyright: ignore[reportPrivateUsage]
+    draw(page, to_page(page, HAND))
+    wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
+    assert running.state.drawing.pending is NO_PATH
