@@ -168,8 +168,20 @@ def test_tight_rows_are_those_that_the_velocity_meets_with_equality() -> None:
                 expected = distance_to(row.name, int(robot), moved, setup)
                 assert row.distance == pytest.approx(expected)
                 assert row.least == (least.robot_clearance if "robot" in row.name else least.obstacle_clearance)
+                if row.name.startswith("circle") and not moved.trace.infeasible[robot]:
+                    assert circle_slack(row.name, int(robot), moved, setup) == pytest.approx(0.0, abs=1e-6)
                 named.add(row.name.split()[0])
     assert {"robot", "circle"} <= named
+
+
+def circle_slack(name: str, robot: int, moved: Moved, setup: Setup) -> float:
+    """How much faster the robot might have neared a named circle, by [27] [m/s]."""
+    x, y, radius = setup.world.circles[int(name.split()[1]) - 1]
+    safety, to = controlled(CROWD).safety, floats([x, y]) - moved.before.motion.position[robot]
+    distance, clearance = float(np.hypot(*to)), radius + safety.obstacle_clearance
+    h = (distance / clearance) ** 2 - 1.0
+    bound = 0.5 * safety.obstacle_rate * clearance**2 * (h**3 if h >= 0.0 else h) / distance
+    return bound - float(to @ moved.after.velocity[robot]) / distance
 
 
 def distance_to(name: str, robot: int, moved: Moved, setup: Setup) -> float:

@@ -10,7 +10,6 @@ from higvf_console.session.explain import explain
 from higvf_console.session.sight import sights
 from higvf_console.session.tight_rows import tight_rows
 from higvf_console.sim.certificates import certificates
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.panels.callbacks import mirror, number_in, one_of, reaction, truth
 from higvf_console.ui.panels.html import block
 from higvf_console.ui.panels.shares import ShareHistory, bands_svg, legend_html
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 
 MOST_LISTED = 50  # robots; one of a larger team is chosen by number
 MOST_SHARED = 200  # robots; a larger team has no chart of its own
-CERTIFIED_EVERY = 5  # updates
+CERTIFIED_EVERY = 5  # updates; lambda_2 of a larger team takes longer, and is renewed ten times less often
 _STEERED = "The one you steer"
 _WHICH = "Whose velocity is explained; in the arena, click the robot that you steer once more"
 
@@ -68,8 +67,9 @@ class WhyPanel:
         robot = self._view.robot(snapshot)
         self._explain(snapshot, robot)
         self._seen.content = block(sight_html(sights(robot, snapshot.last, self._setup), snapshot, robot, self._setup))
-        if self._updates % CERTIFIED_EVERY == 0:
-            self._certified.content = block(certificate_html(_certificates(snapshot, self._setup)))
+        if self._updates % (CERTIFIED_EVERY if self._robots <= MOST_SHARED else 10 * CERTIFIED_EVERY) == 0:
+            found = certificates(self._setup, snapshot.state, snapshot.trace, snapshot.worst)
+            self._certified.content = block(certificate_html(found))
         self._updates += 1
 
     def _explain(self, snapshot: "Snapshot", robot: int) -> None:
@@ -92,7 +92,3 @@ class WhyPanel:
             self._picker, self._arrows, self._sight, self._parts, self._say, self._seen, self._certified,
         ):  # fmt: skip
             widget.remove()
-
-
-def _certificates(snapshot: "Snapshot", setup: Setup) -> Any:
-    return certificates(setup, snapshot.state, snapshot.trace, snapshot.worst)
