@@ -127,6 +127,9 @@ def test_a_path_that_waits_is_drawn_anew_and_the_proposed_robot_stays(page: Page
     running.push(ProposePick(2, within=600.0, confidence=0.5))
     wait_until(lambda: visible(page, "/ghost/proposed"))
     draw_and_wait(page, running)
+    page.mouse.move(20, 300)
+    page.wait_for_timeout(500)
+    screenshot(page, "preview-proposed")
     page.get_by_role("button", name="Redraw", exact=True).click()
     wait_until(lambda: running.state.drawing.pending is NO_PATH)
     assert running.state.drawing.proposed == 2
@@ -144,6 +147,7 @@ def test_the_read_out_tells_the_outcome_and_warns(page: Page, running: Running, 
     wait_until(lambda: visible(page, "/ghost/repulsive"))
     words = page.locator(".hg", has_text="Burnt").last
     wait_until(lambda: "in repulsive areas" in words.inner_text() and "m²" in words.inner_text())
+    page.mouse.move(20, 300)  # away from every hint
     page.wait_for_timeout(500)
     screenshot(page, f"preview-{width}x{height}")
     page.set_viewport_size({"width": 1280, "height": 720})

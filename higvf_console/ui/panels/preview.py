@@ -27,7 +27,7 @@ _NO_ROLL = " With the centralised filter nothing is foreseen."
 
 
 class PreviewPanel:
-    """The read-out, at a height that hardly changes while the hand is at work; the buttons show while something waits."""
+    """The read-out, of a height that hardly changes while the hand is at work; buttons show while something waits."""
 
     def __init__(self, gui: viser.GuiApi, previewer: "Previewer", sink: PointerSink) -> None:
         """Builds the widgets."""
