@@ -1,7 +1,7 @@
 """A whole console for browser tests: session, server and view, live on threads of their own."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from typing import NamedTuple
 
@@ -38,7 +38,7 @@ class Running(NamedTuple):
 
 
 @contextmanager
-def console_at_work(scenario: str) -> Iterator[Running]:
+def console_at_work(scenario: str) -> Generator[Running]:
     """A scenario, live."""
     session = Session(load_scenario(scenario), [open_interface(InputSpec("mouse"))])
     warm_up(session.setup.start, session.setup.world, session.setup.gains)

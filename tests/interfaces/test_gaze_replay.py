@@ -121,6 +121,16 @@ def test_smoothing_is_half_a_degree_on_the_ground(write: Write, at: ContextAt) -
     assert end.smoothing == pytest.approx(0.5 * 38 * 700 / 1080)
 
 
+def test_a_stroke_waits_for_a_confirm_where_the_option_says_so(write: Write, at: ContextAt) -> None:
+    def waits(**options: str) -> bool:
+        commands = strokes(play(opened(write(rests(*FIVE)), **options), at, 3.0, held=lambda time: time < 1.9))
+        assert isinstance(commands[-1], StrokeEnd)
+        return commands[-1].preview
+
+    assert waits(preview="true")
+    assert not waits()
+
+
 def test_the_pen_lifts_itself_without_gaze_and_waits_for_the_clutch_to_open(write: Write, at: ContextAt) -> None:
     eyes = (*FIVE, None, None, None, None, None, *FIVE)
     gaze = opened(write(rests(*eyes)))

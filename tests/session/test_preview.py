@@ -135,8 +135,9 @@ def test_the_path_is_marked_where_it_enters_a_repulsive_area(setup: Setup) -> No
 
 
 def test_inside_an_irregular_obstacle_the_distance_is_negative_and_an_extinguished_fire_is_none() -> None:
-    square = floats([(300, 300), (500, 300), (500, 500), (300, 500)])
-    bars = [(*map(float, square[i - 1]), *map(float, square[i]), 0.0) for i in range(4)]
+    corners = [(300.0, 300.0), (500.0, 300.0), (500.0, 500.0), (300.0, 500.0)]
+    square = floats(corners)
+    bars = [(*corners[i - 1], *corners[i], 0.0) for i in range(4)]
     setup = team(fires=[(800.0, 350.0, 20.0)], bars=bars, polygons=[square])._replace(polygons=(square,))
     points = floats([(400, 400), (800, 350), (280, 400)])
     assert surface_distance(points, setup.start.motion, setup).tolist() == [-100.0, -20.0, 20.0]

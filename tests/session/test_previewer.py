@@ -1,6 +1,7 @@
 """A preview is renewed while it may still change, and gone when there is nothing left to foresee."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -96,10 +97,12 @@ def test_nothing_is_foreseen_once_nothing_waits(desk: Desk, ending: OperatorComm
 def test_a_preview_that_was_overtaken_while_it_was_made_is_not_shown(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def slow(*arguments: object) -> Preview | None:
+    def slow(*arguments: Any) -> Preview | None:
+        found = foresee(*arguments)
+        assert found is not None
         desk.hand.push(Discard())
         desk.session.tick(advance=False)
-        return foresee(*arguments)  # pyright: ignore[reportArgumentType]
+        return found
 
     monkeypatch.setattr(module, "foresee", slow)
     assert desk.give(*DRAWING, StrokeEnd(preview=True)) is None

@@ -27,7 +27,7 @@ _NO_ROLL = " With the centralised filter nothing is foreseen."
 
 
 class PreviewPanel:
-    """Read-out and buttons, at a height that does not change, so that nothing jumps while the hand is at work."""
+    """The read-out, of a height that hardly changes while the hand is at work; buttons show while something waits."""
 
     def __init__(self, gui: viser.GuiApi, previewer: "Previewer", sink: PointerSink) -> None:
         """Builds the widgets."""
@@ -36,7 +36,7 @@ class PreviewPanel:
         self._actions = gui.add_button_group(
             "Preview",
             (_COMMIT, _REDRAW, _DISCARD),
-            disabled=True,
+            visible=False,
             hint="Follow the drawn path (Enter), draw another in its place, or drop all that waits (Esc)",
         )
         self._actions.on_click(reaction(self._act))
@@ -54,7 +54,7 @@ class PreviewPanel:
     def update(self, snapshot: "Snapshot") -> None:
         """Shows what waits and what is foreseen."""
         drawing = snapshot.state.drawing
-        self._actions.disabled = not waiting(drawing, snapshot.time)
+        self._actions.visible = waiting(drawing, snapshot.time)
         preview = self._previewer.latest
         if preview is not None:
             content = preview_html(preview, proposal(drawing, snapshot.time))
