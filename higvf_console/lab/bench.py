@@ -2,6 +2,7 @@
 
 filter, tick   what a tick costs: compare the ratios, the milliseconds are this machine's
 deadlock       who arrives in random scenes, by the forms of the equations
+lsl            live streams: from a device's push to a command, and memory over an hour of gaze
 """
 
 import json
@@ -9,12 +10,12 @@ from collections.abc import Callable
 from typing import Any
 
 from higvf_console.errors import HigvfError
-from higvf_console.lab import bench_deadlock, bench_filter, bench_tick, deadlock_report
+from higvf_console.lab import bench_deadlock, bench_filter, bench_lsl, bench_tick, deadlock_report
 from higvf_console.lab.timing import Case, Suite
 
 _TIMINGS: dict[str, Callable[[], Suite]] = {"filter": bench_filter.run, "tick": bench_tick.run}
-DEADLOCK = "deadlock"
-SUITES = (*_TIMINGS, DEADLOCK)
+DEADLOCK, LSL = "deadlock", "lsl"
+SUITES = (*_TIMINGS, DEADLOCK, LSL)
 
 
 def main(suite: str, as_json: bool, scenes: int | None = None) -> None:
@@ -36,6 +37,9 @@ def run_suite(name: str, as_json: bool, scenes: int | None = None) -> str:
     if name == DEADLOCK:
         outcomes = bench_deadlock.run_all(scenes)
         return deadlock_report.as_json(outcomes) if as_json else deadlock_report.table(outcomes)
+    if name == LSL:
+        figures = bench_lsl.run()
+        return json.dumps(figures, indent=2) if as_json else bench_lsl.table(figures)
     if name not in _TIMINGS:
         raise HigvfError(f"no benchmark suite {name!r}; choose {', '.join(SUITES)}")
     suite = _TIMINGS[name]()
