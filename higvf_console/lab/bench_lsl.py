@@ -28,11 +28,14 @@ P99_TARGET_MS = 20.0
 _PAUSES = (0.003, 0.023)  # between pushes [s]
 _BATCH = 600  # samples pushed before the queue is polled empty
 _PATIENCE = 30.0  # [s]
+_LABELS = ("fist", "open")
 _CONFIG = """[multicast]
 ResolveScope = machine
 [lab]
 KnownPeers = {{127.0.0.1}}
 SessionID = higvf-bench-{process}
+[log]
+level = -2
 """
 
 
@@ -80,10 +83,10 @@ def _latency(lsl: Any, pushes: int, period: float) -> dict[str, float]:
 
     def push() -> None:
         draw = np.random.default_rng(0)
-        for _ in range(pushes):
+        for number in range(pushes):
             time.sleep(draw.uniform(*_PAUSES))
             pushed.append(time.perf_counter())
-            outlet.push_sample(["fist"])
+            outlet.push_sample([_LABELS[number % 2]])  # each is an onset
 
     device = Thread(target=push, daemon=True)
     try:
@@ -93,7 +96,7 @@ def _latency(lsl: Any, pushes: int, period: float) -> dict[str, float]:
         while len(taken) < pushes and time.perf_counter() < deadline:
             commands = interface.poll(_context(time.perf_counter() - begun))
             now = time.perf_counter()
-            taken.extend(1e3 * (now - pushed[len(taken) + k]) for k in range(len(commands)))
+            taken += [1e3 * (now - at) for at in pushed[len(taken) : len(taken) + len(commands)]]
             time.sleep(period or 0.0002)
     finally:
         interface.close()

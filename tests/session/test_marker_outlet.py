@@ -59,8 +59,14 @@ def test_commands_and_events_are_told_and_cursors_are_not(team: Scenario, outlet
     labels = [marker["label"] for marker in outlet.pushed]
     assert labels.index("Pick") < labels.index("Pause")
     assert "Cursor" not in labels
-    pick = outlet.pushed[labels.index("Pick")]
-    assert pick == {"label": "Pick", "robot": 1, "source": "bci", "confidence": 0.8, "sequence": 0, "time": 0.1}
+    assert outlet.pushed[labels.index("Pick")] == {
+        "label": "Pick",
+        "robot": 1,
+        "source": "bci",
+        "confidence": 0.8,
+        "sequence": 0,
+        "time": 0.1,
+    }
     assert {"paused", "picked"} <= {marker.get("event") for marker in outlet.pushed}
 
 
