@@ -59,14 +59,8 @@ def test_commands_and_events_are_told_and_cursors_are_not(team: Scenario, outlet
     labels = [marker["label"] for marker in outlet.pushed]
     assert labels.index("Pick") < labels.index("Pause")
     assert "Cursor" not in labels
-    assert outlet.pushed[labels.index("Pick")] == {
-        "label": "Pick",
-        "robot": 1,
-        "source": "bci",
-        "confidence": 0.8,
-        "sequence": 0,
-        "time": 0.1,
-    }
+    told = {"label": "Pick", "robot": 1, "source": "bci", "confidence": 0.8, "sequence": 0, "time": 0.1}
+    assert outlet.pushed[labels.index("Pick")] == told
     assert {"paused", "picked"} <= {marker.get("event") for marker in outlet.pushed}
 
 
