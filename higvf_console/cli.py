@@ -76,8 +76,8 @@ def _parser() -> argparse.ArgumentParser:
 def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="measure the engine")
     bench.add_argument(
-        "--suite", choices=("filter", "tick", "deadlock", "preview"), required=True,
-        help="the safety filter, the whole tick, or who arrives in random scenes",
+        "--suite", choices=("filter", "tick", "deadlock", "preview", "lsl"), required=True,
+        help="the safety filter, the whole tick, who arrives in random scenes, the look ahead, or live streams",
     )  # fmt: skip
     bench.add_argument("--json", action="store_true", help="write JSON")
     deadlock = bench.add_argument_group("suite deadlock")
@@ -108,6 +108,7 @@ def _add_run(commands: Any) -> None:
     )  # fmt: skip
     run.add_argument("--speed", type=_positive, default=1.0, metavar="F", help="times real time, 0.25 to 8 (default 1)")
     run.add_argument("--record", type=Path, metavar="FILE", help="write a recording (JSON lines)")
+    run.add_argument("--lsl-out", metavar="NAME", help="tell events and commands as an LSL marker stream of that name")
     inputs = run.add_argument_group("inputs")
     inputs.add_argument(
         "--input", action="append", default=[], metavar="CHANNEL=FILE[:OPTION=VALUE,...]",
@@ -324,6 +325,7 @@ def _run(given: argparse.Namespace) -> int:
 def _open_session(given: argparse.Namespace) -> "Session":
     from higvf_console.control.forms import forms_named
     from higvf_console.session.channels import open_interface
+    from higvf_console.session.marker_outlet import MarkerOutlet
     from higvf_console.session.recording import Recorder
     from higvf_console.session.scenario import load_scenario
     from higvf_console.session.session import FASTEST, SLOWEST, Session
@@ -336,7 +338,8 @@ def _open_session(given: argparse.Namespace) -> "Session":
     interfaces = [open_interface(spec) for spec in _input_specs(given, scenario)]
     recorder = Recorder(given.record, scenario, given.seed) if given.record else None
     _warm_up(scenario.setup(given.seed))
-    session = Session(scenario, interfaces, given.seed, recorder)
+    markers = MarkerOutlet(given.lsl_out, scenario.name, given.seed) if given.lsl_out is not None else None
+    session = Session(scenario, interfaces, given.seed, recorder, markers)
     session.set_speed(given.speed)
     return session
 

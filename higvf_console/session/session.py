@@ -31,6 +31,7 @@ from higvf_console.session.baseline import Baseline, compute_baseline
 from higvf_console.session.channels import Channels
 from higvf_console.session.explain import Moved
 from higvf_console.session.failsafe import failure_event, halted
+from higvf_console.session.marker_outlet import MarkerOutlet
 from higvf_console.session.recording import Recorder
 from higvf_console.session.run import Run
 from higvf_console.session.scenario import Scenario
@@ -110,7 +111,12 @@ class Session:
     """
 
     def __init__(
-        self, scenario: Scenario, interfaces: Iterable[Interface], seed: int = 0, recorder: Recorder | None = None
+        self,
+        scenario: Scenario,
+        interfaces: Iterable[Interface],
+        seed: int = 0,
+        recorder: Recorder | None = None,
+        markers: MarkerOutlet | None = None,
     ) -> None:
         """Sets the run up and publishes its first moment; nothing moves before `tick` or `run`.
 
@@ -119,6 +125,7 @@ class Session:
             interfaces: polled each tick, in this order.
             seed: of the start positions.
             recorder: writes everything down.
+            markers: tells the laboratory's other devices.
 
         Raises:
             ScenarioError: the start is not safe with this seed.
@@ -134,7 +141,7 @@ class Session:
         self._run = Run(self.setup, scenario.filter)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
-        self._recorder = recorder
+        self._recorder, self._markers = recorder, markers
         self._frozen = False
         self._speed = 1.0
         self._steps_due = 0
@@ -195,6 +202,8 @@ class Session:
         finally:
             if self._recorder is not None:
                 self._record(self._recorder.close)
+            if self._markers is not None:
+                self._markers.close()
 
     def _wait(self, due: float, stopping: Signal) -> float:
         """Waits for the next tick; returns when it is due, without the time that cannot be caught up."""
@@ -236,6 +245,8 @@ class Session:
         self._set_clock(command)
         if not isinstance(command, Cursor | StrokePoints):
             self.commands.append(AppliedCommand(self._run.time, command))
+            if self._markers is not None:
+                self._markers.command(self._run.time, command)
         if self._recorder is not None:
             self._record(self._recorder.command, command)
 
@@ -267,6 +278,9 @@ class Session:
             self._add((Event(self._run.time, Severity.ALARM, "recording", text),))
 
     def _add(self, events: tuple[Event, ...]) -> None:
+        if self._markers is not None:
+            for event in events:
+                self._markers.event(event)
         if events:
             self._events = (self._events + events)[-EVENTS_KEPT:]
 
