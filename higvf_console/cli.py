@@ -76,7 +76,7 @@ def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="measure the engine")
     bench.add_argument(
         "--suite", choices=("filter", "tick", "deadlock", "preview"), required=True,
-        help="the safety filter, the whole tick, or who arrives in random scenes",
+        help="the safety filter, the whole tick, who arrives in random scenes, or the look ahead",
     )  # fmt: skip
     bench.add_argument("--json", action="store_true", help="write JSON")
     deadlock = bench.add_argument_group("suite deadlock")
