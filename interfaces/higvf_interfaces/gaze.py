@@ -37,7 +37,7 @@ from higvf_interfaces.playback import GazePlayback
 from higvf_interfaces.screens import ground_length, to_ground
 from higvf_interfaces.streams import Stamp
 
-OPTIONS = (*SOURCE_OPTIONS, *lsl.OPTIONS, "clutch", "button", "viewport", "preview")
+OPTIONS = (*SOURCE_OPTIONS, *lsl.OPTIONS, "clutch", "button", "viewport", "commit")
 CLUTCHES = ("held", "paused", "always", "dwell")
 PEN_UP = 1.5  # without valid gaze for so long, the pen lifts itself [s]
 LOST = 0.5  # a hole in the log that long loses the cursor [s]
@@ -70,7 +70,7 @@ class GazeReplay:
         self._clutch = options.choice("clutch", "held", CLUTCHES)
         self._box = _button(options)
         self._follows_browser = options.choice("viewport", "fit", ("fit", "browser")) == "browser"
-        self._preview = options.flag("preview", False)
+        self._waits = options.choice("commit", "at-once", ("at-once", "confirm")) == "confirm"
         self._live = LiveGaze(spec, options) if lsl.is_live(spec.source) else None
         self._source = self._live or GazeSource(spec, options)
         self._playback = GazePlayback(self._source.pieces) if isinstance(self._source, GazeSource) else self._source
@@ -195,7 +195,7 @@ class GazeReplay:
             self._remark += f", dropped: {_FEWEST} make a path"
             return StrokeCancel()
         smoothing = ground_length(self._smoothing_px, self._source.screen, self._viewport(context))
-        return StrokeEnd(smoothing=smoothing, preview=self._preview)
+        return StrokeEnd(smoothing=smoothing, preview=self._waits)
 
     def _viewport(self, context: OperatorContext) -> Viewport | None:
         return context.viewport if self._follows_browser else None

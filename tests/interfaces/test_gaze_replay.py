@@ -127,7 +127,7 @@ def test_a_stroke_waits_for_a_confirm_where_the_option_says_so(write: Write, at:
         assert isinstance(commands[-1], StrokeEnd)
         return commands[-1].preview
 
-    assert waits(preview="true")
+    assert waits(commit="confirm")
     assert not waits()
 
 
