@@ -13,6 +13,7 @@ from playwright.sync_api import Browser, Page
 from higvf_console.arrays import Floats, floats
 from higvf_console.commands import (
     AskReset,
+    ChannelState,
     Freeze,
     InputSpec,
     OperatorCommand,
@@ -383,3 +384,11 @@ def test_a_panel_that_fails_does_not_stop_the_scene(
 def shipped_stroke(running: Running) -> list[OperatorCommand]:
     shipped = running.session.scenario.strokes[0]
     return stroke(shipped.points, shipped.robot)
+
+
+def test_an_open_page_keeps_the_mouse_alive(running: Running, page: Page) -> None:  # noqa: ARG001 - it must be open
+    def heard() -> bool:
+        mouse = dict(running.session.snapshot.channels)["mouse"]
+        return mouse.state is ChannelState.LIVE and mouse.heard is not None
+
+    wait_until(heard)
