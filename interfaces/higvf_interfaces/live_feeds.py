@@ -33,14 +33,14 @@ class LiveFeed(DecisionFeed, Protocol):
 
 
 class _SessionClock:
-    """Session times of a live stream's decisions, never decreasing."""
+    """Session times of a live stream's decisions: never decreasing, and 0 for what was said before the run."""
 
     def __init__(self) -> None:
-        self._latest, self._now = -math.inf, -math.inf
+        self._latest, self._now = 0.0, -math.inf
 
     def at(self, now: float, ago: float) -> float:
         if now < self._now:
-            self._latest = -math.inf  # the run has been reset
+            self._latest = 0.0  # the run has been reset
         self._now = now
         self._latest = min(now, max(self._latest, now - max(0.0, ago)))
         return self._latest

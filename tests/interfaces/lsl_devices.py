@@ -55,7 +55,7 @@ class Device:
             channel = channels.append_child("channel")
             channel.append_child_value("label", label)
             channel.append_child_value("unit", unit)
-        self._outlet = lsl.StreamOutlet(info)
+        self._outlet: Any = lsl.StreamOutlet(info)
 
     def push(self, *values: Any, at: float = 0.0) -> None:
         self._outlet.push_sample(list(values), at)

@@ -73,6 +73,16 @@ def test_markers_become_commands_at_the_session_time_at_which_they_were_said(
     assert "name fists, type Markers" in health.detail
 
 
+def test_what_was_said_before_the_run_counts_at_its_start(
+    lsl: ModuleType, opened: Callable[..., Any], at: ContextAt
+) -> None:
+    device = Device(lsl, "Markers", name="early")
+    emg = opened(open_emg, "emg", name="early")
+    until(device.consumed)
+    device.push("fist", at=lsl.local_clock() - 5.0)
+    assert polled(emg, at, Pause, now=0.0)[0].time == 0.0
+
+
 def test_no_stream_or_several_are_answered_with_what_the_network_has(lsl: ModuleType) -> None:
     one, other = Device(lsl, "Markers", name="left"), Device(lsl, "Markers", name="right")
     with pytest.raises(InputError) as refusal:

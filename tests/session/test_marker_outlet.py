@@ -43,7 +43,11 @@ def _outlets(monkeypatch: pytest.MonkeyPatch) -> list[Outlet]:
         )
 
     fake = SimpleNamespace(StreamInfo=info, StreamOutlet=outlet, cf_string="string")
-    monkeypatch.setattr(marker_outlet, "import_module", lambda _: fake)
+
+    def library(_: str) -> SimpleNamespace:
+        return fake
+
+    monkeypatch.setattr(marker_outlet, "import_module", library)
     return made
 
 

@@ -10,6 +10,7 @@ from playwright.sync_api import Browser, Page
 from higvf_console.arrays import Floats, floats
 from higvf_console.commands import (
     AskReset,
+    ChannelState,
     Freeze,
     OperatorCommand,
     Pause,
@@ -384,3 +385,11 @@ def test_another_robot_is_explained_without_being_steered_and_its_lines_of_sight
     page.get_by_role("combobox").nth(1).click()
     page.get_by_role("option", name="The one you steer").click()
     wait_until(page.locator(".hg", has_text="Why robot 1 moves").count)
+
+
+def test_an_open_page_keeps_the_mouse_alive(running: Running, page: Page) -> None:  # noqa: ARG001 - it must be open
+    def heard() -> bool:
+        mouse = dict(running.session.snapshot.channels)["mouse"]
+        return mouse.state is ChannelState.LIVE and mouse.heard is not None
+
+    wait_until(heard)
