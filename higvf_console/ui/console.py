@@ -191,18 +191,18 @@ class Console:
         run = RunPanel(gui, sink)
         gui.add_html(SPACER)
         tabs = gui.add_tab_group()
-        with tabs.add_tab("Steer", viser.Icon.ROUTE):
+        with tabs.add_tab("Steer"):
             preview = PreviewPanel(gui, self._previewer, sink)
             self._steer = SteerPanel(gui, session.scenario, len(session.setup.start.motion.position), sink, self._view)
-        with tabs.add_tab("Fires", viser.Icon.FLAME):
+        with tabs.add_tab("Fires"):
             fires = FiresPanel(gui, session)
-        with tabs.add_tab("Why", viser.Icon.HELP_CIRCLE):
+        with tabs.add_tab("Why"):
             why = WhyPanel(gui, session, self._view)
-        with tabs.add_tab("View", viser.Icon.EYE):
+        with tabs.add_tab("View"):
             view = ViewPanel(gui, self._view)
-        with tabs.add_tab("Log", viser.Icon.LIST):
+        with tabs.add_tab("Log"):
             log = LogPanel(self._server)
-        with tabs.add_tab("Faults", viser.Icon.PLUG_CONNECTED_X):
+        with tabs.add_tab("Faults"):
             faults = FaultsPanel(gui, [name for name, _ in session.snapshot.channels], sink)
         self._panels = (status, run, self._steer, preview, fires, why, view, log, faults)
 

@@ -48,7 +48,7 @@ STYLE = f"""<style>
 .hg .good {{ color: {DARK.progress}; }}
 .hg .alarm {{ color: #ff6b6b; font-weight: 600; }}
 .hg .operator {{ color: {DARK.operator}; font-weight: 600; }}
-[role=tab] {{ padding-inline: 7px !important; }}
+[role=tab] {{ padding-inline: 10px !important; }}
 .mantine-Notifications-root {{ top: auto !important; bottom: 18px !important; left: 290px !important; }}
 </style>"""
 
