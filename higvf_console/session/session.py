@@ -39,7 +39,7 @@ from higvf_console.session.sections import FilterKind
 from higvf_console.session.supervision import SOURCE, Said, Supervisor
 from higvf_console.sim.certificates import Worst
 from higvf_console.sim.metrics import loss_area
-from higvf_console.sim.setup import Event, Severity
+from higvf_console.sim.setup import Event, Setup, Severity
 from higvf_console.state import SimState, Trace
 from higvf_console.viewport import Viewport
 
@@ -55,6 +55,7 @@ class Snapshot(NamedTuple):
     """All that a view needs of one moment.
 
     Attributes:
+        setup: world and gains in force; another object once they are edited.
         state: now.
         trace: of the last control period.
         last: the last control period as a whole; at the start of a run, the first one to come.
@@ -72,6 +73,7 @@ class Snapshot(NamedTuple):
         events: what happened, oldest first; the last `EVENTS_KEPT`.
     """
 
+    setup: Setup
     state: SimState
     trace: Trace
     last: Moved
@@ -102,7 +104,6 @@ class Session:
     Attributes:
         scenario: what is run.
         seed: of the start positions.
-        setup: what the run started from.
         snapshot: the latest moment.
         baseline: loss area without an operator; None until it is known.
         viewport: how the operator's screen lies over the arena; set by the view.
@@ -133,12 +134,11 @@ class Session:
         """
         self.scenario = scenario
         self.seed = seed
-        self.setup = scenario.setup(seed)
         self.baseline: Baseline | None = None
         self.viewport: Viewport | None = None
         self.commands: list[AppliedCommand] = []
         self.error: Exception | None = None
-        self._run = Run(self.setup, scenario.filter)
+        self._run = Run(scenario.setup(seed), scenario.filter)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._recorder, self._markers = recorder, markers
@@ -160,6 +160,11 @@ class Session:
         if not hasattr(mouse, "push"):
             raise InputError("the session has no interface 'mouse' that commands can be pushed to")
         return cast(PointerSink, mouse)
+
+    @property
+    def setup(self) -> Setup:
+        """What a reset of the run starts from."""
+        return self._run.setup
 
     @property
     def ticks(self) -> int:
@@ -295,6 +300,7 @@ class Session:
     def _publish(self, started: float) -> None:
         run = self._run
         self.snapshot = Snapshot(
+            setup=run.setup,
             state=run.state,
             trace=run.trace,
             last=run.last,

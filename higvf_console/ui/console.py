@@ -226,7 +226,7 @@ class Console:
     def show(self, snapshot: "Snapshot") -> None:
         """Shows one snapshot. A part that fails is logged once and does not keep the others from showing."""
         with self._server.atomic():
-            self._try("scene", lambda: self._scene.update(snapshot, self._previewer.latest))
+            self._try("scene", lambda: self._show_scene(snapshot))
             if self._frames % FRAMES_PER_PANEL == 0:
                 for panel in self._panels:
                     self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))
@@ -234,6 +234,12 @@ class Console:
         if snapshot.state.intent.stopped != self._stopped:
             self._stopped = snapshot.state.intent.stopped
             keys.show_stopped(self._server, self._stopped)
+
+    def _show_scene(self, snapshot: "Snapshot") -> None:
+        if self._scene.setup is not snapshot.setup:
+            self._scene.clear()
+            self._scene = Scene(self._server, snapshot.setup, self._view)
+        self._scene.update(snapshot, self._previewer.latest)
 
     def _try(self, part: str, update: Callable[[], None]) -> None:
         try:

@@ -62,15 +62,26 @@ class View:
 
     def robot(self, snapshot: "Snapshot") -> int:
         """Index of the robot whose velocity is explained."""
-        return snapshot.state.intent.influenced if self.explained is None else self.explained
+        robots = len(snapshot.state.motion.position)
+        return (
+            self.explained
+            if self.explained is not None and self.explained < robots
+            else snapshot.state.intent.influenced
+        )
 
 
 class Scene:
-    """All layers."""
+    """All layers.
+
+    Attributes:
+        setup: what is shown; an edited one needs a new scene.
+        camera_arena: what the camera must show.
+    """
 
     def __init__(self, server: viser.ViserServer, setup: Setup, view: View) -> None:
         """Draws what stands still."""
-        canvas = Canvas(server, setup.arena)
+        self.setup = setup
+        self._canvas = canvas = Canvas(server, setup.arena)
         self.camera_arena: Arena = with_margin(setup.arena, canvas.px)
         self._view = view
         self._ground = Ground(canvas, setup)
@@ -95,3 +106,7 @@ class Scene:
         self._sights.update(snapshot.last, robot if view.sights else None)
         self._ground.show_boundaries(view.boundaries)
         self._team.show(links=view.links, trails=view.trails, labels=view.labels, clearance=view.clearance)
+
+    def clear(self) -> None:
+        """Removes everything."""
+        self._canvas.clear()

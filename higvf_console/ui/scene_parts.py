@@ -4,7 +4,9 @@ viser sorts what is transparent by the height of its node, so a layer's height i
 once and then assigned to; one that has nothing to show is hidden, because viser cannot draw nothing.
 """
 
+from collections.abc import Callable
 from enum import IntEnum
+from typing import TypeVar
 
 import numpy as np
 import viser
@@ -15,6 +17,7 @@ from higvf_console.ui.glyphs import Triangles
 from higvf_console.ui.theme import NOMINAL_SCREEN_PX, batch_rgb, line_rgb, mesh_rgb
 from higvf_console.viewport import Arena
 
+Node = TypeVar("Node", bound=viser.SceneNodeHandle)
 _NO_LINE = np.zeros((1, 2, 2))
 _NO_SHAPE = Triangles(np.zeros((3, 2)), np.array([[0, 1, 2]]))
 
@@ -52,9 +55,22 @@ class Canvas:
 
     def __init__(self, server: viser.ViserServer, arena: Arena) -> None:
         """Measures the arena."""
-        self.server = server
+        self._scene = server.scene
+        self._nodes: list[viser.SceneNodeHandle] = []
         self.arena = arena
         self.px = max(arena.width / NOMINAL_SCREEN_PX[0], arena.height / NOMINAL_SCREEN_PX[1])  # [m]
+
+    def add(self, make: Callable[[viser.SceneApi], Node]) -> Node:
+        """A node that goes when the canvas is cleared."""
+        node = make(self._scene)
+        self._nodes.append(node)
+        return node
+
+    def clear(self) -> None:
+        """Removes everything that was drawn."""
+        for node in self._nodes:
+            node.remove()
+        self._nodes.clear()
 
     def height(self, layer: Layer) -> tuple[float, float, float]:
         """Position of a layer's nodes; a quarter pixel apart, so that perspective does not move them visibly."""
@@ -95,15 +111,17 @@ class FlatMesh:
     def __init__(self, canvas: Canvas, layer: Layer, name: str, shape: Triangles, colour: str) -> None:
         """Draws the shape, if it has any triangles."""
         self._visible = True
-        self._node = canvas.server.scene.add_mesh_simple(
-            name,
-            raised(_NO_SHAPE.vertices),
-            _NO_SHAPE.faces.astype(np.uint32),
-            color=mesh_rgb(colour),
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
-            position=canvas.height(layer),
+        self._node = canvas.add(
+            lambda scene: scene.add_mesh_simple(
+                name,
+                raised(_NO_SHAPE.vertices),
+                _NO_SHAPE.faces.astype(np.uint32),
+                color=mesh_rgb(colour),
+                side="double",
+                cast_shadow=False,
+                receive_shadow=False,
+                position=canvas.height(layer),
+            )
         )
         self.reshape(shape)
 
@@ -127,15 +145,17 @@ class Lines:
     def __init__(self, canvas: Canvas, layer: Layer, name: str, colour: str | None, thickness: float) -> None:
         """Starts with no segment."""
         self._visible, self._empty = True, True
-        self._node = canvas.server.scene.add_line_segments(
-            name,
-            raised(_NO_LINE),
-            # A page cannot turn one colour into many later: its shader would be without them.
-            np.zeros((1, 2, 3), np.uint8) if colour is None else line_rgb(colour),
-            thickness=thickness,
-            thickness_units="screen",
-            position=canvas.height(layer),
-            visible=False,
+        self._node = canvas.add(
+            lambda scene: scene.add_line_segments(
+                name,
+                raised(_NO_LINE),
+                # A page cannot turn one colour into many later: its shader would be without them.
+                np.zeros((1, 2, 3), np.uint8) if colour is None else line_rgb(colour),
+                thickness=thickness,
+                thickness_units="screen",
+                position=canvas.height(layer),
+                visible=False,
+            )
         )
 
     def draw(self, segments: Floats, colours: NDArray[np.uint8] | None = None) -> None:
@@ -162,21 +182,23 @@ class Marks:
         """Makes `count` copies, all at the origin."""
         self.count = count
         self._colours = np.tile(np.array([batch_rgb(colour)], np.uint8), (count, 1))
-        self._node = canvas.server.scene.add_batched_meshes_simple(
-            name,
-            raised(shape.vertices),
-            shape.faces.astype(np.uint32),
-            turned(np.zeros(max(count, 1))),
-            np.zeros((max(count, 1), 3), np.float32),
-            batched_scales=np.ones(max(count, 1), np.float32),
-            batched_colors=self._colours if count else batch_rgb(colour),
-            lod="off",
-            opacity=None if opacity >= 1.0 else opacity,
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
-            position=canvas.height(layer),
-            visible=count > 0,
+        self._node = canvas.add(
+            lambda scene: scene.add_batched_meshes_simple(
+                name,
+                raised(shape.vertices),
+                shape.faces.astype(np.uint32),
+                turned(np.zeros(max(count, 1))),
+                np.zeros((max(count, 1), 3), np.float32),
+                batched_scales=np.ones(max(count, 1), np.float32),
+                batched_colors=self._colours if count else batch_rgb(colour),
+                lod="off",
+                opacity=None if opacity >= 1.0 else opacity,
+                side="double",
+                cast_shadow=False,
+                receive_shadow=False,
+                position=canvas.height(layer),
+                visible=count > 0,
+            )
         )
 
     def place(self, positions: Floats, heading: Floats | None = None, scale: Floats | None = None) -> None:

@@ -171,8 +171,9 @@ def test_the_summary_compares_at_the_same_time() -> None:
 
 def test_the_fire_table_tells_burning_fought_and_out_apart() -> None:
     motion = STATE.motion._replace(fire_burning=np.array([False, True]), fire_progress=floats([1.0, 0.75]))
-    shown = SimpleNamespace(state=STATE._replace(motion=motion), trace=TRACE, loss_area=floats([1256.6, 2827.4]))
-    html = table_html(shown, SETUP)  # pyright: ignore[reportArgumentType]
+    burnt = floats([1256.6, 2827.4])
+    shown = SimpleNamespace(setup=SETUP, state=STATE._replace(motion=motion), trace=TRACE, loss_area=burnt)
+    html = table_html(shown)  # pyright: ignore[reportArgumentType]
     assert ">out<" in html
     assert "50% put out" in html
     assert "0/2" in html

@@ -6,7 +6,6 @@ import numpy as np
 import viser
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.panels.chart import Curve, chart_svg
 from higvf_console.ui.panels.html import DASH, area, block, dot
 from higvf_console.ui.scene_fires import fire_look
@@ -50,22 +49,22 @@ class FiresPanel:
 
     def __init__(self, gui: viser.GuiApi, session: "Session") -> None:
         """Starts with an empty curve."""
-        self._session, self._setup = session, session.setup
+        self._session = session
         self._history = LossHistory()
-        self._has_fires = len(self._setup.world.fire_position) > 0
-        self._chart = gui.add_html("" if self._has_fires else _NO_FIRES)
+        self._chart = gui.add_html("")
         self._table = gui.add_html("")
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows a snapshot."""
-        if not self._has_fires:
+        if not len(snapshot.setup.world.fire_position):
+            self._chart.content, self._table.content = _NO_FIRES, ""
             return
         total = float(snapshot.loss_area.sum())
         self._history.add(snapshot.time, total)
         baseline = self._session.baseline
         chart = chart_html(*self._history.curve(), baseline)
         self._chart.content = chart + summary_html(snapshot.time, total, baseline)
-        self._table.content = table_html(snapshot, self._setup)
+        self._table.content = table_html(snapshot)
 
     def cleanup(self) -> None:
         """Removes chart and table."""
@@ -90,9 +89,9 @@ def summary_html(time: float, total: float, baseline: "Baseline | None") -> str:
     return block(line)
 
 
-def table_html(snapshot: "Snapshot", setup: Setup) -> str:
+def table_html(snapshot: "Snapshot") -> str:
     """Number, state, radius, loss and crew of each fire."""
-    look = fire_look(snapshot.state, snapshot.trace, setup)
+    look = fire_look(snapshot.state, snapshot.trace, snapshot.setup)
     rows: list[str] = []
     for fire, radius in enumerate(snapshot.state.motion.fire_radius):
         burning, fought = bool(look.burning[fire]), bool(look.fought[fire])
@@ -102,7 +101,7 @@ def table_html(snapshot: "Snapshot", setup: Setup) -> str:
             state = f"{dot(DARK.progress if fought else DARK.fire_edge)}{look.progress[fire]:.0%} put out"
         else:
             state = f"{dot(DARK.fire_edge)}burning"
-        crew = f"{snapshot.trace.crew[fire]}/{setup.world.fire_needs[fire]}" if burning else DASH
+        crew = f"{snapshot.trace.crew[fire]}/{snapshot.setup.world.fire_needs[fire]}" if burning else DASH
         rows.append(
             f'<tr class="{"" if burning else "out"}"><td>{fire + 1}</td><td>{state}</td><td>{radius:.1f}</td>'
             f"<td>{area(snapshot.loss_area[fire])}</td><td>{crew}</td></tr>"

@@ -18,6 +18,7 @@ from higvf_console.commands import (
 from higvf_console.quantity import quantities
 from higvf_console.session.preview import LONGEST, SHORTEST
 from higvf_console.ui.panels.callbacks import mirror, number_in, one_of, reaction, truth
+from higvf_console.ui.panels.picker import RobotPicker
 from higvf_console.ui.scene import View
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from higvf_console.session.sections import ShownStroke
     from higvf_console.session.session import Snapshot
 
-MOST_LISTED = 50  # robots; a larger team is picked from by number
 _CLEAR, _REVERSE, _NEXT = "Clear", "Reverse", "Next task"
 _FEELS = "The robot that feels your path"
 
@@ -40,8 +40,7 @@ class SteerPanel:
     def __init__(self, gui: viser.GuiApi, scenario: "Scenario", robots: int, sink: PointerSink, view: View) -> None:
         """Builds the widgets for a team and the strokes that its scenario ships."""
         self._sink, self._view = sink, view
-        self._robots = robots
-        self._picker = self._make_picker(gui)
+        self._picker = RobotPicker(gui, "Influence", robots, self._pick, hint=_FEELS)
         self._actions = gui.add_button_group(
             "Path", (_CLEAR, _REVERSE, _NEXT), hint="Remove it (C), turn it round (R), or count it as finished"
         )
@@ -65,16 +64,6 @@ class SteerPanel:
         )
         self._horizon.on_update(reaction(self._look))
 
-    def _make_picker(self, gui: viser.GuiApi) -> viser.GuiDropdownHandle[str] | viser.GuiNumberHandle[int]:
-        if self._robots <= MOST_LISTED:
-            names = {f"Robot {number}": number - 1 for number in range(1, self._robots + 1)}
-            listed = gui.add_dropdown("Influence", tuple(names), hint=_FEELS)
-            listed.on_update(reaction(lambda name: self._sink.push(Pick(one_of(name, names)))))
-            return listed
-        numbered = gui.add_number("Influence", 1, min=1, max=self._robots, step=1, hint=_FEELS)
-        numbered.on_update(reaction(lambda value: self._sink.push(Pick(int(number_in(value, 1, self._robots)) - 1))))
-        return numbered
-
     def _make_show_me(self, gui: viser.GuiApi, stroke: "ShownStroke") -> viser.GuiButtonHandle:
         who = "the chosen robot" if stroke.robot is None else f"robot {stroke.robot + 1}"
         button = gui.add_button(
@@ -82,6 +71,10 @@ class SteerPanel:
         )
         button.on_click(reaction(lambda _: self._show(stroke)))
         return button
+
+    def _pick(self, robot: int | None) -> None:
+        if robot is not None:
+            self._sink.push(Pick(robot))
 
     def _show(self, stroke: "ShownStroke") -> None:
         end = StrokeEnd(robot=stroke.robot, preview=not self._view.commit_at_once)
@@ -99,10 +92,7 @@ class SteerPanel:
         mirror(self._smoothing, self.smoothing)
         mirror(self._at_once, self._view.commit_at_once)
         mirror(self._horizon, self._view.horizon)
-        influenced = snapshot.state.intent.influenced
-        if 0 <= influenced < self._robots:
-            listed = self._robots <= MOST_LISTED
-            mirror(self._picker, f"Robot {influenced + 1}" if listed else influenced + 1)
+        self._picker.show(snapshot.state.intent.influenced, len(snapshot.state.motion.position))
 
     def cleanup(self) -> None:
         """Removes the widgets."""

@@ -1,6 +1,6 @@
 """Why a robot moves as it does: its velocity in parts, who had a say, what it sees, and whether the method holds."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import viser
@@ -10,8 +10,9 @@ from higvf_console.session.explain import explain
 from higvf_console.session.sight import sights
 from higvf_console.session.tight_rows import tight_rows
 from higvf_console.sim.certificates import certificates
-from higvf_console.ui.panels.callbacks import mirror, number_in, one_of, reaction, truth
+from higvf_console.ui.panels.callbacks import mirror, reaction, truth
 from higvf_console.ui.panels.html import block
+from higvf_console.ui.panels.picker import RobotPicker
 from higvf_console.ui.panels.shares import ShareHistory, bands_svg, legend_html
 from higvf_console.ui.panels.why_tables import certificate_html, parts_html, rows_html, sight_html
 from higvf_console.ui.scene import View
@@ -19,7 +20,6 @@ from higvf_console.ui.scene import View
 if TYPE_CHECKING:
     from higvf_console.session.session import Session, Snapshot
 
-MOST_LISTED = 50  # robots; one of a larger team is chosen by number
 MOST_SHARED = 200  # robots; a larger team has no chart of its own
 CERTIFIED_EVERY = 5  # updates; lambda_2 of a larger team takes longer, and is renewed ten times less often
 _STEERED = "The one you steer"
@@ -31,10 +31,10 @@ class WhyPanel:
 
     def __init__(self, gui: viser.GuiApi, session: "Session", view: View) -> None:
         """Builds the choices and explains the present moment once, which loads all that later moments need."""
-        self._setup, self._view = session.setup, view
+        self._view = view
         self._robots = len(session.setup.start.motion.position)
         self._history, self._updates = ShareHistory(), 0
-        self._picker = self._make_picker(gui)
+        self._picker = RobotPicker(gui, "Explain", self._robots, self._choose, hint=_WHICH, nobody=_STEERED)
         self._arrows = self._make_switch(gui, "reasons", "Arrows in the arena", "The parts of the velocity, in colour")
         self._sight = self._make_switch(
             gui, "sights", "Lines of sight", "To the fires that it sees; dashed where an obstacle is in the way"
@@ -42,42 +42,36 @@ class WhyPanel:
         self._parts, self._say, self._seen, self._certified = (gui.add_html("") for _ in range(4))
         self.update(session.snapshot)
 
-    def _make_picker(self, gui: viser.GuiApi) -> viser.GuiDropdownHandle[str] | viser.GuiNumberHandle[int]:
-        if self._robots <= MOST_LISTED:
-            self._names: dict[str, Any] = {_STEERED: None} | {f"Robot {k + 1}": k for k in range(self._robots)}
-            listed = gui.add_dropdown("Explain", tuple(self._names), hint=_WHICH)
-            listed.on_update(reaction(lambda name: self._choose(one_of(name, self._names))))
-            return listed
-        numbered = gui.add_number("Explain", 0, min=0, max=self._robots, step=1, hint=f"{_WHICH}; 0 = that one")
-        numbered.on_update(reaction(lambda value: self._choose(int(number_in(value, 0, self._robots)) - 1)))
-        return numbered
-
     def _make_switch(self, gui: viser.GuiApi, name: str, label: str, hint: str) -> viser.GuiCheckboxHandle:
         switch = gui.add_checkbox(label, bool(getattr(self._view, name)), hint=hint)
         switch.on_update(reaction(lambda value: setattr(self._view, name, truth(value))))
         return switch
 
     def _choose(self, robot: int | None) -> None:
-        self._view.explained = None if robot is None or robot < 0 else robot
+        self._view.explained = robot
 
     def update(self, snapshot: "Snapshot") -> None:
         """Explains the last control period of a snapshot."""
+        self._robots = len(snapshot.state.motion.position)
+        self._picker.show(self._view.explained, self._robots)
         mirror(self._arrows, self._view.reasons)
         mirror(self._sight, self._view.sights)
         robot = self._view.robot(snapshot)
         self._explain(snapshot, robot)
-        self._seen.content = block(sight_html(sights(robot, snapshot.last, self._setup), snapshot, robot, self._setup))
+        self._seen.content = block(
+            sight_html(sights(robot, snapshot.last, snapshot.setup), snapshot, robot, snapshot.setup)
+        )
         if self._updates % (CERTIFIED_EVERY if self._robots <= MOST_SHARED else 10 * CERTIFIED_EVERY) == 0:
-            found = certificates(self._setup, snapshot.state, snapshot.trace, snapshot.worst)
+            found = certificates(snapshot.setup, snapshot.state, snapshot.trace, snapshot.worst)
             self._certified.content = block(certificate_html(found))
         self._updates += 1
 
     def _explain(self, snapshot: "Snapshot", robot: int) -> None:
         team = np.arange(self._robots) if self._robots <= MOST_SHARED else ints([robot])
-        why = explain(snapshot.last, self._setup.gains, team)
+        why = explain(snapshot.last, snapshot.setup.gains, team)
         row = robot if self._robots <= MOST_SHARED else 0
         velocity = snapshot.last.after.velocity[robot]
-        tight = tight_rows(robot, snapshot.last, self._setup)
+        tight = tight_rows(robot, snapshot.last, snapshot.setup)
         self._parts.content = block(parts_html(robot, why.parts[row], velocity) + rows_html(tight))
         self._history.add(snapshot.time, robot, why.say[row], why.say.mean(axis=0))
         time, own, shared = self._history.curves()
