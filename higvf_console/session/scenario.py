@@ -76,7 +76,7 @@ from higvf_console.session.sections import (
     read_robots,
     read_strokes,
 )
-from higvf_console.sim.operator import follow
+from higvf_console.sim.path_commands import follow
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import initial_state
 from higvf_console.state import NO_PATH, Path, World
