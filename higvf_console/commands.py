@@ -1,7 +1,8 @@
 """The closed list of operator commands, and the contracts that every interface stands on.
 
 Whatever the device, its wishes arrive as these commands; nothing else changes the intent of a run. A command is data:
-`sim.operator.apply_command` gives it its meaning (Freeze, Step, SetSpeed, Acknowledge and InjectFault: the session).
+`sim.operator.apply_command` gives it its meaning (Freeze, Step, SetSpeed, Acknowledge, InjectFault and HandOver: the
+session).
 """
 
 from collections.abc import Mapping, Sequence
@@ -208,10 +209,35 @@ class InjectFault(Command):
     delay: float = 0.5
 
 
+class ControlChange(StrEnum):
+    """What becomes of control, which one page of the console has at a time."""
+
+    FIRST = "first"  # nobody had it
+    ASKED = "asked"
+    REFUSED = "refused"
+    GRANTED = "granted"
+    TAKEN = "taken"
+    RELEASED = "released"
+    LOST = "lost"  # whoever had it was not heard of any more
+
+
+@dataclass(frozen=True)
+class HandOver(Command):
+    """Control passes from page to page, or is asked for; `operator` is the page that did it, or that was lost.
+
+    Attributes:
+        page: name of the page that has control from now on, that asks or is refused; empty = nobody has it.
+        how: a `ControlChange`, or its word.
+    """
+
+    page: str
+    how: str
+
+
 OperatorCommand: TypeAlias = (
     StrokeBegin | StrokePoints | StrokeEnd | StrokeCancel | Cursor | Clutch | Pick | ProposePick | Confirm | Discard
     | Pause | Resume | Stop | AskReset | ResetStop | ClearPath | ReversePath | NextTask | ResetRun | Freeze | Step
-    | SetSpeed | Acknowledge | InjectFault
+    | SetSpeed | Acknowledge | InjectFault | HandOver
 )  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """What each operator command means: pure, from state to state, with the events that a person should read.
 
 A command that cannot be carried out changes nothing and says why. Those for the clock (Freeze, Step, SetSpeed) and the
-channels (Acknowledge, InjectFault) belong to the session and pass through.
+channels (Acknowledge, InjectFault) belong to the session and pass through; HandOver is but told.
 """
 
 import math
@@ -16,9 +16,11 @@ from higvf_console.commands import (
     ClearPath,
     Clutch,
     Confirm,
+    ControlChange,
     Cursor,
     Discard,
     Freeze,
+    HandOver,
     InjectFault,
     NextTask,
     OperatorCommand,
@@ -95,6 +97,8 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
             return setup.start, _say(0.0, "reset", "The run starts again.")
         case Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
             return state, ()
+        case HandOver():
+            return state, _handed(command, time)
         case _:
             assert_never(command)
 
@@ -223,6 +227,25 @@ def _grow(state: SimState, source: str, points: Floats) -> SimState:
     if state.drawing.stroke_source != source:
         return state
     return _drawing(state, stroke=np.vstack([state.drawing.stroke, floats(points, -1, 2)]))
+
+
+def _handed(command: HandOver, time: float) -> tuple[Event, ...]:
+    by, page = command.operator, command.page
+    steers = f"{page} steers" if page else "nobody steers"
+    texts: dict[str, str] = {
+        ControlChange.FIRST: f"{page} steers.",
+        ControlChange.ASKED: f"{page} asks for control.",
+        ControlChange.REFUSED: f"{by} refuses control to {page}.",
+        ControlChange.GRANTED: f"{by} grants control to {page}.",
+        ControlChange.TAKEN: f"{page} takes over control.",
+        ControlChange.RELEASED: f"{by} releases control: {steers}.",
+        ControlChange.LOST: f"{by}, which steered, is lost: {steers}.",
+    }
+    if command.how not in texts:
+        return _refuse(time, f"{command.how!r} is no change of control; choose {', '.join(ControlChange)}.")
+    stands_out = command.how in (ControlChange.TAKEN, ControlChange.LOST)
+    severity = Severity.WARNING if stands_out else Severity.INFO
+    return (Event(time, severity, "control", texts[command.how]),)
 
 
 def _drawing(state: SimState, **changes: object) -> SimState:
