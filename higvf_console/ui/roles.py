@@ -87,7 +87,8 @@ class Roles:
             return True
         if (topic == page.WIDGET and body.get("uuid") in self._free) or self.steers(client_id):
             return True
-        page.call(self._server, "roles", "refused", None, client_id)
+        if topic != "stroke" or body.get("phase") != "cancel":  # a page that stops drawing has been told
+            page.call(self._server, "roles", "refused", None, client_id)
         return False
 
     def _hello(self, client_id: int, body: page.Body) -> None:

@@ -36,7 +36,8 @@ HAND = np.stack([np.linspace(720, 1050, 60), 340 + 120 * np.sin(np.linspace(0, 3
 def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     """The firefighting scenario, live, with patience for a machine that reloads slowly."""
     file = Path(tmp_path_factory.mktemp("roles")) / "patient.yaml"
-    file.write_text(load_scenario("firefighting").text + "\ninputs: {mouse: {stale: 30, lost: 60}}\n", encoding="utf-8")
+    text = load_scenario("firefighting").text.replace("inputs:", "inputs:\n  mouse: {stale: 30, lost: 60}", 1)
+    file.write_text(text, encoding="utf-8")
     with console_at_work(str(file)) as running:
         yield running
 
@@ -65,6 +66,7 @@ def _from_the_start(running: Running, first: Page, second: Page) -> None:
         if take := [name for name in ("Take over", "Take control") if button(page, name).count()]:
             click(page, take[0])
             wait_until(lambda page=page: says(page, "You steer"))
+    running.session.commands.clear()
     running.push(Freeze(True), SetSpeed(1.0), Resume(), ResetRun(), Pick(0))
     wait_until(lambda: running.given(Pick) and running.state.motion.tick == 0)
     running.session.commands.clear()
@@ -104,6 +106,12 @@ def kinds(running: Running) -> set[type[OperatorCommand]]:
     return {type(applied.command) for applied in running.session.commands}
 
 
+def echoed(page: Page) -> bool:
+    """Whether the page shows a stroke of its own hand."""
+    hosts = "[...document.body.children].map((host) => host.shadowRoot?.querySelector('polyline'))"
+    return page.evaluate(f"() => {hosts}.some((line) => line?.points.length)")
+
+
 def send(page: Page, **message: Any) -> None:
     page.evaluate("(message) => window.__viserMutable.sendMessage(message)", message)
 
@@ -129,14 +137,12 @@ def test_a_page_that_watches_cannot_draw_pick_or_press_keys(first: Page, second:
     assert kinds(running) == {Pick}
     assert [pick.operator for pick in running.given(Pick)] == ["Browser 1"]
     assert running.state.intent.path.kind == PathKind.NONE
-    assert not second.evaluate(
-        "() => [...document.body.children].some((host) => host.shadowRoot?.querySelector('polyline')?.points.length)"
-    )
+    assert not echoed(second)
 
 
 def test_a_widget_moved_by_a_page_that_watches_shows_the_true_value_again(second: Page, running: Running) -> None:
     picker = second.get_by_role("combobox").nth(1)
-    assert picker.input_value() == "Robot 1"
+    wait_until(lambda: picker.input_value() == "Robot 1")
     picker.click()
     second.get_by_role("option", name="Robot 2").click()
     wait_until(lambda: says(second, "you cannot do that here"))
@@ -229,6 +235,7 @@ def test_who_takes_over_has_the_pen_and_everybody_is_told(first: Page, second: P
     click(second, "Take over")
     wait_until(lambda: says(first, "Browser 2 steers"))
     wait_until(lambda: running.state.drawing.stroke_source == "")
+    wait_until(lambda: not echoed(first))
     for page in (first, second):
         page.locator(".mantine-Notification-root", has_text="Browser 2 takes over control").wait_for()
     screenshot(first, "roles-taken")

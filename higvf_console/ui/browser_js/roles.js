@@ -60,7 +60,8 @@
     }
     if (!role.holder) return ["Nobody steers", "", [["Take control", "take"]]];
     const ask = role.asked ? [] : [["Request", "ask"]];
-    return [`${who(role)}, you ${role.asked ? "asked" : "watch"}`, "", [...ask, ["Take over", "take"]]];
+    const rest = role.asked ? "you asked" : role.waiting.length ? `${role.waiting[0]} asked` : "you watch";
+    return [`${who(role)}, ${rest}`, "", [...ask, ["Take over", "take"]]];
   }
 
   const alone = () => role.steers && role.others === 0;
@@ -119,10 +120,15 @@
 
   return {
     show(latest) {
-      const refused = role?.asked && !latest.asked && !latest.steers && latest.holder === role.holder;
+      const before = role;
       role = latest;
-      if (refused) say(`${role.holder} refused your request`);
-      else note.until = -Infinity;
+      note.until = -Infinity;
+      if (before?.steers && !role.steers) {
+        page.part("pointer")?.cancel();
+        if (role.holder) say(`${role.holder} steers now`);
+      } else if (before?.asked && !role.asked && !role.steers && role.holder === before.holder) {
+        say(`${role.holder} refused your request`);
+      }
       show();
     },
 
