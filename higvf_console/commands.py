@@ -2,7 +2,7 @@
 
 Whatever the device, its wishes arrive as these commands; nothing else changes the intent of a run. A command is data:
 `sim.operator.apply_command` gives it its meaning (Freeze, Step, SetSpeed, Acknowledge, InjectFault, LoadScenario, Undo,
-Redo and the commands of `edits`: the session).
+Redo, HandOver and the commands of `edits`: the session).
 """
 
 from collections.abc import Mapping, Sequence
@@ -301,12 +301,37 @@ class InjectFault(Command):
     delay: float = 0.5
 
 
+class ControlChange(StrEnum):
+    """What becomes of control, which one page of the console has at a time."""
+
+    FIRST = "first"  # nobody had it
+    ASKED = "asked"
+    REFUSED = "refused"
+    GRANTED = "granted"
+    TAKEN = "taken"
+    RELEASED = "released"
+    LOST = "lost"  # whoever had it was not heard of any more
+
+
+@dataclass(frozen=True)
+class HandOver(Command):
+    """Control passes from page to page, or is asked for; `operator` is the page that did it, or that was lost.
+
+    Attributes:
+        page: name of the page that has control from now on, that asks or is refused; empty = nobody has it.
+        how: a `ControlChange`, or its word.
+    """
+
+    page: str
+    how: str
+
+
 OperatorCommand: TypeAlias = (
     StrokeBegin | StrokePoints | StrokeEnd | StrokeCancel | Cursor | Clutch | Pick | ProposePick | Confirm | Discard
     | Pause | Resume | Stop | AskReset | ResetStop | ClearPath | ReversePath | ShapePath | BendPath | TakeUpPath
     | ForgetPath | Prioritise | NextTask | ResetRun | Freeze | Step | SetSpeed | Acknowledge | InjectFault
     | LoadScenario | Undo | Redo | AddThing | AddOutlines | MoveThing | ChangeThing | DeleteThing | ToggleLink
-    | LinkByRange | SetArena | SetParameters
+    | LinkByRange | SetArena | SetParameters | HandOver
 )  # fmt: skip
 
 

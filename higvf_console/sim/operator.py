@@ -2,7 +2,7 @@
 
 A command that cannot be carried out changes nothing and says why. Those for the clock (Freeze, Step, SetSpeed), the
 channels (Acknowledge, InjectFault), the history and the world (LoadScenario, Undo, Redo, edits) belong to the session
-and pass through.
+and pass through; HandOver is but told.
 """
 
 import math
@@ -18,10 +18,12 @@ from higvf_console.commands import (
     ClearPath,
     Clutch,
     Confirm,
+    ControlChange,
     Cursor,
     Discard,
     ForgetPath,
     Freeze,
+    HandOver,
     InjectFault,
     LoadScenario,
     NextTask,
@@ -122,6 +124,8 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
             return state, ()
         case LoadScenario() | Undo() | Redo() | Edit():
             return state, ()
+        case HandOver():
+            return state, _handed(command, time)
         case _:
             assert_never(command)
 
@@ -226,6 +230,25 @@ def _grow(state: SimState, source: str, points: Floats) -> SimState:
     if state.drawing.stroke_source != source:
         return state
     return with_drawing(state, stroke=np.vstack([state.drawing.stroke, floats(points, -1, 2)]))
+
+
+def _handed(command: HandOver, time: float) -> tuple[Event, ...]:
+    by, page = command.operator, command.page
+    steers = f"{page} steers" if page else "nobody steers"
+    texts: dict[str, str] = {
+        ControlChange.FIRST: f"{page} steers.",
+        ControlChange.ASKED: f"{page} asks for control.",
+        ControlChange.REFUSED: f"{by} refuses control to {page}.",
+        ControlChange.GRANTED: f"{by} grants control to {page}.",
+        ControlChange.TAKEN: f"{page} takes over control.",
+        ControlChange.RELEASED: f"{by} releases control: {steers}.",
+        ControlChange.LOST: f"{by}, which steered, is lost: {steers}.",
+    }
+    if command.how not in texts:
+        return refuse(time, f"{command.how!r} is no change of control; choose {', '.join(ControlChange)}.")
+    stands_out = command.how in (ControlChange.TAKEN, ControlChange.LOST)
+    severity = Severity.WARNING if stands_out else Severity.INFO
+    return (Event(time, severity, "control", texts[command.how]),)
 
 
 def _pause(state: SimState, paused: bool) -> SimState:

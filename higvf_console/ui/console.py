@@ -1,7 +1,7 @@
 """The console: what the operator sees and touches, between a session and the browser.
 
     session thread    ->  session.snapshot  ->  view thread: scene, panels  ->  viser  ->  pages
-    session.pointer  <-  commands            <-  viser's event loop: keys, pointer, widgets
+    session.pointer  <-  roles  <-  commands <-  viser's event loop: keys, pointer, widgets
 
 The view thread alone changes what is shown, and never the state; callbacks push commands and return. So neither a slow
 browser nor a slow panel is ever felt by the robots.
@@ -37,6 +37,7 @@ from higvf_console.commands import (
     StrokeEnd,
     StrokePoints,
 )
+from higvf_console.session.channel_state import default_limits
 from higvf_console.session.previewer import Choice, Previewer
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.ui import camera, keys, page, pointer, theme
@@ -50,6 +51,7 @@ from higvf_console.ui.panels.status import StatusPanel
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.view import ViewPanel, next_field
 from higvf_console.ui.panels.why import WhyPanel
+from higvf_console.ui.roles import Roles
 from higvf_console.ui.scene import Scene, View
 from higvf_console.viewport import Viewport
 
@@ -66,14 +68,14 @@ _log = logging.getLogger(__name__)
 class Hand:
     """Turns what a page's pointer and keys do into commands; called on viser's event loop."""
 
-    def __init__(self, session: "Session", view: View, steer: SteerPanel) -> None:
+    def __init__(self, session: "Session", view: View, steer: SteerPanel, roles: Roles) -> None:
         """Starts with nobody drawing."""
-        self._session, self._view, self._steer = session, view, steer
+        self._session, self._view, self._steer, self._roles = session, view, steer, roles
         self._drawing: int | None = None
         self._viewports: dict[int, Viewport] = {}
 
     def stroke(self, client_id: int, phase: pointer.Phase, points: Floats) -> None:
-        """A stroke begins, grows and ends; of two pages that draw at once, the later one has the pen."""
+        """A stroke begins, grows and ends; one of a page that has lost control since is not taken up again."""
         if phase == "start":
             self._drawing = client_id
             self._push(StrokeBegin())
@@ -101,17 +103,27 @@ class Hand:
         self._push(Pick(robot))
 
     def viewport(self, client_id: int, viewport: Viewport) -> None:
-        """How a page lies over the ground; gaze is mapped through that of the page that told last."""
-        self._viewports[client_id] = self._session.viewport = viewport
+        """How a page lies over the ground; gaze is mapped through that of the page that steers."""
+        self._viewports[client_id] = viewport
+        if self._roles.steers(client_id):
+            self._session.viewport = viewport
+
+    def hand_over(self, client_id: int | None) -> None:
+        """Another page steers from now on, or none: a stroke that is being drawn goes with the hand that drew it."""
+        if self._drawing is not None:
+            self._push(StrokeCancel())
+            self._drawing = None
+        if client_id in self._viewports:
+            self._session.viewport = self._viewports[client_id]
 
     def leave(self, client_id: int) -> None:
         """A page has gone."""
         self._viewports.pop(client_id, None)
 
-    def key(self, _client_id: int, name: str) -> None:
+    def key(self, client_id: int, name: str) -> None:
         """A key of `keys.KEYMAP`, or the same action out of the command palette."""
         if name == "stop":  # first, and on its own: nothing may come between
-            self._push(Stop())
+            self._roles.push_of(client_id, Stop())
             return
         snapshot = self._session.snapshot
         commands: dict[str, OperatorCommand] = {
@@ -135,7 +147,7 @@ class Hand:
                 self._push(Pick(robot))
 
     def _push(self, command: OperatorCommand) -> None:
-        self._session.pointer.push(command)
+        self._roles.push(command)
 
 
 def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
@@ -147,12 +159,14 @@ def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
     return nearest if gap[nearest] <= reach else None
 
 
-def add_commands(gui: viser.GuiApi, hand: Hand) -> None:
-    """Offers what the keys do in the command palette (Ctrl+K) too."""
+def add_commands(gui: viser.GuiApi, hand: Hand, roles: Roles) -> None:
+    """Offers what the keys do in the command palette (Ctrl+K) too; STOP to every page."""
     for binding in keys.KEYMAP:
         if binding.name in keys.NAMES:
             command = gui.add_command(binding.text, description=f"Key {binding.key}")
             command.on_trigger(_trigger(hand, binding.name))
+            if binding.name == "stop":
+                roles.allow(page.uuid_of(command))
 
 
 def _trigger(hand: Hand, name: str) -> Callable[[viser.CommandEvent], Coroutine[None, None, None]]:
@@ -177,16 +191,19 @@ class Console:
         self._failures: set[str] = set()
         theme.dress(server, session.scenario.title)
         self._scene = Scene(server, session.setup, self._view)
+        limits = session.scenario.limits.get("mouse", default_limits("mouse"))
+        self._roles = Roles(server, session.pointer, limits.lost)
         self._build_panels()
         camera.install(server, self._scene.camera_arena)
-        hand = Hand(session, self._view, self._steer)
+        hand = Hand(session, self._view, self._steer, self._roles)
         pointer.install(server, hand, theme.DARK.stroke)
-        keys.install(server, hand.key, session.pointer.beat)
+        keys.install(server, hand.key)
         page.on_leave(server, hand.leave)
-        add_commands(server.gui, hand)
+        add_commands(server.gui, hand, self._roles)
+        self._roles.install(hand.hand_over)
 
     def _build_panels(self) -> None:
-        gui, session, sink = self._server.gui, self._session, self._session.pointer
+        gui, session, sink = self._server.gui, self._session, self._roles
         status = StatusPanel(gui, session.setup.gains.safety.control_period, sink)
         run = RunPanel(gui, sink)
         gui.add_html(SPACER)
@@ -230,6 +247,7 @@ class Console:
             if self._frames % FRAMES_PER_PANEL == 0:
                 for panel in self._panels:
                     self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))
+                self._try("roles", self._roles.update)
         self._frames += 1
         if snapshot.state.intent.stopped != self._stopped:
             self._stopped = snapshot.state.intent.stopped

@@ -65,16 +65,13 @@ NAMES = frozenset(
 )
 
 
-def install(
-    server: viser.ViserServer, on_key: Callable[[int, str], None], on_beat: Callable[[], None] = lambda: None
-) -> None:
+def install(server: viser.ViserServer, on_key: Callable[[int, str], None]) -> None:
     """Gives every page the keys of `KEYMAP`, the STOP button and the key list.
 
     Args:
         server: whose pages get them.
         on_key: called as `on_key(client_id, name)`, name in `NAMES`, on viser's event loop: it must return at once.
             STOP counts as acknowledged when it has returned, so it must not raise.
-        on_beat: called once a second for every page that is there.
     """
     last_stop: dict[int, int] = {}
 
@@ -92,7 +89,6 @@ def install(
         page.call(server, "keys", "acknowledged", number, client_id)
 
     def answer(client_id: int, _body: page.Body) -> None:
-        on_beat()
         page.call(server, "keys", "alive", None, client_id)
 
     def forget(client_id: int) -> None:

@@ -19,6 +19,7 @@ from higvf_console.ui.console import Hand, robot_near
 from higvf_console.ui.glyphs import STROKES, WEIGHT, Triangles, glyph, lettering, numbering, width
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.view import FIELDS, next_field
+from higvf_console.ui.roles import Roles
 from higvf_console.ui.scene import View
 from higvf_console.ui.scene_field import field_grid
 from higvf_console.ui.scene_fires import FireLook, fire_lettering, fire_look, progress_arcs
@@ -375,10 +376,10 @@ def test_a_click_picks_a_unicycle_by_its_body_not_by_its_look_ahead_point() -> N
     session = SimpleNamespace(
         setup=setup,
         snapshot=SimpleNamespace(state=setup.start._replace(motion=motion)),
-        pointer=SimpleNamespace(push=given.append),
         viewport=None,
     )
-    hand = Hand(cast(Session, session), View(), cast(SteerPanel, None))
+    roles = cast(Roles, SimpleNamespace(push=given.append, steers=lambda _: True))
+    hand = Hand(cast(Session, session), View(), cast(SteerPanel, None), roles)
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.click(0, floats([100.0, 60.0]))
     hand.click(0, floats([100.0, 100.0]))

@@ -19,6 +19,7 @@ from higvf_console.ui.console import Hand
 from higvf_console.ui.panels.shares import SPAN, ShareHistory, bands_svg, legend_html
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.why_tables import MOST_ROWS, certificate_html, parts_html, rows_html, sight_html, signed
+from higvf_console.ui.roles import Roles
 from higvf_console.ui.scene import View
 from higvf_console.ui.scene_reasons import PART_COLOUR, arrow, chain, part_outline, sight_lines
 from higvf_console.ui.theme import vertex_rgb
@@ -139,12 +140,10 @@ def test_bands_fill_the_height_and_are_left_out_for_who_has_no_say() -> None:
 def test_a_click_on_the_steered_robot_shows_and_hides_its_reasons() -> None:
     setup = team([(100.0, 100.0), (300.0, 100.0)])
     given: list[OperatorCommand] = []
-    session = SimpleNamespace(
-        setup=setup, snapshot=SimpleNamespace(state=setup.start), viewport=None,
-        pointer=SimpleNamespace(push=given.append),
-    )  # fmt: skip
+    session = SimpleNamespace(setup=setup, snapshot=SimpleNamespace(state=setup.start), viewport=None)
+    roles = cast(Roles, SimpleNamespace(push=given.append, steers=lambda _: True))
     view = View(explained=1)
-    hand = Hand(cast(Session, session), view, cast(SteerPanel, None))
+    hand = Hand(cast(Session, session), view, cast(SteerPanel, None), roles)
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.click(0, floats([300.0, 100.0]))
     assert not view.reasons

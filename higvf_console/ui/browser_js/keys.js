@@ -238,6 +238,12 @@
       show();
     },
 
+    // This page may not reset.
+    refused() {
+      stop.askedAt = -Infinity;
+      show();
+    },
+
     stopped(latched) {
       if (latched !== stop.latched) [stop.askedAt, stop.latchedAt] = [-Infinity, now()];
       stop.latched = latched;

@@ -199,6 +199,7 @@
   });
 
   return {
+    cancel,
     remove() {
       cancel();
       clearInterval(reporting);

@@ -61,7 +61,7 @@ class LogPanel:
 
 
 class Notifications:
-    """Keeps the arena in sight: one of a kind at a time, but every fire that goes out.
+    """Keeps the arena in sight: one of a kind at a time, but every fire that goes out and every loss of control.
 
     What the operator has just done is seen anyway and only logged.
     """
@@ -76,7 +76,7 @@ class Notifications:
         for event in fresh:
             if event.severity == Severity.INFO and event.kind != "target":
                 continue
-            if event.kind == "extinguished" or now >= self._shown_until.get(event.kind, now):
+            if event.kind in ("extinguished", "control") or now >= self._shown_until.get(event.kind, now):
                 self._shown_until[event.kind] = now + STAY_S[event.severity]
                 chosen.append(event)
         return chosen[-MOST_AT_ONCE:]

@@ -1,0 +1,155 @@
+// Who steers and who watches: a strip above the arena, from which one click asks for control, grants, takes or releases.
+(page) => {
+  const TELL_EVERY_MS = 1000;
+  const CHECK_MS = 150;
+  const NOTE_MS = 4000;
+  const STORE = "higvf identity";
+
+  // Kept by the tab from one load to the next, and by nobody meanwhile: a copy of the tab finds none and makes its own.
+  const fresh = () =>
+    [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+  const putAway = () => sessionStorage.setItem(STORE, identity);
+  const takeOut = () => sessionStorage.removeItem(STORE);
+  let identity = sessionStorage.getItem(STORE) ?? fresh();
+  takeOut();
+
+  const overlay = page.overlay(
+    `<style>
+      :host { font: 13px/1.4 system-ui, "Segoe UI", sans-serif; }
+      .strip { position: absolute; top: 8px; transform: translateX(-50%); display: none; align-items: center; gap: 8px;
+        box-sizing: border-box; padding: 4px 5px 4px 12px; border-radius: 8px; color: #dbe2ea;
+        background: rgba(24, 28, 34, 0.94); box-shadow: 0 0 0 1px rgba(148, 163, 184, 0.35); white-space: nowrap; }
+      .strip.open { display: flex; }
+      .strip.asks { box-shadow: 0 0 0 2px #f0e442; }
+      .strip.note { box-shadow: 0 0 0 2px #e69f00; }
+      .mark { flex: none; width: 8px; height: 8px; border-radius: 50%; box-shadow: 0 0 0 2px #8d99a8; }
+      .steers .mark { background: #f0e442; box-shadow: 0 0 0 2px #f0e442; }
+      .text { overflow: hidden; text-overflow: ellipsis; margin-right: 4px; }
+      button { pointer-events: auto; cursor: pointer; flex: none; min-height: 26px; padding: 0 10px; border: 0;
+        border-radius: 6px; font: inherit; font-weight: 600; color: #e8edf3; background: #38414d;
+        touch-action: manipulation; }
+      button:hover { background: #4a5563; }
+      button.first { color: #14171c; background: #f0e442; }
+      button.first:hover { background: #fff27a; }
+      button:focus-visible { outline: 2px solid #fff; outline-offset: 1px; }
+      @media (pointer: coarse) { button { min-height: 38px; padding: 0 14px; } }
+    </style>
+    <div class="strip" role="status"><span class="mark"></span><span class="text"></span><span class="acts"></span></div>`,
+    2147483646,
+  );
+  const $ = (selector) => overlay.shadowRoot.querySelector(selector);
+  const [strip, text, acts] = [$(".strip"), $(".text"), $(".acts")];
+  acts.style.cssText = "display:flex;gap:6px;pointer-events:auto";
+
+  const now = () => performance.now();
+  const told = { connection: null, at: -Infinity };
+  let role = null; // as the server told last
+  let note = { text: "", until: -Infinity };
+
+  const who = (role) => (role.holder ? `${role.holder} steers` : "Nobody steers");
+
+  // Text, mark, and buttons as [label, act, page]; the first one is what is most wanted.
+  function face() {
+    if (role.steers && role.waiting.length) {
+      const [asker, ...more] = role.waiting;
+      const others = more.length ? ` (and ${more.length} more)` : "";
+      return [`${asker} asks for control${others}`, "steers asks", [["Grant", "grant", asker], ["Refuse", "refuse", asker]]];
+    }
+    if (role.steers) {
+      return [`You steer, ${role.others} ${role.others === 1 ? "watches" : "watch"}`, "steers", [["Release", "release"]]];
+    }
+    if (!role.holder) return ["Nobody steers", "", [["Take control", "take"]]];
+    const ask = role.asked ? [] : [["Request", "ask"]];
+    const rest = role.asked ? "you asked" : role.waiting.length ? `${role.waiting[0]} asked` : "you watch";
+    return [`${who(role)}, ${rest}`, "", [...ask, ["Take over", "take"]]];
+  }
+
+  const alone = () => role.steers && role.others === 0;
+
+  let shown = "";
+  function show() {
+    const rect = page.canvas()?.getBoundingClientRect();
+    if (rect?.width) {
+      strip.style.left = `${rect.left + rect.width / 2}px`;
+      strip.style.maxWidth = `${rect.width - 16}px`;
+    }
+    const open = role !== null && !alone();
+    strip.classList.toggle("open", open);
+    if (!open) return;
+    const [says, look, buttons] = face();
+    const noted = now() < note.until;
+    const key = JSON.stringify([says, look, buttons, noted && note.text]);
+    if (key === shown) return;
+    shown = key;
+    strip.className = `strip open ${look} ${noted ? "note" : ""}`;
+    strip.title = `This page is ${role.you}`;
+    text.textContent = noted ? note.text : says;
+    acts.replaceChildren(
+      ...buttons.map(([label, act, asker], index) => {
+        const button = document.createElement("button");
+        [button.type, button.textContent] = ["button", label];
+        if (index === 0 && (look.includes("asks") || !role.steers)) button.className = "first";
+        button.addEventListener("click", () => page.send("control", { act, page: asker ?? "" }));
+        return button;
+      }),
+    );
+  }
+
+  function say(words) {
+    note = { text: words, until: now() + NOTE_MS };
+    show();
+  }
+
+  function tell() {
+    [told.connection, told.at] = [page.connection(), now()];
+    page.send("hello", { identity });
+  }
+
+  function check() {
+    if (page.connection() !== told.connection || now() - told.at > TELL_EVERY_MS) tell();
+    show();
+  }
+
+  strip.addEventListener("mousedown", (event) => event.preventDefault()); // the focus stays where it is
+  const checking = setInterval(check, CHECK_MS);
+  const forget = page.listen({
+    pagehide: putAway,
+    pageshow: (event) => event.persisted && takeOut(),
+  });
+  check();
+
+  return {
+    show(latest) {
+      const before = role;
+      role = latest;
+      note.until = -Infinity;
+      if (before?.steers && !role.steers) {
+        page.part("pointer")?.cancel();
+        if (role.holder) say(`${role.holder} steers now`);
+      } else if (before?.asked && !role.asked && !role.steers && role.holder === before.holder) {
+        say(`${role.holder} refused your request`);
+      }
+      show();
+    },
+
+    // What this page tried is for the one that steers.
+    refused() {
+      if (role) say(`${who(role)}: you cannot do that here`);
+      page.part("pointer")?.cancel();
+      page.part("keys")?.refused();
+    },
+
+    // Another page goes by this identity.
+    renew() {
+      identity = fresh();
+      tell();
+    },
+
+    remove() {
+      putAway();
+      clearInterval(checking);
+      forget();
+      overlay.remove();
+    },
+  };
+}
