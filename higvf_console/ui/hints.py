@@ -22,9 +22,9 @@ class Step(NamedTuple):
 
 
 STEPS = (
-    Step("draw", "Draw a path", "Drag in the arena: the chosen robot follows it."),
+    Step("draw", "Draw a path", "The chosen robot follows it."),
     Step("pick", "Pick a robot", "Click it, or press its number."),
-    Step("stop", "Space stops", "Every robot stands still; the red button resets."),
+    Step("stop", "Space stops", "Every robot, at once."),
 )
 
 

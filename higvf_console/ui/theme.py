@@ -38,7 +38,7 @@ class Palette(NamedTuple):
     fighting: str = "#009e73"
     progress: str = "#5ff0c0"
     scorched: str = "#2d3238"
-    scorched_edge: str = "#535c66"
+    scorched_edge: str = "#69747f"
     scorched_text: str = "#9aa5b1"
     robot: str = "#56b4e9"
     robot_text: str = "#b8dcf2"
@@ -67,6 +67,7 @@ class Palette(NamedTuple):
     card: str = "#161b21"
     card_rule: str = "#343c46"
     key: str = "#2b323c"
+    brand: str = "#3a86b4"
 
 
 DARK = Palette()
@@ -87,25 +88,25 @@ LIGHT = Palette(
     fighting="#00805c",
     progress="#007a57",
     scorched="#d6dce2",
-    scorched_edge="#8993a0",
+    scorched_edge="#7f8a97",
     scorched_text="#5a6572",
     robot="#0072b2",
     robot_text="#00466f",
     trail="#8fbad6",
     link="#86bba9",
     clearance="#4a86aa",
-    operator="#7d5f00",
-    stroke="#8f7112",
+    operator="#5a148a",
+    stroke="#8f4fc4",
     gaze="#1b1f24",
     field="#9fb4c7",
     trouble="#a8487f",
-    own_target="#b35c00",
+    own_target="#b85000",
     neighbours="#00805c",
     so_far="#5f6b78",
     formation="#0072b2",
     way_round="#a8487f",
     hold="#2d343c",
-    safety="#c62f12",
+    safety="#8c1414",
     velocity="#b9c2cc",
     warning="#8f5600",
     alarm="#b3261e",
@@ -116,6 +117,7 @@ LIGHT = Palette(
     card="#ffffff",
     card_rule="#d3dae1",
     key="#eef1f4",
+    brand="#00527f",
 )
 # Each colour by the name of its variable in the style sheet, where the palette in use gives it its value.
 CSS = Palette(*(f"var(--hg-{name})" for name in Palette._fields))
@@ -239,5 +241,5 @@ def wear(server: viser.ViserServer, palette: Palette) -> None:
         control_width="medium",
         show_logo=False,
         show_share_button=False,
-        brand_color=(58, 134, 180),
+        brand_color=hex_rgb(palette.brand),
     )

@@ -9,7 +9,7 @@
 
   const overlay = page.overlay(
     `<style>
-      :host { font: calc(13px * var(--hg-size, 1))/1.35 system-ui, "Segoe UI", sans-serif; }
+      :host { font: calc(13px * var(--hg-size, 1))/1.35 var(--mantine-font-family, sans-serif); }
       * { box-sizing: border-box; }
       .strip { position: absolute; display: none; align-items: stretch; height: 72px; padding: 0 6px 0 14px;
         border-radius: 12px; pointer-events: auto; color: var(--hg-text, #d5dbe2); background: var(--hg-card, #161b21);
@@ -17,8 +17,8 @@
       .strip.open { display: flex; }
       ol { display: flex; flex: 1; min-width: 0; gap: 16px; margin: 0; padding: 0; list-style: none; }
       li { display: grid; flex: 1; min-width: 0; grid-template-columns: 22px 1fr; column-gap: 9px; align-content: center; }
-      li i { grid-row: 1 / 3; width: 22px; height: 22px; border-radius: 50%; text-align: center; font: 600 12px/20px
-        system-ui, sans-serif; border: 1px solid var(--hg-dim, #9aa5b1); color: var(--hg-dim, #9aa5b1); }
+      li i { grid-row: 1 / 3; width: 22px; height: 22px; border-radius: 50%; text-align: center; font-size: 12px;
+        font-weight: 600; line-height: 20px; border: 1px solid var(--hg-dim, #9aa5b1); color: var(--hg-dim, #9aa5b1); }
       li b { font-weight: 600; }
       li span { color: var(--hg-dim, #9aa5b1); font-size: 0.92em; }
       li.done i { border-color: var(--hg-progress, #5ff0c0); background: var(--hg-progress, #5ff0c0);
@@ -26,7 +26,7 @@
       li.done b { color: var(--hg-dim, #9aa5b1); }
       li.spare { display: none; }
       button { align-self: flex-start; width: 26px; height: 26px; margin-top: 6px; border: 0; border-radius: 6px;
-        cursor: pointer; font: 16px/1 system-ui, sans-serif; color: var(--hg-dim, #9aa5b1); background: none; }
+        cursor: pointer; font: inherit; font-size: 16px; color: var(--hg-dim, #9aa5b1); background: none; }
       button:hover { color: var(--hg-text, #d5dbe2); background: var(--hg-key, #2b323c); }
       button:focus-visible { outline: 2px solid var(--hg-robot, #56b4e9); }
     </style>

@@ -15,7 +15,7 @@
 
   const overlay = page.overlay(
     `<style>
-      :host { font: 14px/1.45 system-ui, "Segoe UI", sans-serif; }
+      :host { font: 14px/1.45 var(--mantine-font-family, sans-serif); }
       * { box-sizing: border-box; }
       .bar { position: absolute; display: flex; gap: 10px; align-items: flex-end; }
       button { pointer-events: auto; cursor: pointer; font: inherit; border: 0; touch-action: manipulation;
@@ -40,14 +40,15 @@
       .veil { position: absolute; inset: 0; display: none; pointer-events: auto; align-items: center;
         justify-content: center; background: rgba(0, 0, 0, 0.35); }
       .veil.open { display: flex; }
-      .card { width: min(520px, 92vw); max-height: 88vh; overflow: auto; padding: 22px 26px 18px; border-radius: 14px;
+      .card { width: min(860px, 92vw); max-height: 88vh; overflow: auto; padding: 22px 26px 18px; border-radius: 14px;
         color: var(--hg-text, #dbe2ea); background: var(--hg-card, #161b21);
         box-shadow: 0 12px 48px rgba(0, 0, 0, 0.5); border: 1px solid var(--hg-card_rule, #343c46); }
       h2 { margin: 0 0 12px; font-size: 17px; font-weight: 600; }
       h3 { margin: 16px 0 8px; font-size: 12px; font-weight: 600; color: var(--hg-dim, #8d99a8); letter-spacing: 0.08em;
         text-transform: uppercase; }
-      dl { display: grid; grid-template-columns: max-content 1fr; gap: 7px 16px; margin: 0; align-items: baseline; }
-      dt { justify-self: end; min-width: 96px; text-align: right; }
+      dl { display: grid; grid-template-columns: max-content 1fr max-content 1fr; gap: 8px 14px; margin: 0;
+        align-items: baseline; }
+      dt { justify-self: end; min-width: 76px; text-align: right; }
       dd { margin: 0; }
       kbd { display: inline-block; min-width: 26px; padding: 1px 8px; border-radius: 6px; text-align: center;
         font: 600 13px/1.6 ui-monospace, "DejaVu Sans Mono", monospace; color: var(--hg-text, #f1f5f9);

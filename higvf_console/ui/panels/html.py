@@ -20,7 +20,7 @@ def severity_colour(severity: Severity, palette: Palette = CSS) -> str:
 # block's own, in steps of a sixth.
 _STYLE = """
 :root { --mantine-color-dimmed: var(--hg-dim) !important; --mantine-color-text: var(--hg-text) !important; }
-.hg { padding: 0 12px 8px; font-size: calc(13px * var(--hg-size)); line-height: 1.5; color: var(--hg-text);
+.hg { padding: 0 10px 8px; font-size: calc(13px * var(--hg-size)); line-height: 1.5; color: var(--hg-text);
   font-variant-numeric: tabular-nums; }
 .hg .dim { color: var(--hg-dim); }
 .hg .head { display: flex; align-items: center; gap: 12px; margin: 2px 0 8px; }
