@@ -11,6 +11,7 @@ from typing import NamedTuple
 import viser
 
 from higvf_console.ui import page
+from higvf_console.ui.tools import TOOLS
 
 
 class KeyBinding(NamedTuple):
@@ -37,6 +38,11 @@ KEYMAP: tuple[KeyBinding, ...] = (
     KeyBinding("Esc", "discard", "Cancel the stroke that is being drawn, or discard what waits"),
     KeyBinding("C", "clear_path", "Clear the path"),
     KeyBinding("R", "reverse_path", "Reverse the path"),
+    KeyBinding("Ctrl Z", "undo", "Undo what was done last"),
+    KeyBinding("Ctrl Y", "redo", "Do again what was undone"),
+    KeyBinding("Del", "delete", "Delete what is chosen for editing"),
+    *(KeyBinding(look.key, f"tool_{tool}", f"{look.title}. {look.text}") for tool, look in TOOLS.items()),
+    KeyBinding("H", "clear_priority", "Clear the priority of the chosen robot"),
     KeyBinding("Z", "freeze", "Freeze or run the simulation clock"),
     KeyBinding("X", "step", "One step while the clock is frozen"),
     KeyBinding("V", "field_arrows", "Show the next vector field"),
@@ -56,7 +62,7 @@ NOTE = (
 
 _PICKS = {str(number): f"pick_{number}" for number in range(1, 10)}
 _LETTERS = {binding.key.lower(): binding.name for binding in KEYMAP if len(binding.key) == 1}
-_WORDS = {"enter": "confirm", "escape": "discard"}  # by what the browser calls the key
+_WORDS = {"enter": "confirm", "escape": "discard", "delete": "delete"}  # by what the browser calls the key
 # Everything that `on_key` may be called with.
 NAMES = frozenset(
     {binding.name for binding in KEYMAP if not binding.in_page and binding.name != "pick"}

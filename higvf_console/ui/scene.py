@@ -13,8 +13,11 @@ from typing import TYPE_CHECKING
 import viser
 
 from higvf_console.control.field import FieldKind
+from higvf_console.session.editing.things import Place
 from higvf_console.session.preview import USUAL
 from higvf_console.sim.setup import Event, Setup
+from higvf_console.ui.grips import Drag
+from higvf_console.ui.scene_edit import EditLayer
 from higvf_console.ui.scene_field import FieldLayer
 from higvf_console.ui.scene_fires import Fires
 from higvf_console.ui.scene_ghosts import Ghosts
@@ -48,6 +51,9 @@ class View:
         explained: the robot whose velocity is explained; None = the one that is steered.
         reasons: its velocity as a chain of arrows.
         sights: which fires it sees, and what hides the others.
+        editing: whether the hand edits things.
+        selected: the thing that is chosen for editing.
+        drag: what the hand holds.
         look: colours and size of text, on every page.
         alarms: those that nobody has acknowledged, oldest first.
     """
@@ -63,6 +69,9 @@ class View:
     explained: int | None = None
     reasons: bool = False
     sights: bool = False
+    editing: bool = False
+    selected: Place | None = None
+    drag: Drag | None = None
     look: Look = USUAL_LOOK
     alarms: list[Event] = attribute(default_factory=list[Event])
 
@@ -81,6 +90,9 @@ class Scene:
 
     Attributes:
         setup: what is shown; an edited one needs a new scene.
+        editing: whether the hand edits things.
+        selected: the thing that is chosen for editing.
+        drag: what the hand holds.
         look: its colours and size of text; another one needs a new scene, too.
         camera_arena: what the camera must show.
     """
@@ -99,6 +111,7 @@ class Scene:
         self._field = FieldLayer(canvas, setup)
         self._reasons = ReasonLayer(canvas, setup)
         self._sights = SightLayer(canvas, setup)
+        self._edit = EditLayer(canvas, setup)
 
     def update(self, snapshot: "Snapshot", preview: "Preview | None" = None) -> None:
         """Shows a snapshot, and what is foreseen; call it inside `server.atomic()`."""
@@ -111,6 +124,7 @@ class Scene:
         robot = view.robot(snapshot)
         self._reasons.update(snapshot.last, robot if view.reasons else None)
         self._sights.update(snapshot.last, robot if view.sights else None)
+        self._edit.update(state, view.selected if view.editing else None, view.drag)
         self._ground.show_boundaries(view.boundaries)
         self._team.show(links=view.links, trails=view.trails, labels=view.labels, clearance=view.clearance)
 

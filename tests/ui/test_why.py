@@ -15,7 +15,7 @@ from higvf_console.session.session import Session, Snapshot
 from higvf_console.session.sight import sights
 from higvf_console.session.tight_rows import TightRow
 from higvf_console.sim.certificates import Certificate
-from higvf_console.ui.console import Hand
+from higvf_console.ui.hand import Hand
 from higvf_console.ui.panels.shares import SPAN, ShareHistory, bands_svg, legend_html
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.why_tables import MOST_ROWS, certificate_html, parts_html, rows_html, sight_html, signed
@@ -141,10 +141,10 @@ def test_bands_fill_the_height_and_are_left_out_for_who_has_no_say() -> None:
 def test_a_click_on_the_steered_robot_shows_and_hides_its_reasons() -> None:
     setup = team([(100.0, 100.0), (300.0, 100.0)])
     given: list[OperatorCommand] = []
-    session = SimpleNamespace(setup=setup, snapshot=SimpleNamespace(state=setup.start), viewport=None)
-    roles = cast(Roles, SimpleNamespace(push=given.append, steers=lambda _: True))
+    session = SimpleNamespace(setup=setup, snapshot=SimpleNamespace(setup=setup, state=setup.start), viewport=None)
+    roles = cast(Roles, SimpleNamespace(push=given.append, steers=bool))
     view = View(explained=1)
-    hand = Hand(cast(Session, session), view, cast(SteerPanel, None), roles)
+    hand = Hand(cast(Session, session), view, cast(SteerPanel, None), roles, lambda _tool, _client: None)
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.click(0, floats([300.0, 100.0]))
     assert not view.reasons

@@ -104,7 +104,7 @@ def reshaped(layout: Layout, motion: Motion, place: Place, numbers: dict[str, fl
     Raises:
         ScenarioError: a robot would be too near to it.
     """
-    new = _checked(_shaped(layout, place, numbers, numbers_of(place, layout, motion)))
+    new = _checked(shaped(layout, place, numbers, numbers_of(place, layout, motion)))
     _check_room(new, motion, _gap(new, place), name_of(place))
     return new
 
@@ -146,11 +146,11 @@ def _put(layout: Layout, motion: Motion, place: Place, point: Floats, what: str)
     gap = _gap(layout, place)
     at, held = _held_place(layout, motion, point, lambda points: gap(points - point + middle), name_of(place))
     numbers = {**was, "x": float(at[0]), "y": float(at[1])}
-    return _checked(_shaped(layout, place, numbers, was)), f"{what}{held}."
+    return _checked(shaped(layout, place, numbers, was)), f"{what}{held}."
 
 
-def _shaped(layout: Layout, place: Place, new: dict[str, float], was: dict[str, float]) -> Layout:
-    """The obstacle with other numbers, whatever it then touches."""
+def shaped(layout: Layout, place: Place, new: dict[str, float], was: dict[str, float]) -> Layout:
+    """The layout with an obstacle that has other numbers, whatever it then touches."""
     row, obstacles = place.row, layout.obstacles
     middle = floats([new["x"], new["y"]])
     if place.thing is Thing.CIRCLE:

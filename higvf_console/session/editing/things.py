@@ -69,6 +69,11 @@ def how_many(thing: Thing, layout: Layout) -> int:
             return len(obstacles_of(layout.obstacles.polygons))
 
 
+def exists(place: Place, layout: Layout) -> bool:
+    """Whether there still is such a thing."""
+    return place.row < how_many(place.thing, layout)
+
+
 def numbers_of(place: Place, layout: Layout, motion: Motion) -> dict[str, float]:
     """The numbers that describe a thing now, by the names in `NUMBERS`."""
     row, obstacles = place.row, layout.obstacles

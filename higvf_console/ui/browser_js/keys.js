@@ -201,7 +201,15 @@
       toggleHelp(false);
       return;
     }
-    if (event.ctrlKey || event.metaKey || event.altKey || target.matches?.(TYPES_LETTERS)) return;
+    if (event.altKey || target.matches?.(TYPES_LETTERS)) return;
+    if (event.ctrlKey || event.metaKey) {
+      const turn = { z: event.shiftKey ? "redo" : "undo", y: "redo" }[event.key.toLowerCase()];
+      if (!turn) return;
+      event.preventDefault();
+      event.stopImmediatePropagation();
+      sendKey(turn);
+      return;
+    }
     const name = hotkey(event);
     if (!name || (event.key === "Enter" && target.matches?.(TAKES_ENTER))) return;
     if (event.key === "Escape") return sendKey(name); // whatever else it closes may hear it too

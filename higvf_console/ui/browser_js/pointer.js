@@ -22,6 +22,7 @@
   let lastId = 0;
   let origin = [0, 0]; // of the echo's coordinates [m]; keeps its numbers small
   let following = false;
+  let inks = true; // whether a drag leaves a line
 
   // The echo is drawn in metres, so that zooming and panning only change its transform.
   function follow() {
@@ -38,6 +39,7 @@
   }
 
   function showEcho(point) {
+    if (!inks) return;
     for (const line of lines) {
       const item = svg.createSVGPoint();
       item.x = point[0] - origin[0];
@@ -200,6 +202,9 @@
 
   return {
     cancel,
+    ink(on) {
+      inks = on;
+    },
     remove() {
       cancel();
       clearInterval(reporting);

@@ -49,6 +49,8 @@ _STYLE = """
 .hg tfoot td { font-weight: 600; }
 .hg .log div { display: grid; grid-template-columns: 4em 1fr; gap: 8px; padding: 4px 0 4px 8px;
   border-left: 3px solid; margin-bottom: 4px; }
+.hg .deeds div { display: grid; grid-template-columns: 4em 1fr; gap: 8px; padding: 2px 0; }
+.hg .deeds .undone { opacity: .55; text-decoration: line-through; }
 .hg .chart text { font-size: 11px; fill: var(--hg-dim); }
 .hg .chart .rule { stroke: var(--mantine-color-default-border); }
 .hg .key { display: grid; grid-template-columns: 22px 1fr; gap: 3px 8px; align-items: center; }
