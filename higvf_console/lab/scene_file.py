@@ -7,7 +7,7 @@ from higvf_console.control.gains import Gains
 from higvf_console.control.paths import sketch_path
 from higvf_console.control.world import edges, make_world
 from higvf_console.lab.scenes import TIME_LIMIT, Scene
-from higvf_console.sim.operator import follow
+from higvf_console.sim.path_commands import follow
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import initial_state
 from higvf_console.viewport import Arena

@@ -27,19 +27,31 @@ def read_polygons(node: Node) -> tuple[Floats, ...]:
 
 
 def _polygon(node: Node) -> Floats:
-    points = without_repeats(node.points())
+    try:
+        return closed_outline(node.points())
+    except ScenarioError as error:
+        raise node.error(str(error)) from error
+
+
+def closed_outline(corners: Floats) -> Floats:
+    """The outline of an obstacle, counter-clockwise, of corners (n, 2) [m].
+
+    Raises:
+        ScenarioError: too few or too many corners, edges that cross or touch, or hardly an area.
+    """
+    points = without_repeats(corners)
     distinct = len(np.unique(points, axis=0))
     if distinct < 3:
-        raise node.error(f"a polygon needs at least 3 distinct points; this one has {distinct}")
+        raise ScenarioError(f"a polygon needs at least 3 distinct points; this one has {distinct}")
     if len(points) > MOST_EDGES:
-        raise node.error(f"the polygon has {len(points)} edges; at most {MOST_EDGES} are possible")
+        raise ScenarioError(f"the polygon has {len(points)} edges; at most {MOST_EDGES} are possible")
     pair = crossing([points])
     if pair is not None:
         first, second = (_edge(points, k) for k in pair)
-        raise node.error(f"the polygon crosses or touches itself: {first} and {second}")
+        raise ScenarioError(f"the polygon crosses or touches itself: {first} and {second}")
     area = abs(signed_area(points))
     if area < LEAST_AREA:
-        raise node.error(f"the polygon has an area of {area:.3g} m^2; give it at least {LEAST_AREA:g} m^2")
+        raise ScenarioError(f"the polygon has an area of {area:.3g} m^2; give it at least {LEAST_AREA:g} m^2")
     return oriented(points)
 
 

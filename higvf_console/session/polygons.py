@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from higvf_console.arrays import Bools, Floats, floats
+from higvf_console.sim.outline import enclosed
 
 MOST_EDGES = 500  # of all irregular obstacles together: each is a barrier of every robot near it
 
@@ -97,10 +98,9 @@ def signed_distance(chains: Sequence[Floats], points: Floats) -> Floats:
         chains: its outline, and the outlines of the free areas in it; inside is what an odd number of them encloses.
         points: (N, 2) [m].
     """
-    x, y = points.T
     nearest, inside = np.full(len(points), np.inf), np.zeros(len(points), np.bool_)
+    for chain in chains:
+        inside ^= enclosed(chain, points)
     for ax, ay, bx, by in edges(chains):
         nearest = np.minimum(nearest, segment_distance(points, floats([ax, ay]), floats([bx, by])))
-        if ay != by:
-            inside ^= ((ay > y) != (by > y)) & (x < ax + (y - ay) * (bx - ax) / (by - ay))
     return np.where(inside, -nearest, nearest)

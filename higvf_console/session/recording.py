@@ -193,7 +193,7 @@ def _command(entry: dict[str, Any], place: str) -> OperatorCommand:
 
 def replay(recording: Recording) -> Replay:
     """Runs a recording again, as far as it goes, and compares the digests."""
-    run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter)
+    run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter, recording.scenario)
     digest = TrajectoryDigest()
     expected = {mark.ticks: mark.digest for mark in recording.marks}
     last = max([*expected, *recording.commands, 0])

@@ -36,13 +36,13 @@ import numpy as np
 
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import Gains, controlled
-from higvf_console.control.world import NO_LINKS, make_world
+from higvf_console.control.gains import Gains
 from higvf_console.errors import ScenarioError
 from higvf_console.quantity import Quantity
 from higvf_console.session.channel_settings import read_inputs
 from higvf_console.session.channel_state import Limits
 from higvf_console.session.channels import unknown_settings
+from higvf_console.session.editing.layout import Layout, world_of
 from higvf_console.session.placement import (
     Network,
     buried_fires,
@@ -54,7 +54,6 @@ from higvf_console.session.placement import (
     convergent,
     intention_radius,
     late_stand_off,
-    link_table,
     robot_warnings,
     start_network,
 )
@@ -76,7 +75,7 @@ from higvf_console.session.sections import (
     read_robots,
     read_strokes,
 )
-from higvf_console.sim.operator import follow
+from higvf_console.sim.path_commands import follow
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import initial_state
 from higvf_console.state import NO_PATH, Path, World
@@ -168,15 +167,12 @@ class Scenario:
         return replace(self, gains=gains, warnings=self.warnings + warnings)
 
     def _world(self, position: Floats) -> World:
-        sides = [(1, 0, self.arena.x_min), (-1, 0, -self.arena.x_max)]
-        sides += [(0, 1, self.arena.y_min), (0, -1, -self.arena.y_max)]
-        return make_world(
-            self.obstacles.circles, self.obstacles.bars, floats(sides if self.walls else [], -1, 3),
-            floats([fire.position for fire in self.fires], -1, 2), floats([fire.growth for fire in self.fires], -1),
-            ints([fire.needs for fire in self.fires], -1), position if self.formation is None else self.formation,
-            controlled(self.gains).safety.obstacle_clearance,
-            NO_LINKS if self.links is None else link_table(self.links, len(position)),
-            self.obstacles.polygons,
+        return world_of(
+            Layout(
+                self.arena, self.walls, self.obstacles, floats([fire.position for fire in self.fires], -1, 2),
+                floats([fire.growth for fire in self.fires], -1), ints([fire.needs for fire in self.fires], -1),
+                position if self.formation is None else self.formation, self.links, self.gains,
+            )
         )  # fmt: skip
 
 
