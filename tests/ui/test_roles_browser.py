@@ -23,7 +23,7 @@ from higvf_console.commands import (
 )
 from higvf_console.session.scenario import load_scenario
 from higvf_console.state import PathKind, PathStatus
-from tests.browser import draw, open_console, press_stop, screenshot, to_page, wait_for_console, wait_until
+from tests.browser import draw, open_console, press_stop, screenshot, to_page, turn_wheel, wait_for_console, wait_until
 from tests.consoles import Running, console_at_work
 from tests.teams import stroke
 
@@ -166,11 +166,7 @@ def test_a_page_that_watches_zooms_and_opens_tabs(second: Page, first: Page) -> 
     second.locator(".hg", has_text="Why robot 1 moves").first.wait_for()
     second.get_by_role("tab", name="Steer").click()
     elsewhere = to_page(second, HAND[:1])
-    second.evaluate(
-        "([x, y]) => window.__viserMutable.canvas.dispatchEvent(new WheelEvent('wheel',"
-        " { bubbles: true, cancelable: true, clientX: x, clientY: y, deltaY: -300 }))",
-        [300, 300],
-    )
+    turn_wheel(second, [300, 300], -300)
     wait_until(lambda: to_page(second, HAND[:1]) != elsewhere)
     second.keyboard.press("f")
     assert says(first, "You steer")
