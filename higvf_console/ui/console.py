@@ -40,10 +40,10 @@ from higvf_console.commands import (
 from higvf_console.session.channel_state import default_limits
 from higvf_console.session.previewer import Choice, Previewer
 from higvf_console.sim.unicycle import body_centres
-from higvf_console.ui import camera, keys, page, pointer, theme
+from higvf_console.ui import camera, hints, keys, page, pointer, theme
 from higvf_console.ui.panels.faults import FaultsPanel
 from higvf_console.ui.panels.fires import FiresPanel
-from higvf_console.ui.panels.html import SPACER
+from higvf_console.ui.panels.html import SPACER, style_html
 from higvf_console.ui.panels.log import LogPanel
 from higvf_console.ui.panels.preview import PreviewPanel
 from higvf_console.ui.panels.run import RunPanel
@@ -196,15 +196,17 @@ class Console:
         self._build_panels()
         camera.install(server, self._scene.camera_arena)
         hand = Hand(session, self._view, self._steer, self._roles)
-        pointer.install(server, hand, theme.DARK.stroke)
+        pointer.install(server, hand, theme.CSS.stroke)
         keys.install(server, hand.key)
+        hints.install(server)
         page.on_leave(server, hand.leave)
         add_commands(server.gui, hand, self._roles)
         self._roles.install(hand.hand_over)
 
     def _build_panels(self) -> None:
         gui, session, sink = self._server.gui, self._session, self._roles
-        status = StatusPanel(gui, session.setup.gains.safety.control_period, sink)
+        self._style = gui.add_html(style_html(self._view.look))
+        status = StatusPanel(gui, session.setup.gains.safety.control_period, sink, self._view)
         run = RunPanel(gui, sink)
         gui.add_html(SPACER)
         tabs = gui.add_tab_group()
@@ -218,7 +220,7 @@ class Console:
         with tabs.add_tab("View"):
             view = ViewPanel(gui, self._view)
         with tabs.add_tab("Log"):
-            log = LogPanel(self._server)
+            log = LogPanel(self._server, self._view)
         with tabs.add_tab("Faults"):
             faults = FaultsPanel(gui, [name for name, _ in session.snapshot.channels], sink)
         self._panels = (status, run, self._steer, preview, fires, why, view, log, faults)
@@ -254,9 +256,16 @@ class Console:
             keys.show_stopped(self._server, self._stopped)
 
     def _show_scene(self, snapshot: "Snapshot") -> None:
-        if self._scene.setup is not snapshot.setup:
+        look = self._view.look
+        if self._scene.setup is not snapshot.setup or self._scene.look != look:
+            if self._scene.look != look:
+                theme.wear(self._server, look.palette)
+                self._style.content = style_html(look)
+            arena = self._scene.camera_arena
             self._scene.clear()
             self._scene = Scene(self._server, snapshot.setup, self._view)
+            if self._scene.camera_arena != arena:
+                camera.install(self._server, self._scene.camera_arena)
         self._scene.update(snapshot, self._previewer.latest)
 
     def _try(self, part: str, update: Callable[[], None]) -> None:

@@ -7,13 +7,14 @@ Everything changes by assignment to a few nodes; nothing here knows threads or c
 """
 
 from dataclasses import dataclass
+from dataclasses import field as attribute
 from typing import TYPE_CHECKING
 
 import viser
 
 from higvf_console.control.field import FieldKind
 from higvf_console.session.preview import USUAL
-from higvf_console.sim.setup import Setup
+from higvf_console.sim.setup import Event, Setup
 from higvf_console.ui.scene_field import FieldLayer
 from higvf_console.ui.scene_fires import Fires
 from higvf_console.ui.scene_ghosts import Ghosts
@@ -22,6 +23,7 @@ from higvf_console.ui.scene_parts import Canvas
 from higvf_console.ui.scene_path import PathLayer
 from higvf_console.ui.scene_reasons import ReasonLayer, SightLayer
 from higvf_console.ui.scene_team import Team
+from higvf_console.ui.theme import USUAL_LOOK, Look
 from higvf_console.viewport import Arena
 
 if TYPE_CHECKING:
@@ -46,6 +48,8 @@ class View:
         explained: the robot whose velocity is explained; None = the one that is steered.
         reasons: its velocity as a chain of arrows.
         sights: which fires it sees, and what hides the others.
+        look: colours and size of text, on every page.
+        alarms: those that nobody has acknowledged, oldest first.
     """
 
     field: FieldKind | None = None
@@ -59,6 +63,8 @@ class View:
     explained: int | None = None
     reasons: bool = False
     sights: bool = False
+    look: Look = USUAL_LOOK
+    alarms: list[Event] = attribute(default_factory=list[Event])
 
     def robot(self, snapshot: "Snapshot") -> int:
         """Index of the robot whose velocity is explained."""
@@ -75,14 +81,15 @@ class Scene:
 
     Attributes:
         setup: what is shown; an edited one needs a new scene.
+        look: its colours and size of text; another one needs a new scene, too.
         camera_arena: what the camera must show.
     """
 
     def __init__(self, server: viser.ViserServer, setup: Setup, view: View) -> None:
         """Draws what stands still."""
-        self.setup = setup
-        self._canvas = canvas = Canvas(server, setup.arena)
-        self.camera_arena: Arena = with_margin(setup.arena, canvas.px)
+        self.setup, self.look = setup, view.look
+        self._canvas = canvas = Canvas(server, setup.arena, self.look)
+        self.camera_arena: Arena = with_margin(setup.arena, max(self.look.text, 1.0) * canvas.px)
         self._view = view
         self._ground = Ground(canvas, setup)
         self._fires = Fires(canvas, setup)

@@ -306,7 +306,7 @@ def test_a_click_picks_the_nearest_robot_within_reach_and_nobody_beyond() -> Non
 class _Drawn:
     """A canvas without a browser: what was placed or drawn last under each name."""
 
-    px = 1.0
+    px, palette, sizes = 1.0, theme.DARK, theme.NOMINAL
 
     def __init__(self) -> None:
         self.nodes: dict[str, _Node] = {}

@@ -21,8 +21,8 @@ from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.why_tables import MOST_ROWS, certificate_html, parts_html, rows_html, sight_html, signed
 from higvf_console.ui.roles import Roles
 from higvf_console.ui.scene import View
-from higvf_console.ui.scene_reasons import PART_COLOUR, arrow, chain, part_outline, sight_lines
-from higvf_console.ui.theme import vertex_rgb
+from higvf_console.ui.scene_reasons import arrow, chain, part_colours, part_outline, sight_lines
+from higvf_console.ui.theme import DARK, LIGHT, Palette, vertex_rgb
 from higvf_console.viewport import Viewport
 from tests.teams import team
 
@@ -41,8 +41,8 @@ def test_a_chain_of_arrows_starts_at_the_robot_and_ends_where_the_sum_does() -> 
     assert segments.shape == (6, 2, 2)
     assert segments[0] == pytest.approx(floats([[11, 20], [41, 20]]))
     assert segments[3] == pytest.approx(floats([[41, 20], [41, 60]]))
-    assert (colours[:3] == vertex_rgb(PART_COLOUR[Part.HUMAN])).all()
-    assert (colours[3:] == vertex_rgb(PART_COLOUR[Part.SAFETY])).all()
+    assert (colours[:3] == vertex_rgb(part_colours(DARK)[Part.HUMAN])).all()
+    assert (colours[3:] == vertex_rgb(part_colours(DARK)[Part.SAFETY])).all()
 
 
 def test_the_barbs_of_an_arrow_lie_behind_its_tip_and_shrink_with_it() -> None:
@@ -53,8 +53,9 @@ def test_the_barbs_of_an_arrow_lie_behind_its_tip_and_shrink_with_it() -> None:
     assert len(arrow(floats([0, 0]), floats([np.nan, 0]), 3.0, 7.0)) == 0
 
 
-def test_no_two_parts_have_the_same_colour() -> None:
-    assert len(set(PART_COLOUR.values())) == len(Part)
+@pytest.mark.parametrize("palette", [DARK, LIGHT])
+def test_no_two_parts_have_the_same_colour(palette: Palette) -> None:
+    assert len(set(part_colours(palette).values())) == len(Part)
 
 
 def test_lines_of_sight_run_through_to_fires_in_the_clear_and_are_dashed_to_hidden_ones() -> None:

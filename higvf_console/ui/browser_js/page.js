@@ -16,7 +16,9 @@
     // Identity of the connection: viser replaces its sender whenever the socket opens or closes.
     connection: () => viewer()?.sendMessage,
 
+    // Any script may hear what the others send, by a method of that name.
     send(topic, body) {
+      for (const { part } of parts.values()) part.sent?.(topic, body);
       viewer()?.sendMessage({ type: "PageMessage", topic, body });
     },
 

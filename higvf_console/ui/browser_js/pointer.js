@@ -8,7 +8,7 @@
   const style = `<style>
     svg { position: absolute; overflow: hidden; }
     polyline { fill: none; stroke-linecap: round; stroke-linejoin: round; vector-effect: non-scaling-stroke; }
-    .casing { stroke: #0b0d10; stroke-width: 6px; opacity: 0.55; }
+    .casing { stroke: var(--hg-surround, #0b0d10); stroke-width: 6px; opacity: 0.55; }
     .line { stroke: ${config.colour}; stroke-width: 3px; }
     g { transition: opacity 0.35s; }
     g.done { opacity: 0; }
