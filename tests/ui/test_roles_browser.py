@@ -74,7 +74,7 @@ def _from_the_start(running: Running, first: Page, second: Page) -> None:
 
 
 def strip(page: Page) -> Any:
-    return page.locator(".strip.open")
+    return page.locator(".roles.open")
 
 
 def button(page: Page, name: str) -> Any:
