@@ -1,4 +1,4 @@
-// Who steers and who watches: a strip above the arena, from which one click asks for control, grants, takes or releases.
+// Who steers and who watches: a strip above the arena, where one click asks for control, grants, takes or releases it.
 (page) => {
   const TELL_EVERY_MS = 1000;
   const CHECK_MS = 150;
@@ -35,7 +35,9 @@
       button:focus-visible { outline: 2px solid var(--hg-text, #fff); outline-offset: 1px; }
       @media (pointer: coarse) { button { min-height: 38px; padding: 0 14px; } }
     </style>
-    <div class="roles" role="status"><span class="mark"></span><span class="text"></span><span class="acts"></span></div>`,
+    <div class="roles" role="status">
+      <span class="mark"></span><span class="text"></span><span class="acts"></span>
+    </div>`,
     2147483646,
   );
   const $ = (selector) => overlay.shadowRoot.querySelector(selector);
@@ -53,10 +55,12 @@
     if (role.steers && role.waiting.length) {
       const [asker, ...more] = role.waiting;
       const others = more.length ? ` (and ${more.length} more)` : "";
-      return [`${asker} asks for control${others}`, "steers asks", [["Grant", "grant", asker], ["Refuse", "refuse", asker]]];
+      const answers = [["Grant", "grant", asker], ["Refuse", "refuse", asker]];
+      return [`${asker} asks for control${others}`, "steers asks", answers];
     }
     if (role.steers) {
-      return [`You steer, ${role.others} ${role.others === 1 ? "watches" : "watch"}`, "steers", [["Release", "release"]]];
+      const watch = role.others === 1 ? "watches" : "watch";
+      return [`You steer, ${role.others} ${watch}`, "steers", [["Release", "release"]]];
     }
     if (!role.holder) return ["Nobody steers", "", [["Take control", "take"]]];
     const ask = role.asked ? [] : [["Request", "ask"]];
