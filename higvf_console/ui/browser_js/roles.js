@@ -4,6 +4,7 @@
   const CHECK_MS = 150;
   const NOTE_MS = 4000;
   const STORE = "higvf identity";
+  const WANTED = new Set(["Grant", "Request", "Take control"]); // the gentle way; the others are drawn quietly
 
   // Kept by the tab from one load to the next, and by nobody meanwhile: a copy of the tab finds none and makes its own.
   const fresh = () =>
@@ -50,7 +51,7 @@
 
   const who = (role) => (role.holder ? `${role.holder} steers` : "Nobody steers");
 
-  // Text, mark, and buttons as [label, act, page]; the first one is what is most wanted.
+  // Text, mark, and buttons as [label, act, page].
   function face() {
     if (role.steers && role.waiting.length) {
       const [asker, ...more] = role.waiting;
@@ -89,10 +90,10 @@
     strip.title = `This page is ${role.you}`;
     text.textContent = noted ? note.text : says;
     acts.replaceChildren(
-      ...buttons.map(([label, act, asker], index) => {
+      ...buttons.map(([label, act, asker]) => {
         const button = document.createElement("button");
         [button.type, button.textContent] = ["button", label];
-        if (index === 0 && (look.includes("asks") || !role.steers)) button.className = "first";
+        if (WANTED.has(label)) button.className = "first";
         button.addEventListener("click", () => page.send("control", { act, page: asker ?? "" }));
         return button;
       }),
