@@ -85,7 +85,7 @@ _TO_PAGE = """
 """
 
 ARENA = Arena(0.0, 0.0, 1200.0, 700.0)  # [m]
-PATIENCE = 20.0  # [s], for a machine that is busy with other things
+PATIENCE = 120.0  # [s], for a machine that is busy with other things
 Value = TypeVar("Value")
 Points: TypeAlias = Sequence[Sequence[float]] | Floats
 

@@ -87,7 +87,8 @@ class Roles:
             return True
         if (topic == page.WIDGET and body.get("uuid") in self._free) or self.steers(client_id):
             return True
-        if topic != "stroke" or body.get("phase") != "cancel":  # a page that stops drawing has been told
+        # Putting a notification away, or ending a stroke that was refused, is no try at steering.
+        if topic != "read" and (topic != "stroke" or body.get("phase") != "cancel"):
             page.call(self._server, "roles", "refused", None, client_id)
         return False
 

@@ -10,9 +10,11 @@ from fake_interfaces import FakeInterface
 from higvf_console.commands import (
     Clutch,
     Confirm,
+    ControlChange,
     Cursor,
     Discard,
     Freeze,
+    HandOver,
     OperatorCommand,
     Pause,
     Pick,
@@ -47,6 +49,7 @@ PLAN: list[tuple[float, OperatorCommand]] = [
     (1.5, Pause(source="emg")),
     (1.7, Resume(source="emg")),
     (2.0, Pick(2, source="bci", operator="ada")),
+    (2.1, HandOver("Browser 2", ControlChange.TAKEN, operator="Browser 2")),
 ]
 
 

@@ -23,7 +23,7 @@ from higvf_console.commands import (
 )
 from higvf_console.session.scenario import load_scenario
 from higvf_console.state import PathKind, PathStatus
-from tests.browser import draw, open_console, press_stop, screenshot, to_page, wait_for_console, wait_until
+from tests.browser import draw, open_console, press_stop, screenshot, to_page, turn_wheel, wait_for_console, wait_until
 from tests.consoles import Running, console_at_work
 from tests.teams import stroke
 
@@ -61,11 +61,11 @@ def second(chromium: Browser, running: Running, first: Page) -> Iterator[Page]: 
 @pytest.fixture(autouse=True)
 def _from_the_start(running: Running, first: Page, second: Page) -> None:
     """Each test begins with a frozen run, the first page steering and nobody waiting."""
-    for page in (second, first):
+    for page, other in ((second, first), (first, second)):
         strip(page).wait_for()
-        if take := [name for name in ("Take over", "Take control") if button(page, name).count()]:
-            click(page, take[0])
-            wait_until(lambda page=page: says(page, "You steer"))
+        if button(page, "Take").count():
+            click(page, "Take")
+        wait_until(lambda page=page, other=other: says(page, "You steer") and button(other, "Take over").count())
     running.session.commands.clear()
     running.push(Freeze(True), SetSpeed(1.0), Resume(), ResetRun(), Pick(0))
     wait_until(lambda: running.given(Pick) and running.state.motion.tick == 0)
@@ -74,7 +74,7 @@ def _from_the_start(running: Running, first: Page, second: Page) -> None:
 
 
 def strip(page: Page) -> Any:
-    return page.locator(".strip.open")
+    return page.locator(".roles.open")
 
 
 def button(page: Page, name: str) -> Any:
@@ -166,11 +166,7 @@ def test_a_page_that_watches_zooms_and_opens_tabs(second: Page, first: Page) -> 
     second.locator(".hg", has_text="Why robot 1 moves").first.wait_for()
     second.get_by_role("tab", name="Steer").click()
     elsewhere = to_page(second, HAND[:1])
-    second.evaluate(
-        "([x, y]) => window.__viserMutable.canvas.dispatchEvent(new WheelEvent('wheel',"
-        " { bubbles: true, cancelable: true, clientX: x, clientY: y, deltaY: -300 }))",
-        [300, 300],
-    )
+    turn_wheel(second, [300, 300], -300)
     wait_until(lambda: to_page(second, HAND[:1]) != elsewhere)
     second.keyboard.press("f")
     assert says(first, "You steer")
@@ -280,14 +276,14 @@ def test_a_second_tab_is_a_page_of_its_own(first: Page, second: Page, running: R
 
 
 def test_a_page_under_the_identity_of_another_makes_the_older_connection_a_page_of_its_own(
-    first: Page, second: Page, running: Running
+    second: Page, running: Running
 ) -> None:
-    identities = running.console._roles._identities  # pyright: ignore[reportPrivateUsage]
-    mine, others = list(identities.values())[:2]
-    assert mine != others
-    send(second, type="PageMessage", topic="hello", body={"identity": mine})
-    wait_until(lambda: len(set(identities.values())) == 2 and mine in identities.values())
-    wait_until(lambda: says(first, "watch") and not says(first, "You steer"))
+    roles = running.console._roles  # pyright: ignore[reportPrivateUsage]
+    older = roles._steering or 0  # pyright: ignore[reportPrivateUsage]
+    identity = roles._identities[older]  # pyright: ignore[reportPrivateUsage]
+    send(second, type="PageMessage", topic="hello", body={"identity": identity})
+    wait_until(lambda: roles._identities.get(older) not in (None, identity))  # pyright: ignore[reportPrivateUsage]
+    assert not roles.steers(older)
 
 
 @pytest.mark.parametrize("identity", [None, 7, "short", "x" * 65])
@@ -312,7 +308,7 @@ def test_when_the_page_that_steers_is_lost_its_path_ends_in_autonomy_and_the_nex
     click(second, "Request")
     wait_until(lambda: says(second, "you asked"))
     third.close()
-    monkeypatch.setattr(running.console._roles, "_patience", 2.5)  # pyright: ignore[reportPrivateUsage]
+    monkeypatch.setattr(running.console._roles, "_patience", 5.0)  # pyright: ignore[reportPrivateUsage]
     wait_until(lambda: says(second, "You steer"))
     wait_until(lambda: running.state.motion.path_status == PathStatus.FINISHED)
     assert changes(running)[-1][:2] == (ControlChange.LOST, "Browser 2")
@@ -346,10 +342,8 @@ def test_the_strip_covers_neither_arena_nor_panel_nor_stop(
         page.set_viewport_size(before)
 
 
-def test_a_page_that_is_alone_is_not_told_that_it_steers(chromium: Browser) -> None:
-    with console_at_work("firefighting") as running:
-        page = open_console(chromium, running.url)
-        wait_until(lambda: logged(running, "Browser 1 steers."))
-        page.wait_for_timeout(500)
-        assert strip(page).count() == 0
-        page.context.close()
+def test_a_page_that_is_alone_is_not_told_that_it_steers(first: Page) -> None:
+    role = {"you": "Browser 1", "steers": True, "holder": "Browser 1", "asked": False, "waiting": [], "others": 1}
+    for others, shown in ((0, 0), (1, 1)):
+        first.evaluate("(role) => window.higvf.call('roles', 'show', role)", role | {"others": others})
+        assert strip(first).count() == shown

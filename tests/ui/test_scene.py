@@ -378,7 +378,7 @@ def test_a_click_picks_a_unicycle_by_its_body_not_by_its_look_ahead_point() -> N
         snapshot=SimpleNamespace(setup=setup, state=setup.start._replace(motion=motion)),
         viewport=None,
     )
-    roles = cast(Roles, SimpleNamespace(push=given.append, steers=bool))
+    roles = cast(Roles, SimpleNamespace(push=given.append, steers={0}.__contains__))
     hand = Hand(cast(Session, session), View(), cast(SteerPanel, None), roles, lambda _tool, _client: None)
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.click(0, floats([100.0, 60.0]))

@@ -142,7 +142,7 @@ def test_a_click_on_the_steered_robot_shows_and_hides_its_reasons() -> None:
     setup = team([(100.0, 100.0), (300.0, 100.0)])
     given: list[OperatorCommand] = []
     session = SimpleNamespace(setup=setup, snapshot=SimpleNamespace(setup=setup, state=setup.start), viewport=None)
-    roles = cast(Roles, SimpleNamespace(push=given.append, steers=bool))
+    roles = cast(Roles, SimpleNamespace(push=given.append, steers={0}.__contains__))
     view = View(explained=1)
     hand = Hand(cast(Session, session), view, cast(SteerPanel, None), roles, lambda _tool, _client: None)
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))

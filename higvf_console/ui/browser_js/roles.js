@@ -1,9 +1,10 @@
-// Who steers and who watches: a strip above the arena, from which one click asks for control, grants, takes or releases.
+// Who steers and who watches: a strip above the arena, where one click asks for control, grants, takes or releases it.
 (page) => {
   const TELL_EVERY_MS = 1000;
   const CHECK_MS = 150;
   const NOTE_MS = 4000;
   const STORE = "higvf identity";
+  const WANTED = new Set(["Grant", "Request", "Take control"]); // the gentle way; the others are drawn quietly
 
   // Kept by the tab from one load to the next, and by nobody meanwhile: a copy of the tab finds none and makes its own.
   const fresh = () =>
@@ -15,31 +16,33 @@
 
   const overlay = page.overlay(
     `<style>
-      :host { font: 13px/1.4 system-ui, "Segoe UI", sans-serif; }
-      .strip { position: absolute; top: 8px; transform: translateX(-50%); display: none; align-items: center; gap: 8px;
-        box-sizing: border-box; padding: 4px 5px 4px 12px; border-radius: 8px; color: #dbe2ea;
-        background: rgba(24, 28, 34, 0.94); box-shadow: 0 0 0 1px rgba(148, 163, 184, 0.35); white-space: nowrap; }
-      .strip.open { display: flex; }
-      .strip.asks { box-shadow: 0 0 0 2px #f0e442; }
-      .strip.note { box-shadow: 0 0 0 2px #e69f00; }
-      .mark { flex: none; width: 8px; height: 8px; border-radius: 50%; box-shadow: 0 0 0 2px #8d99a8; }
-      .steers .mark { background: #f0e442; box-shadow: 0 0 0 2px #f0e442; }
+      :host { font: calc(13px * var(--hg-size, 1))/1.4 var(--mantine-font-family, sans-serif); }
+      .roles { position: absolute; top: 8px; transform: translateX(-50%); display: none; align-items: center; gap: 8px;
+        box-sizing: border-box; padding: 4px 5px 4px 12px; border-radius: 8px; white-space: nowrap;
+        color: var(--hg-text, #d5dbe2); background: var(--hg-card, #161b21);
+        box-shadow: 0 0 0 1px var(--hg-border, #4b5563); }
+      .roles.open { display: flex; }
+      .roles.asks { box-shadow: 0 0 0 2px var(--hg-operator, #f0e442); }
+      .roles.note { box-shadow: 0 0 0 2px var(--hg-warning, #e69f00); }
+      .mark { flex: none; width: 8px; height: 8px; border-radius: 50%; box-shadow: 0 0 0 2px var(--hg-dim, #9aa5b1); }
+      .steers .mark { background: var(--hg-operator, #f0e442); box-shadow: 0 0 0 2px var(--hg-operator, #f0e442); }
       .text { overflow: hidden; text-overflow: ellipsis; margin-right: 4px; }
+      .acts { display: flex; gap: 6px; }
       button { pointer-events: auto; cursor: pointer; flex: none; min-height: 26px; padding: 0 10px; border: 0;
-        border-radius: 6px; font: inherit; font-weight: 600; color: #e8edf3; background: #38414d;
-        touch-action: manipulation; }
-      button:hover { background: #4a5563; }
-      button.first { color: #14171c; background: #f0e442; }
-      button.first:hover { background: #fff27a; }
-      button:focus-visible { outline: 2px solid #fff; outline-offset: 1px; }
+        border-radius: 6px; font: inherit; font-weight: 600; color: inherit; background: var(--hg-key, #2b323c);
+        box-shadow: inset 0 0 0 1px var(--hg-card_rule, #343c46); touch-action: manipulation; }
+      button.first { color: var(--hg-badge_text, #0d1117); background: var(--hg-operator, #f0e442); box-shadow: none; }
+      button:hover { filter: brightness(1.12); }
+      button:focus-visible { outline: 2px solid var(--hg-text, #fff); outline-offset: 1px; }
       @media (pointer: coarse) { button { min-height: 38px; padding: 0 14px; } }
     </style>
-    <div class="strip" role="status"><span class="mark"></span><span class="text"></span><span class="acts"></span></div>`,
+    <div class="roles" role="status">
+      <span class="mark"></span><span class="text"></span><span class="acts"></span>
+    </div>`,
     2147483646,
   );
   const $ = (selector) => overlay.shadowRoot.querySelector(selector);
-  const [strip, text, acts] = [$(".strip"), $(".text"), $(".acts")];
-  acts.style.cssText = "display:flex;gap:6px;pointer-events:auto";
+  const [strip, text, acts] = [$(".roles"), $(".text"), $(".acts")];
 
   const now = () => performance.now();
   const told = { connection: null, at: -Infinity };
@@ -48,15 +51,17 @@
 
   const who = (role) => (role.holder ? `${role.holder} steers` : "Nobody steers");
 
-  // Text, mark, and buttons as [label, act, page]; the first one is what is most wanted.
+  // Text, mark, and buttons as [label, act, page].
   function face() {
     if (role.steers && role.waiting.length) {
       const [asker, ...more] = role.waiting;
       const others = more.length ? ` (and ${more.length} more)` : "";
-      return [`${asker} asks for control${others}`, "steers asks", [["Grant", "grant", asker], ["Refuse", "refuse", asker]]];
+      const answers = [["Grant", "grant", asker], ["Refuse", "refuse", asker]];
+      return [`${asker} asks for control${others}`, "steers asks", answers];
     }
     if (role.steers) {
-      return [`You steer, ${role.others} ${role.others === 1 ? "watches" : "watch"}`, "steers", [["Release", "release"]]];
+      const watch = role.others === 1 ? "watches" : "watch";
+      return [`You steer, ${role.others} ${watch}`, "steers", [["Release", "release"]]];
     }
     if (!role.holder) return ["Nobody steers", "", [["Take control", "take"]]];
     const ask = role.asked ? [] : [["Request", "ask"]];
@@ -81,14 +86,14 @@
     const key = JSON.stringify([says, look, buttons, noted && note.text]);
     if (key === shown) return;
     shown = key;
-    strip.className = `strip open ${look} ${noted ? "note" : ""}`;
+    strip.className = `roles open ${look} ${noted ? "note" : ""}`;
     strip.title = `This page is ${role.you}`;
     text.textContent = noted ? note.text : says;
     acts.replaceChildren(
-      ...buttons.map(([label, act, asker], index) => {
+      ...buttons.map(([label, act, asker]) => {
         const button = document.createElement("button");
         [button.type, button.textContent] = ["button", label];
-        if (index === 0 && (look.includes("asks") || !role.steers)) button.className = "first";
+        if (WANTED.has(label)) button.className = "first";
         button.addEventListener("click", () => page.send("control", { act, page: asker ?? "" }));
         return button;
       }),
