@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page
 from higvf_console.commands import AskReset, Freeze, Pick, ResetRun, ResetStop, Stop
 from higvf_console.ui.scene import View
 from higvf_console.ui.theme import DARK, LIGHT, TEXT_SIZES, THEMES, USUAL_LOOK, hex_rgb
-from tests.browser import draw, open_console, press_stop, screenshot, to_page, wait_for_console, wait_until
+from tests.browser import draw, open_console, screenshot, to_page, wait_for_console, wait_until
 from tests.consoles import Running, console_at_work
 from tests.teams import stroke
 
@@ -77,6 +77,7 @@ def view(running: Running) -> Iterator[View]:
     view.look = USUAL_LOOK
     view.alarms.clear()
     running.push(AskReset(), ResetStop(), ResetRun())
+    wait_until(lambda: not running.state.intent.stopped)
 
 
 def tab(page: Page, name: str) -> None:
@@ -198,9 +199,10 @@ def test_nothing_overlaps_or_overflows_in_any_tab(
     running.push(Freeze(False), Pick(0), *stroke(shipped.points, shipped.robot))
     page.evaluate("window.higvf.call('hints', 'reopen')")
     wait_until(lambda: running.state.motion.tick > 100)
-    press_stop(page)
+    running.push(Stop())
     wait_until(page.locator(NOTE, has_text="all robots stand still").count)
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(THEMES[theme].surround)}")
+    page.wait_for_timeout(800)  # until the panel has unfolded at its new size
     names = page.get_by_role("tab").all_inner_texts()
     for name in names:
         tab(page, name)
