@@ -39,6 +39,9 @@ if TYPE_CHECKING:
     from higvf_console.session.session import Session, Snapshot
 
 FRAME = 1 / 30  # [s]
+# Between two frames, at least [s]: viser looks 60 times a second whether there is anything to send, and sends nothing
+# while a frame is being shown. Frames without a gap between them would starve the pages.
+REST = 1 / 50
 FRAMES_PER_PANEL = 6  # panels are renewed five times a second
 
 _log = logging.getLogger(__name__)
@@ -128,12 +131,13 @@ class Console:
         self._thread.start()
 
     def run(self, stopping: threading.Event) -> None:
-        """Shows the latest snapshot 30 times a second until `stopping` is set."""
+        """Shows the latest snapshot 30 times a second, on a busy machine less often, until `stopping` is set."""
         due = time.perf_counter()
         while not stopping.is_set():
             self.show(self._session.snapshot)
-            due = max(due + FRAME, time.perf_counter())
-            stopping.wait(due - time.perf_counter())
+            now = time.perf_counter()
+            due = max(due + FRAME, now + REST)
+            stopping.wait(due - now)
 
     def show(self, snapshot: "Snapshot") -> None:
         """Shows one snapshot. A part that fails is logged once and does not keep the others from showing."""

@@ -22,8 +22,8 @@ class Step(NamedTuple):
 
 
 STEPS = (
-    Step("draw", "Draw a path", "The chosen robot follows it."),
-    Step("pick", "Pick a robot", "Click it, or press its number."),
+    Step("draw", "Draw a path", "Drag in the arena."),
+    Step("pick", "Pick a robot", "Click it, or press 1 … 9."),
     Step("stop", "Space stops", "Every robot, at once."),
 )
 

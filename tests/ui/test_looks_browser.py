@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page
 from higvf_console.commands import AskReset, Freeze, Pick, ResetRun, ResetStop, Stop
 from higvf_console.ui.scene import View
 from higvf_console.ui.theme import DARK, LIGHT, TEXT_SIZES, THEMES, USUAL_LOOK, hex_rgb
-from tests.browser import draw, open_console, press_stop, screenshot, to_page, wait_for_console, wait_until
+from tests.browser import draw, open_console, screenshot, to_page, wait_for_console, wait_until
 from tests.consoles import Running, console_at_work
 from tests.teams import stroke
 
@@ -64,7 +64,6 @@ def running() -> Iterator[Running]:
 def page(chromium: Browser, running: Running) -> Iterator[Page]:
     """A page of a browser that never showed the console before."""
     page = open_console(chromium, running.url, *SIZES[0], hints=True)
-    page.locator(f"{NOTE}:has-text('WebGL') button").click()
     yield page
     page.context.close()
 
@@ -77,6 +76,12 @@ def view(running: Running) -> Iterator[View]:
     view.look = USUAL_LOOK
     view.alarms.clear()
     running.push(AskReset(), ResetStop(), ResetRun())
+    wait_until(lambda: not running.state.intent.stopped)
+
+
+def put_away_the_browsers_own_note(page: Page) -> None:
+    """Closes the remark that each load of a page without a graphics card brings."""
+    page.locator(NOTE, has_text="WebGL").locator("button").click()
 
 
 def tab(page: Page, name: str) -> None:
@@ -123,6 +128,7 @@ def test_the_first_steps_are_ticked_when_done_and_come_back_from_the_key_list(
     running: Running,
     view: View,  # noqa: ARG001 - puts all back
 ) -> None:
+    put_away_the_browsers_own_note(page)
     assert steps(page) == ["Draw a path", "Pick a robot", "Space stops"]
     screenshot(page, "hints")
     draw(page, to_page(page, [[300 + 10 * k, 600] for k in range(30)]), rate=500)
@@ -153,12 +159,12 @@ def test_theme_and_text_size_are_chosen_in_the_view_panel_and_hold_for_a_reload(
     choose(page, "Theme", "Light")
     choose(page, "Text size", "Large")
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(LIGHT.surround)}")
-    wait_until(lambda: np.abs(pixel(page, (650.0, 650.0)) - hex_rgb(LIGHT.floor)).max() < 4)
+    wait_until(lambda: np.abs(pixel(page, (450.0, 650.0)) - hex_rgb(LIGHT.floor)).max() < 4)
     assert page.evaluate(size) / usual == pytest.approx(TEXT_SIZES["Large"])
     page.reload()
     wait_for_console(page)
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(LIGHT.surround)}")
-    wait_until(lambda: np.abs(pixel(page, (650.0, 650.0)) - hex_rgb(LIGHT.floor)).max() < 4)
+    wait_until(lambda: np.abs(pixel(page, (450.0, 650.0)) - hex_rgb(LIGHT.floor)).max() < 4)
     tab(page, "View")
     wait_until(lambda: page.get_by_label("Theme", exact=True).first.input_value() == "Light")
     assert view.look.palette is LIGHT
@@ -197,10 +203,13 @@ def test_nothing_overlaps_or_overflows_in_any_tab(
     shipped = running.session.scenario.strokes[0]
     running.push(Freeze(False), Pick(0), *stroke(shipped.points, shipped.robot))
     page.evaluate("window.higvf.call('hints', 'reopen')")
+    if page.locator(NOTE, has_text="WebGL").count():
+        put_away_the_browsers_own_note(page)
     wait_until(lambda: running.state.motion.tick > 100)
-    press_stop(page)
+    running.push(Stop())
     wait_until(page.locator(NOTE, has_text="all robots stand still").count)
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(THEMES[theme].surround)}")
+    page.wait_for_timeout(800)  # until the panel has unfolded at its new size
     names = page.get_by_role("tab").all_inner_texts()
     for name in names:
         tab(page, name)

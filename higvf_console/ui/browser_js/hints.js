@@ -17,7 +17,7 @@
       .strip.open { display: flex; }
       ol { display: flex; flex: 1; min-width: 0; gap: 16px; margin: 0; padding: 0; list-style: none; }
       li { display: grid; flex: 1; min-width: 0; grid-template-columns: 22px 1fr; column-gap: 9px; align-content: center; }
-      li i { grid-row: 1 / 3; width: 22px; height: 22px; border-radius: 50%; text-align: center; font-size: 12px;
+      li i { grid-row: 1 / 3; width: 22px; height: 22px; border-radius: 50%; text-align: center; font-size: 12px; font-style: normal;
         font-weight: 600; line-height: 20px; border: 1px solid var(--hg-dim, #9aa5b1); color: var(--hg-dim, #9aa5b1); }
       li b { font-weight: 600; }
       li span { color: var(--hg-dim, #9aa5b1); font-size: 0.92em; }

@@ -61,6 +61,7 @@ _STYLE = """
 .hg .alarm { color: var(--hg-alarm); font-weight: 600; }
 .hg .operator { color: var(--hg-operator); font-weight: 600; }
 [role=tab] { padding-inline: 4px !important; flex: 1 1 auto; justify-content: center; }
+.mantine-Notification-description { color: var(--hg-dim) !important; }
 .mantine-Notifications-root { top: auto !important; bottom: var(--hg-notes-bottom, 18px) !important;
   left: 290px !important; }
 """

@@ -1,7 +1,7 @@
-"""What happened, twice: as a notification when it happens, and in a list that stays; alarms until acknowledged."""
+"""What happened, twice: as a notification, which of an alarm stays until acknowledged, and in a list."""
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from typing import TYPE_CHECKING
 
 import viser
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from higvf_console.session.session import Snapshot
 
 MOST_SHOWN = 30
+MOST_ALARMS = 99  # that wait to be acknowledged; older ones are let go
 MOST_AT_ONCE = 2  # notifications of one update
 TITLES = {
     "extinguished": "Fire out",
@@ -45,7 +46,7 @@ class LogPanel:
         """Starts empty."""
         self._server, self._view = server, view
         self._button = server.gui.add_button(
-            "Acknowledge", icon=viser.Icon.CHECK, color="red", visible=False, hint="The alarms have been read"
+            "Acknowledge", icon=viser.Icon.CHECK, visible=False, hint="The alarms have been read"
         )
         self._button.on_click(reaction(lambda _: self._view.alarms.clear()))
         self._html = server.gui.add_html(_NOTHING)
@@ -68,6 +69,7 @@ class LogPanel:
         if fresh:
             self._newest = fresh[-1]
             self._view.alarms += [event for event in fresh if event.severity == Severity.ALARM]
+            del self._view.alarms[:-MOST_ALARMS]
             for event in self._notifications.chosen(fresh, clock.monotonic(), self._told()):
                 self._notify(event)
         unread = tuple(self._view.alarms)
@@ -75,6 +77,7 @@ class LogPanel:
             self._shown = unread
             self._html.content = log_html(snapshot.events, unread)
             self._button.visible = bool(unread)
+            self._button.color = hex_rgb(severity_colour(Severity.ALARM, self._view.look.palette))
             self._button.label = f"Acknowledge {alarms_text(len(unread))}"
             self._take_back(unread)
 
@@ -114,9 +117,7 @@ class Notifications:
         """Nothing has been notified."""
         self._shown_until: dict[str, float] = {}
 
-    def chosen(
-        self, fresh: Sequence[Event], now: float, standing: "set[str] | frozenset[str]" = frozenset()
-    ) -> list[Event]:
+    def chosen(self, fresh: Sequence[Event], now: float, standing: Set[str] = frozenset()) -> list[Event]:
         """The events to be notified at `now` [s], of those that are new.
 
         Args:

@@ -37,16 +37,16 @@ class ViewPanel:
     def __init__(self, gui: viser.GuiApi, view: View) -> None:
         """Builds the switches."""
         self._view = view
-        self._theme = gui.add_dropdown("Theme", tuple(THEMES), hint="Of every page")
-        self._theme.on_update(reaction(lambda value: self._wear(palette=one_of(value, THEMES))))
-        self._text = gui.add_dropdown("Text size", tuple(TEXT_SIZES), initial_value="Normal", hint="On every page")
-        self._text.on_update(reaction(lambda value: self._wear(text=one_of(value, TEXT_SIZES))))
         self._field = gui.add_dropdown(
             "Field", tuple(FIELDS), hint="Path: toward the path. Composite: round obstacles too. "
             "Blended: what the chosen robot would want if it stood there (V)",
         )  # fmt: skip
         self._field.on_update(reaction(self._choose))
         self._switches = [self._make_switch(gui, name, *words) for name, words in SWITCHES.items()]
+        self._theme = gui.add_dropdown("Theme", tuple(THEMES), hint="Of every page")
+        self._theme.on_update(reaction(lambda value: self._wear(palette=one_of(value, THEMES))))
+        self._text = gui.add_dropdown("Text size", tuple(TEXT_SIZES), initial_value="Normal", hint="On every page")
+        self._text.on_update(reaction(lambda value: self._wear(text=one_of(value, TEXT_SIZES))))
         self._key = gui.add_html(block(key_html()))
 
     def _choose(self, value: object) -> None:
@@ -68,7 +68,7 @@ class ViewPanel:
 
     def cleanup(self) -> None:
         """Removes the switches."""
-        for widget in (self._theme, self._text, self._field, *self._switches, self._key):
+        for widget in (self._field, *self._switches, self._theme, self._text, self._key):
             widget.remove()
 
 
