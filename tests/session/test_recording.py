@@ -48,8 +48,8 @@ PLAN: list[tuple[float, OperatorCommand]] = [
     (1.0, StrokeEnd(smoothing=2.0, robot=1, source="gaze")),
     (1.5, Pause(source="emg")),
     (1.7, Resume(source="emg")),
+    (1.9, HandOver("Browser 2", ControlChange.TAKEN, operator="Browser 2")),
     (2.0, Pick(2, source="bci", operator="ada")),
-    (2.1, HandOver("Browser 2", ControlChange.TAKEN, operator="Browser 2")),
 ]
 
 
