@@ -13,7 +13,6 @@ from higvf_console.commands import OperatorCommand, Pick, Prioritise, ShapePath
 from higvf_console.control.forms import FORMS
 from higvf_console.control.paths import EVERYWHERE, nearest, path_points
 from higvf_console.edits import (
-    AddOutlines,
     AddThing,
     ChangeThing,
     DeleteThing,
@@ -109,7 +108,7 @@ obstacles:
   polygons: [{points_m: [[100, 100], [200, 100], [200, 200], [100, 200]],
               free_m: [[[120, 120], [120, 150], [150, 150], [150, 120]]]}]
 """
-PLACES = st.tuples(st.floats(60.0, 1140.0), st.floats(60.0, 640.0)).map(lambda place: floats(place))
+PLACES = st.tuples(st.floats(60.0, 1140.0), st.floats(60.0, 640.0)).map(floats)
 THINGS = st.sampled_from(["robot", "fire", "circle", "bar", "polygon"])
 NUMBERS = st.sampled_from(["x", "y", "radius", "growth", "needs", "length", "half width", "angle", "size"])
 PARAMETERS = st.one_of(
@@ -252,7 +251,7 @@ def test_what_no_run_can_start_from_is_refused_with_the_reason(team: Scenario) -
     too_near = run.state.motion.position.copy()
     too_near[1] = too_near[0] + 5.0
     state = run.state._replace(motion=run.state.motion._replace(position=too_near))
-    with pytest.raises(ScenarioError, match="no run can start from what is now: .*robots 1 and 2 start 7.07 m apart"):
+    with pytest.raises(ScenarioError, match=r"no run can start from what is now: .*robots 1 and 2 start 7\.07 m apart"):
         scenario_yaml(run.setup, state, team)
 
 
