@@ -1,4 +1,4 @@
-"""Strict YAML, read and written: every value knows its place in the file, for errors that say where and what was wanted.
+"""Strict YAML, read and written: every value knows its place in the file, so that an error can say where it stands.
 
 The types are those of YAML 1.2: `on`, `no` and `12:30` are text, `1e3` is a number. A key given twice is an error.
 """
