@@ -6,7 +6,6 @@ import numpy as np
 from hypothesis import strategies as st
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.command import Command
 from higvf_console.commands import (
     ClearPath,
     NextTask,
@@ -100,7 +99,8 @@ ACTIONS = st.one_of(
     st.builds(Prioritise, fires=st.tuples(ROWS), robot=ROBOTS),
     st.builds(
         ShapePath, ending=st.sampled_from([None, "hold", "loop", "release"]),
-        pace=st.sampled_from([None, 0.5, 1.5]), duration=st.sampled_from([None, 0.0, 2.0]), closed=st.sampled_from([None, True, False]),
+        pace=st.sampled_from([None, 0.5, 1.5]), duration=st.sampled_from([None, 0.0, 2.0]),
+        closed=st.sampled_from([None, True, False]),
     ),
     st.sampled_from([Pause(), Resume(), ClearPath(), ReversePath(), NextTask()]),
 )  # fmt: skip
@@ -156,7 +156,3 @@ def assert_same(first: Any, second: Any, place: str = "") -> None:
             assert_same(one, other, f"{place}[{number}]")
     else:
         assert first == second or (first != first and second != second), place  # noqa: PLR0124 (NaN)
-
-
-def command_of(commands: tuple[Command, ...]) -> str:
-    return " ".join(str(command) for command in commands)
