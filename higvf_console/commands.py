@@ -260,10 +260,12 @@ class LoadScenario(Command):
     Attributes:
         text: of its file.
         name: of its file.
+        polygons: what its polygons and masks came to when they were read before; None = read them.
     """
 
     text: str
     name: str
+    polygons: tuple[Floats, ...] | None = None
 
 
 @dataclass(frozen=True)

@@ -62,8 +62,8 @@ def done(now: Moment, history: History, command: OperatorCommand) -> Done:
         case Redo():
             history, moment, text = redo(history, now)
             return moment, history, _say(now, "undone", text)
-        case LoadScenario(text=text, name=name):
-            return _loaded(now, history, text, name)
+        case LoadScenario():
+            return _loaded(now, history, command)
         case StrokeEnd(use=StrokeUse.OBSTACLE):
             return _outlined(now, history)
         case Edit():
@@ -114,15 +114,15 @@ def _outlined(now: Moment, history: History) -> Done:
         return now, history, (Event(_time(now), Severity.WARNING, "refused", f"No obstacle: {error}."),)
 
 
-def _loaded(now: Moment, history: History, text: str, name: str) -> Done:
-    scenario = parse_scenario(text, name)
+def _loaded(now: Moment, history: History, command: LoadScenario) -> Done:
+    scenario = parse_scenario(command.text, command.name, command.polygons)
     setup = scenario.setup(int(now.setup.gains.robots.seed))
     intent = now.state.intent
     start = setup.start._replace(intent=setup.start.intent._replace(paused=intent.stopped, stopped=intent.stopped))
     moment = Moment(setup, start, Tally(), scenario.filter, scenario)
     rows = same_rows(len(start.motion.position)), same_rows(len(start.motion.fire_radius))
     said = f"The scenario '{scenario.title}' is loaded."
-    history = _remembered(now, moment, history, LoadScenario(text=text, name=name), said, *rows)
+    history = _remembered(now, moment, history, command, said, *rows)
     warnings = tuple(Event(0.0, Severity.WARNING, "scenario", warning) for warning in scenario.warnings)
     return moment, history, _say(now, "loaded", said) + warnings
 

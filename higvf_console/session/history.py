@@ -1,8 +1,8 @@
 """What was done, to be undone and done again: every edit and every action of the operator.
 
 Time does not run back: an undo takes the difference that a deed made out of the present moment. Robots stay where they
-have come to since, but for those that the deed itself moved; a fire keeps what it has grown. Where the deed was a reset
-or another scenario, the former run comes back as a whole.
+have come to since, but for those that the deed itself moved; a fire keeps what it has grown. Where no time has passed,
+all is as it was to the last bit. Where the deed was a reset or another scenario, the former run comes back as a whole.
 
 An undo never sets the team in motion after a STOP: that takes pauses out of the history.
 """
@@ -22,7 +22,7 @@ from higvf_console.session.scenario import Scenario
 from higvf_console.session.sections import FilterKind
 from higvf_console.sim.certificates import Worst
 from higvf_console.sim.setup import Setup
-from higvf_console.state import Motion, PathKind, SimState
+from higvf_console.state import Drawing, Intent, Motion, PathKind, SimState
 
 KEPT = 200  # deeds
 
@@ -152,16 +152,26 @@ def _turned(now: Moment, source: Moment, goal: Moment, robots: Ints, fires: Ints
         intent, present = goal.state.intent, now.state.intent
         intent = intent._replace(paused=intent.paused or present.paused, stopped=present.stopped)
         return goal._replace(state=goal.state._replace(intent=intent))
+    if now.state.motion is source.state.motion:
+        intent = goal.state.intent._replace(paused=_paused(now, source, goal), stopped=now.state.intent.stopped)
+        state = SimState(goal.state.motion, intent, _drawing_back(now, source, goal))
+        return now._replace(setup=goal.setup, state=state, tally=goal.tally)
     layout = layout_of(goal.setup)
+    count = len(now.state.motion.fire_radius)
     motion = carried(now.state.motion, robots, fires, now.setup.world, goal.setup.world)
-    motion, intent = led_on(motion, now.state.intent, robots, fires, len(now.state.motion.fire_radius))
+    motion, intent = led_on(motion, now.state.intent, robots, fires, count)
     motion = _fires_back(motion, source, goal, fires)
     motion = _robots_back(motion, source, goal, robots, layout)
     already = set(crowded(layout_of(now.setup), now.state.motion))
     trapped = [robot for robot in crowded(layout, motion) if int(robots[robot]) not in already]
     if trapped:
         raise ScenarioError(f"robot {trapped[0] + 1} is in the way: it would be too near to something; move it first")
-    state = _asked_back(now.state._replace(motion=motion, intent=intent), source.state, goal.state)
+    led_by = led_on(source.state.motion, source.state.intent, robots, fires, count)[1].influenced
+    if led_by != goal.state.intent.influenced:
+        intent = intent._replace(influenced=goal.state.intent.influenced)
+    intent = intent._replace(paused=_paused(now, source, goal))
+    motion, intent = _asked_back(motion, intent, source.state, goal.state)
+    state = SimState(motion, intent, _drawing_back(now, source, goal))
     tally = now.tally._replace(extinguished=_numbers_back(now.tally, goal.tally, fires))
     return now._replace(setup=goal.setup, state=state, tally=tally)
 
@@ -195,25 +205,31 @@ def _fires_back(motion: Motion, source: Moment, goal: Moment, fires: Ints) -> Mo
     return motion._replace(fire_radius=radius, fire_progress=progress, fire_burning=burning)
 
 
-def _asked_back(state: SimState, source: SimState, goal: SimState) -> SimState:
-    """What the operator asked of the team, where the deed changed it."""
-    was, then, intent = source.intent, goal.intent, state.intent
-    if was.influenced != then.influenced:
-        intent = intent._replace(influenced=min(then.influenced, len(state.motion.position) - 1))
-    if was.paused != then.paused:
-        intent = intent._replace(paused=then.paused or intent.stopped)
+def _paused(now: Moment, source: Moment, goal: Moment) -> bool:
+    """Whether the team is paused where the deed changed that; a team that is stopped stays paused."""
+    was, then, intent = source.state.intent.paused, goal.state.intent.paused, now.state.intent
+    return intent.paused if was == then else then or intent.stopped
+
+
+def _asked_back(motion: Motion, intent: Intent, source: SimState, goal: SimState) -> tuple[Motion, Intent]:
+    """Path and priorities, where the deed changed them."""
+    was, then = source.intent, goal.intent
     if was.priority.tobytes() != then.priority.tobytes():
         intent = intent._replace(priority=then.priority)
-    motion = state.motion
     of_path = (was.path is not then.path, source.motion.path_status != goal.motion.path_status)
     if any(of_path) or source.motion.path_left != goal.motion.path_left:
         intent = intent._replace(path=then.path)
-        motion = _rejoined(motion, goal, min(intent.influenced, len(motion.position) - 1))
-    drawing = state.drawing
+        motion = _rejoined(motion, goal, intent.influenced)
+    return motion, intent
+
+
+def _drawing_back(now: Moment, source: Moment, goal: Moment) -> Drawing:
+    """What waits, and the list of paths, where the deed changed them."""
+    drawing, was, then = now.state.drawing, source.state.drawing, goal.state.drawing
     for name in ("pending", "pending_robot", "paths"):
-        if getattr(source.drawing, name) is not getattr(goal.drawing, name):
-            drawing = drawing._replace(**{name: getattr(goal.drawing, name)})
-    return SimState(motion, intent, drawing)
+        if getattr(was, name) is not getattr(then, name):
+            drawing = drawing._replace(**{name: getattr(then, name)})
+    return drawing
 
 
 def _rejoined(motion: Motion, goal: SimState, robot: int) -> Motion:

@@ -11,6 +11,7 @@ from higvf_console.quantity import Quantity
 from higvf_console.session.masks import MaskPlace, read_grey, trace
 from higvf_console.session.polygons import MOST_EDGES, crossing, edges, oriented, signed_area, without_repeats
 from higvf_console.session.reading import Node
+from higvf_console.sim.outline import enclosed
 
 LEAST_AREA = 1.0  # of a polygon [m^2]
 
@@ -22,11 +23,24 @@ _MASK_KEYS = ("image", "at_m", "metres_per_pixel", "threshold", "obstacle", "tol
 
 
 def read_polygons(node: Node) -> tuple[Floats, ...]:
-    """The section `polygons`, each counter-clockwise."""
-    return tuple(_polygon(item.section(("points_m",), ("points_m",))["points_m"]) for item in node.items())
+    """The section `polygons`: each counter-clockwise, followed by its free areas, clockwise."""
+    return tuple(chain for item in node.items() for chain in _polygon(item))
 
 
-def _polygon(node: Node) -> Floats:
+def _polygon(node: Node) -> tuple[Floats, ...]:
+    entries = node.section(("points_m", "free_m"), ("points_m",))
+    outline = _outline(entries["points_m"])
+    areas = entries["free_m"].items() if "free_m" in entries else []
+    free = [oriented(_outline(area), clockwise=True) for area in areas]
+    for area, chain in zip(areas, free, strict=True):
+        if not enclosed(outline, chain).all():
+            raise area.error("a free area lies inside the polygon; a point of this one does not")
+    if free and crossing([outline, *free]) is not None:
+        raise entries["free_m"].error("free areas neither touch each other nor the edge of their polygon")
+    return (outline, *free)
+
+
+def _outline(node: Node) -> Floats:
     try:
         return closed_outline(node.points())
     except ScenarioError as error:

@@ -22,6 +22,7 @@ from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
 from higvf_console.state import World
 from higvf_console.viewport import Arena
 
+ROUNDING = 1e-6  # [m] by which a start may miss a clearance: a team that is written down may stand right at it
 PRINTED_RADIUS = 0.9  # spectral radius to which the printed intention update is scaled
 _WEIGHTS = ("decay", "robot_weight", "neighbour_weight", "human_weight")
 
@@ -44,7 +45,7 @@ def check_start(
     """
     body, point = gains.safety, controlled(gains).safety
     _check_pairs(position, point.robot_clearance, _clearance("robot", body.robot_clearance, gains), place)
-    least = point.obstacle_clearance
+    least = point.obstacle_clearance - ROUNDING
     for what, gap in chain(obstacle_gaps(position, obstacles), _other_gaps(position, fire_radius, world)):
         robot = int(np.argmin(gap))
         if gap[robot] < least:
@@ -69,7 +70,7 @@ def _clearance(kind: str, clearance: float, gains: Gains) -> str:
 def _check_pairs(position: Floats, least: float, clearance: str, place: str) -> None:
     pairs = KDTree(position).query_pairs(least, output_type="ndarray")
     gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
-    if (gap < least).any():
+    if (gap < least - ROUNDING).any():
         nearest = int(np.argmin(gap))
         first, second = pairs[nearest] + 1
         raise ScenarioError(f"{place}: robots {first} and {second} start {gap[nearest]:.2f} m apart; {clearance}")

@@ -259,7 +259,7 @@ class Session:
             if self._markers is not None:
                 self._markers.command(self._run.time, command)
         if self._recorder is not None:
-            self._record(self._recorder.command, command)
+            self._record(self._recorder.command, command, self._run.scenario)
 
     def _set_clock(self, command: OperatorCommand) -> None:
         match command:

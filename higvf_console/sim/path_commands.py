@@ -80,13 +80,17 @@ def repaired(state: SimState, time: float, repair: Callable[[Path], Path], *, an
     return state, say(time, "path", f"The path is now {path_words(path)}.")
 
 
+def ending_word(path: Path) -> str:
+    """What happens at the end of a path, in one word of `ENDINGS`."""
+    return next(word for word, ending in ENDINGS.items() if ending == path.ending)
+
+
 def path_words(path: Path) -> str:
     """What a path is like, in words."""
     words = (
         "an endless line" if path.length == math.inf else f"{'closed' if path.closed else 'open'}, {path.length:.0f} m"
     )
-    ending = next(word for word, ending in ENDINGS.items() if ending == path.ending)
-    words += "" if path.ending == PathEnding.RELEASE else f", {ending} at its end"
+    words += "" if path.ending == PathEnding.RELEASE else f", {ending_word(path)} at its end"
     words += "" if path.pace == 1.0 else f", at {path.pace:.0%} pace"
     return words + ("" if path.duration == math.inf else f", for {path.duration:g} s")
 

@@ -26,7 +26,7 @@ Gap = Callable[[Floats], Floats]
 
 def fire_place(layout: Layout, motion: Motion, point: Floats, radius: float) -> tuple[Floats, str]:
     """Where a fire goes that is wanted at a point (2,), and what to say if that is somewhere else."""
-    return _held_place(layout, motion, point, _disc(point, radius), "the fire")
+    return _held_place(layout, motion, point, _disc(point, radius), radius, "the fire")
 
 
 def fire_changed(
@@ -144,7 +144,9 @@ def _put(layout: Layout, motion: Motion, place: Place, point: Floats, what: str)
     was = numbers_of(place, layout, motion)
     middle = floats([was["x"], was["y"]])
     gap = _gap(layout, place)
-    at, held = _held_place(layout, motion, point, lambda points: gap(points - point + middle), name_of(place))
+    at, held = _held_place(
+        layout, motion, point, lambda points: gap(points - point + middle), _extent(place, was), name_of(place)
+    )
     numbers = {**was, "x": float(at[0]), "y": float(at[1])}
     return _checked(shaped(layout, place, numbers, was)), f"{what}{held}."
 
@@ -204,8 +206,21 @@ def _disc(middle: Floats, radius: float) -> Gap:
     return lambda points: np.hypot(points[:, 0] - middle[0], points[:, 1] - middle[1]) - radius
 
 
-def _held_place(layout: Layout, motion: Motion, point: Floats, gap: Gap, what: str) -> tuple[Floats, str]:
-    place = nearest_fit(point, body_fits(point, gap, layout, motion), diagonal(layout))
+def _extent(place: Place, numbers: dict[str, float]) -> float:
+    """How far the surface of an obstacle is from its middle at most [m]."""
+    match place.thing:
+        case Thing.CIRCLE:
+            return numbers["radius"]
+        case Thing.BAR:
+            return 0.5 * numbers["length"] + numbers["half width"]
+        case _:
+            return numbers["size"]
+
+
+def _held_place(
+    layout: Layout, motion: Motion, point: Floats, gap: Gap, extent: float, what: str
+) -> tuple[Floats, str]:
+    place = nearest_fit(point, body_fits(point, gap, extent, layout, motion), diagonal(layout))
     if place is None:
         raise ScenarioError(f"there is no place for {what} that leaves every robot its clearance")
     far = math.hypot(place[0] - point[0], place[1] - point[1])

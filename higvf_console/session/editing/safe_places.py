@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from itertools import chain
 from typing import TypeAlias
 
 import numpy as np
@@ -75,21 +76,26 @@ def clear(points: Floats, layout: Layout, motion: Motion, spare: float = _HAIR) 
     return np.asarray(room >= controlled(layout.gains).safety.obstacle_clearance + spare, np.bool_)
 
 
-def body_fits(middle: Floats, gap: Callable[[Floats], Floats], layout: Layout, motion: Motion) -> Fits:
+def body_fits(middle: Floats, gap: Callable[[Floats], Floats], extent: float, layout: Layout, motion: Motion) -> Fits:
     """Where the middle of an obstacle or a fire may be, so that no robot is too near to it.
 
     Args:
         middle: (2,) where it is [m].
         gap: distance (N,) of points (N, 2) from its surface as it stands there [m], negative inside.
+        extent: how far its surface is from its middle at most [m]; robots farther away are not looked at.
         layout: for the clearance.
         motion: where the robots are.
     """
     least = controlled(layout.gains).safety.obstacle_clearance + _HAIR
+    tree = KDTree(motion.position)
 
     def fits(points: Floats) -> Bools:
-        seen = motion.position[None, :, :] - (points - middle)[:, None, :]
-        room = gap(floats(seen.reshape(-1, 2))).reshape(len(points), -1).min(axis=1)
-        return np.asarray(room >= least, np.bool_)
+        near = tree.query_ball_point(points, extent + least)
+        place = np.repeat(np.arange(len(points)), [len(robots) for robots in near])
+        robots = np.fromiter(chain.from_iterable(near), np.int64, len(place))
+        seen = motion.position[robots] - (points[place] - middle)
+        crowded_places = place[gap(floats(seen)) < least] if len(place) else place
+        return np.bincount(crowded_places, minlength=len(points)) == 0
 
     return fits
 
