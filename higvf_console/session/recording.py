@@ -3,13 +3,16 @@
 The polygons that the scenario's masks came to are kept as well, so that a replay needs no image.
 
 JSON lines: a header; `{"tick": 120, "command": "Pick", ...}` for each command; `{"mark": 150, "digest": ...}` each
-second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`.
+second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`. The header
+has the calibration of each input that has one; `{"tick": 90, "calibration": "gaze", ...}` tells of a new one. A replay
+needs neither: the commands are on the ground already.
 """
 
 import dataclasses
 import json
 import platform
 import time
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, get_args
@@ -20,11 +23,13 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.commands import Command, OperatorCommand
 from higvf_console.control.forms import WORDS, Forms
 from higvf_console.errors import InputError
+from higvf_console.reports import CalibrationReport
 from higvf_console.session.run import Run, TrajectoryDigest
 from higvf_console.session.scenario import Scenario, parse_scenario
 from higvf_console.state import Motion
 
 FORMAT = 1
+NONE_MEASURED: Mapping[str, CalibrationReport] = {}
 _FLUSH_EVERY = 1.0  # [s] of wall clock: what a crash can lose
 _KINDS: dict[str, type[Command]] = {kind.__name__: kind for kind in get_args(OperatorCommand)}
 _ARRAYS = {"points": (-1, 2), "point": (2,)}  # command fields that hold arrays, with their shapes
@@ -33,8 +38,16 @@ _ARRAYS = {"points": (-1, 2), "point": (2,)}  # command fields that hold arrays,
 class Recorder:
     """Writes a session down while it runs."""
 
-    def __init__(self, file: Path, scenario: Scenario, seed: int) -> None:
+    def __init__(
+        self, file: Path, scenario: Scenario, seed: int, calibrations: Mapping[str, CalibrationReport] = NONE_MEASURED
+    ) -> None:
         """Opens the file and writes the header.
+
+        Args:
+            file: where to.
+            scenario: what is run.
+            seed: of its start positions.
+            calibrations: in use, by input.
 
         Raises:
             InputError: the file cannot be written.
@@ -50,12 +63,18 @@ class Recorder:
         header = {"recording": FORMAT, "scenario": scenario.name, "source": scenario.source, "seed": seed}
         forms = scenario.gains.forms.words()
         polygons = [chain.tolist() for chain in scenario.obstacles.polygons]
-        self._write({**header, "forms": forms, "versions": versions(), "text": scenario.text, "polygons": polygons})
+        measured = {name: report._asdict() for name, report in calibrations.items()}
+        self._write({**header, "forms": forms, "versions": versions(), "calibrations": measured,
+                     "text": scenario.text, "polygons": polygons})  # fmt: skip
 
     def command(self, command: OperatorCommand) -> None:
         """A command was applied before the next tick."""
         fields = {field.name: _plain(getattr(command, field.name)) for field in dataclasses.fields(command)}
         self._write({"tick": self._ticks, "command": type(command).__name__, **fields})
+
+    def calibration(self, channel: str, report: CalibrationReport) -> None:
+        """An input has a new calibration."""
+        self._write({"tick": self._ticks, "calibration": channel, **report._asdict()})
 
     def step(self, motion: Motion) -> None:
         """A tick was done."""
@@ -167,7 +186,7 @@ def read_recording(file: Path) -> Recording:
         if "mark" in entry:
             recording.marks.append(Mark(entry["mark"], entry["digest"]))
             recording = recording._replace(complete="end" in entry)
-        else:
+        elif "calibration" not in entry:
             recording.commands.setdefault(entry["tick"], []).append(_command(entry, f"{file}: line {number}"))
     return recording
 

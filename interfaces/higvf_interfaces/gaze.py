@@ -182,6 +182,9 @@ class GazeReplay:
         playback = self._playback
         fresh = playback.started and playback.seen and self._now - playback.time <= THRESHOLDS.longest_filled
         self._tally.look(self._now, self._ground(playback.point) if fresh else None, context.targets)
+        self._fixate(ended)
+
+    def _fixate(self, ended: list[Fixation]) -> None:
         degree = self._length(1.0) if ended else 0.0
         for fixation in ended:
             self._tally.fixate(fixation._replace(point=self._ground(fixation.point)), degree)
@@ -230,7 +233,7 @@ class GazeReplay:
             rest = self._playback.unfinished()
             ended = [*ended, *rest]
             if self._live is not None:  # it does not hand them out again
-                self._count(rest, context)
+                self._fixate(rest)
         grown = [fixation.point for fixation in ended if not self._on_button(fixation.point)]
         if grown:
             self._stroke += [self._ground(point) for point in grown]

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from higvf_console.arrays import floats
 from higvf_interfaces.attention import ELSEWHERE, looked_at, transition_entropy, workload
 
-
 FIRES = floats([[100, 100], [500, 100]])
 
 
