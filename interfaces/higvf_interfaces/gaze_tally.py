@@ -1,5 +1,6 @@
 """What the operator has looked at since the run started: tallies that each control period adds a little to."""
 
+import math
 from collections import deque
 
 import numpy as np
@@ -8,7 +9,7 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.commands import NO_TARGETS, Targets
 from higvf_console.reports import AttentionReport
 from higvf_console.viewport import Arena
-from higvf_interfaces.attention import ELSEWHERE, looked_at, workload
+from higvf_interfaces.attention import ELSEWHERE, Transitions, looked_at
 from higvf_interfaces.fixations import Fixation
 from higvf_interfaces.heat_map import counts
 
@@ -37,8 +38,8 @@ class GazeTally:
         self._before: float | None = None
         self._seen = 0.0
         self._targets: deque[tuple[float, Targets]] = deque([(-np.inf, NO_TARGETS)], maxlen=_REMEMBERED)
-        self._lengths: list[float] = []
-        self._areas: list[int] = []
+        self._fixations, self._fixated = 0, 0.0
+        self._transitions = Transitions()
         self._fires, self._robots, self._elsewhere = floats([]), floats([]), 0.0
         self._degree = 0.0
 
@@ -75,8 +76,9 @@ class GazeTally:
             self._fires[at] += length
         else:
             self._robots[at - fires] += length
-        self._lengths.append(length)
-        self._areas.append(at if at < fires else -2 - (at - fires))  # a fire that is added renames no robot
+        self._fixations += 1
+        self._fixated += length
+        self._transitions.add(at if at < fires else fires - at - 2)  # a fire that is added renames no robot
         self._degree = degree
 
     def report(self) -> AttentionReport | None:
@@ -86,10 +88,18 @@ class GazeTally:
         if self._points:
             self._heat = self._heat + counts(floats(self._points, -1, 2), self._arena, HEAT_PX, floats(self._spans))
             self._points, self._spans = [], []
-        load = workload(floats(self._lengths), self._areas, self._seen)
         _, targets = self._targets[-1]
-        fires, robots = _sized(self._fires, len(targets.fires)), _sized(self._robots, len(targets.robots))
-        return AttentionReport(self._heat, self._arena, self._degree, fires, robots, self._elsewhere, *load)
+        return AttentionReport(
+            heat=self._heat,
+            extent=self._arena,
+            degree=self._degree,
+            fires=_sized(self._fires, len(targets.fires)),
+            robots=_sized(self._robots, len(targets.robots)),
+            elsewhere=self._elsewhere,
+            fixation_rate=self._fixations / self._seen if self._seen else 0.0,
+            fixation_duration=self._fixated / self._fixations if self._fixations else math.nan,
+            transition_entropy=self._transitions.entropy,
+        )
 
 
 def _sized(spent: Floats, count: int) -> Floats:

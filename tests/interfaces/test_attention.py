@@ -1,12 +1,14 @@
 """Each fixation finds its target, and a busy eye is told from a calm one."""
 
+from collections.abc import Iterable
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from higvf_console.arrays import floats
-from higvf_interfaces.attention import ELSEWHERE, looked_at, transition_entropy, workload
+from higvf_interfaces.attention import ELSEWHERE, Transitions, looked_at
 
 FIRES = floats([[100, 100], [500, 100]])
 
@@ -25,21 +27,21 @@ def test_moving_targets_are_where_they_were_during_the_fixation() -> None:
     assert looked_at(floats([[0, 0], [0, 0]]), robots, floats([10, 10])).tolist() == [0, 1]
 
 
-def test_workload_counts_fixations_a_second_and_their_length() -> None:
-    load = workload(floats([0.2, 0.2, 0.2]), [0, 1, 0], seen=6.0)
-    assert load.fixation_rate == pytest.approx(0.5)
-    assert load.fixation_duration == pytest.approx(0.2)
-    assert load.transition_entropy == 0.0
+def entropy(areas: Iterable[int]) -> float:
+    transitions = Transitions()
+    for area in areas:
+        transitions.add(area)
+    return transitions.entropy
 
 
 def test_a_fixed_round_has_no_entropy_and_chance_has_all_of_it() -> None:
-    assert transition_entropy([0, 1, 2] * 50) == pytest.approx(0.0)
+    assert entropy([0, 1, 2] * 50) == pytest.approx(0.0)
     chance = np.random.default_rng(1).integers(0, 4, 20_000)
-    assert transition_entropy(chance) == pytest.approx(1.0, abs=0.01)
-    assert transition_entropy([3, 3, 3, 3]) == 0.0
-    assert np.isnan(transition_entropy([1, 2]))
+    assert entropy(chance.tolist()) == pytest.approx(1.0, abs=0.01)
+    assert entropy([3, 3, 3, 3]) == 0.0
+    assert np.isnan(entropy([1, 2]))
 
 
 @given(areas=st.lists(st.integers(-1, 5), min_size=3, max_size=60))
 def test_entropy_lies_between_none_and_that_of_chance(areas: list[int]) -> None:
-    assert -1e-12 <= transition_entropy(areas) <= 1 + 1e-9
+    assert -1e-12 <= entropy(areas) <= 1 + 1e-9
