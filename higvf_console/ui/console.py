@@ -40,9 +40,10 @@ from higvf_console.commands import (
 from higvf_console.session.previewer import Choice, Previewer
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.ui import camera, keys, page, pointer, theme
-from higvf_console.ui.panels.faults import FaultsPanel
+from higvf_console.ui.calibration import Calibration
 from higvf_console.ui.panels.fires import FiresPanel
 from higvf_console.ui.panels.html import SPACER
+from higvf_console.ui.panels.inputs import InputsPanel
 from higvf_console.ui.panels.log import LogPanel
 from higvf_console.ui.panels.preview import PreviewPanel
 from higvf_console.ui.panels.run import RunPanel
@@ -181,6 +182,7 @@ class Console:
         camera.install(server, self._scene.camera_arena)
         hand = Hand(session, self._view, self._steer)
         pointer.install(server, hand, theme.DARK.stroke)
+        self._calibration = Calibration(server, session.calibrated)
         keys.install(server, hand.key, session.pointer.beat)
         page.on_leave(server, hand.leave)
         add_commands(server.gui, hand)
@@ -198,13 +200,13 @@ class Console:
             fires = FiresPanel(gui, session)
         with tabs.add_tab("Why"):
             why = WhyPanel(gui, session, self._view)
+        with tabs.add_tab("Inputs"):
+            inputs = InputsPanel(gui, session, sink)
         with tabs.add_tab("View"):
             view = ViewPanel(gui, self._view)
         with tabs.add_tab("Log"):
             log = LogPanel(self._server)
-        with tabs.add_tab("Faults"):
-            faults = FaultsPanel(gui, [name for name, _ in session.snapshot.channels], sink)
-        self._panels = (status, run, self._steer, preview, fires, why, view, log, faults)
+        self._panels = (status, run, self._steer, preview, fires, why, inputs, view, log)
 
     def _choice(self) -> Choice:
         return Choice(self._view.horizon, self._steer.smoothing)
@@ -227,6 +229,7 @@ class Console:
         """Shows one snapshot. A part that fails is logged once and does not keep the others from showing."""
         with self._server.atomic():
             self._try("scene", lambda: self._show_scene(snapshot))
+            self._try("calibration", lambda: self._calibration.update(snapshot.inputs.capture))
             if self._frames % FRAMES_PER_PANEL == 0:
                 for panel in self._panels:
                     self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))

@@ -1,7 +1,7 @@
 """The arena as the operator sees it, from above: layers that a snapshot is poured into.
 
-    floor, grid -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> ghosts -> sight lines,
-    arrows of reasons -> robots -> stroke, cursor
+    floor, grid -> heat of gaze -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> ghosts -> sight lines,
+    arrows of reasons -> robots -> stroke, cursor, dwell button
 
 Everything changes by assignment to a few nodes; nothing here knows threads or commands.
 """
@@ -16,6 +16,7 @@ from higvf_console.session.preview import USUAL
 from higvf_console.sim.setup import Setup
 from higvf_console.ui.scene_field import FieldLayer
 from higvf_console.ui.scene_fires import Fires
+from higvf_console.ui.scene_gaze import DwellLayer, HeatLayer
 from higvf_console.ui.scene_ghosts import Ghosts
 from higvf_console.ui.scene_ground import Ground, with_margin
 from higvf_console.ui.scene_parts import Canvas
@@ -46,6 +47,7 @@ class View:
         explained: the robot whose velocity is explained; None = the one that is steered.
         reasons: its velocity as a chain of arrows.
         sights: which fires it sees, and what hides the others.
+        heat: where the operator has looked.
     """
 
     field: FieldKind | None = None
@@ -59,6 +61,7 @@ class View:
     explained: int | None = None
     reasons: bool = False
     sights: bool = False
+    heat: bool = False
 
     def robot(self, snapshot: "Snapshot") -> int:
         """Index of the robot whose velocity is explained."""
@@ -92,6 +95,8 @@ class Scene:
         self._field = FieldLayer(canvas, setup)
         self._reasons = ReasonLayer(canvas, setup)
         self._sights = SightLayer(canvas, setup)
+        self._heat = HeatLayer(canvas)
+        self._dwell = DwellLayer(canvas)
 
     def update(self, snapshot: "Snapshot", preview: "Preview | None" = None) -> None:
         """Shows a snapshot, and what is foreseen; call it inside `server.atomic()`."""
@@ -104,6 +109,8 @@ class Scene:
         robot = view.robot(snapshot)
         self._reasons.update(snapshot.last, robot if view.reasons else None)
         self._sights.update(snapshot.last, robot if view.sights else None)
+        self._heat.update(snapshot.inputs.attention, view.heat)
+        self._dwell.update(snapshot.inputs.dwell, state.drawing.cursor)
         self._ground.show_boundaries(view.boundaries)
         self._team.show(links=view.links, trails=view.trails, labels=view.labels, clearance=view.clearance)
 

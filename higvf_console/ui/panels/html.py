@@ -33,6 +33,12 @@ STYLE = f"""<style>
 .hg table.numbers th:nth-child(2), .hg table.numbers td:nth-child(2) {{ text-align: right; padding-left: 6px; }}
 .hg .title {{ font-weight: 600; margin: 6px 0 2px; }}
 .hg .held {{ display: grid; grid-template-columns: auto 1fr; gap: 10px; margin-top: 4px; }}
+.hg .inputs {{ display: grid; grid-template-columns: 15px max-content 1fr; gap: 1px 8px; }}
+.hg .inputs .why {{ grid-column: 2 / -1; font-size: 12px; line-height: 1.4; margin-bottom: 4px;
+  overflow-wrap: anywhere; }}
+.hg dl.wide {{ grid-template-columns: 134px 1fr; }}
+.hg table.attention td:last-child {{ width: 34%; }}
+.hg .bar {{ display: block; height: 7px; min-width: 1px; border-radius: 2px; background: {DARK.robot}; }}
 .hg .swatch {{ display: inline-block; width: 12px; height: 9px; border-radius: 2px; margin-right: 5px; }}
 .hg .chosen {{ color: {DARK.own_target}; }}
 .hg tr.out td {{ color: var(--mantine-color-dimmed); }}
