@@ -66,7 +66,7 @@ class DwellLayer:
 
 
 def progress_ring(centre: Floats, radius: float, progress: float) -> Floats:
-    """The part of a circle (s, 2, 2), clockwise from the top, that `progress` in [0, 1] fills; nothing round nowhere."""
+    """The part of a circle (s, 2, 2), clockwise from the top, that `progress` fills; none where there is no centre."""
     if progress <= 0.0 or not np.isfinite(centre).all():
         return floats([], 0, 2, 2)
     turn = np.pi / 2 - np.linspace(0.0, 2 * np.pi * min(progress, 1.0), 49)

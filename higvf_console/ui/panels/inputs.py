@@ -56,9 +56,8 @@ class InputsPanel:
         self._calibration.content = block(calibration_html(inputs.calibrations, inputs.capture))
         self._calibration.visible = inputs.capture is not None
         self._calibrate.visible = inputs.capture is not None
-        self._calibrate.disabled = inputs.capture is None or bool(
-            inputs.capture.refusal or inputs.capture.target is not None
-        )
+        capture = inputs.capture
+        self._calibrate.disabled = capture is None or bool(capture.refusal) or capture.target is not None
 
     def cleanup(self) -> None:
         """Removes the widgets."""

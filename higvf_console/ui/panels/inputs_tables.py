@@ -1,4 +1,4 @@
-"""What the Inputs panel tells: each channel and why, the stages of its debouncer, what was looked at, the calibration."""
+"""What the Inputs panel tells: each channel and why, the debouncer's stages, what was looked at, the calibration."""
 
 import math
 from collections.abc import Sequence
@@ -66,9 +66,10 @@ def _stages(report: DecisionReport) -> list[tuple[str, str, str, int]]:
     confidence = DASH if report.confidence is None else f"{report.confidence:.2f}"
     known = bool(report.label)
     wait = f"{report.refractory:.1f} s" if report.refractory > 0.0 else "free"
+    trust = f"{report.threshold:g}" if report.threshold > 0.0 else "any"
     levels = f"{report.enter:g} / {report.leave:g}" if report.enter > 0.0 else "any"
     return [
-        ("Confidence", confidence, f"{report.threshold:g}" if report.threshold > 0.0 else "any", _of(held, "threshold")),
+        ("Confidence", confidence, trust, _of(held, "threshold")),
         ("Votes", f"{report.votes}/{report.of}" if known else DASH, f"{report.votes_needed}/{report.of}",
          _of(held, "vote")),
         ("Support", f"{report.support:.2f}" if known else DASH, levels, _of(held, "hysteresis")),
