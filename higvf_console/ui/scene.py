@@ -1,7 +1,7 @@
 """The arena as the operator sees it, from above: layers that a snapshot is poured into.
 
-    floor, grid -> heat of gaze -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> ghosts ->
-    sight lines, arrows of reasons -> robots -> stroke, cursor, dwell button
+    floor, grid -> heat of gaze -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path ->
+    ghosts -> sight lines, arrows of reasons -> robots -> stroke, cursor, dwell button
 
 Everything changes by assignment to a few nodes; nothing here knows threads or commands.
 """

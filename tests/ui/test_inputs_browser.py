@@ -40,6 +40,11 @@ def visible(page: Page, node: str) -> bool:
     return page.evaluate("(node) => !!window.__viserMutable.nodeRefFromName[node]?.visible", node)
 
 
+def told(page: Page, words: str) -> str:
+    """The text of the table that has some words in it."""
+    return page.locator(".hg", has_text=words).last.inner_text()
+
+
 def test_the_ring_fills_while_gaze_rests_on_the_button(page: Page, running: Running) -> None:
     dwell = wait_until(lambda: (report := running.session.snapshot.inputs.dwell) and report.progress > 0.4 and report)
     running.push(Freeze(True))
@@ -54,19 +59,15 @@ def test_the_ring_fills_while_gaze_rests_on_the_button(page: Page, running: Runn
 def test_the_panel_tells_what_was_looked_at_and_what_was_decided(page: Page, running: Running) -> None:
     running.push(SetSpeed(8.0))
     wait_until(lambda: running.session.snapshot.time > 20.0)
-    panel = page.get_by_role("tabpanel", name="Inputs")
-    wait_until(lambda: "Fixation rate" in panel.inner_text() and "Fire 3" in panel.inner_text())
-    text = panel.inner_text()
-    assert "Decisions of emg" in text
-    assert "Decisions of bci" in text
-    wait_until(lambda: "right" in panel.inner_text())
+    wait_until(lambda: "Fire 3" in told(page, "Fixation rate"))
+    wait_until(lambda: "right passed" in told(page, "Decisions of bci"))
+    assert "Decisions of emg" in told(page, "Decisions of bci")
     screenshot(page, "inputs-panel")
 
 
 def test_a_recording_cannot_be_calibrated_and_the_panel_says_why(page: Page) -> None:
-    panel = page.get_by_role("tabpanel", name="Inputs")
-    assert panel.get_by_role("button", name="Calibrate gaze").is_disabled()
-    assert "gaze is replayed" in panel.inner_text()
+    assert page.get_by_role("button", name="Calibrate gaze").is_disabled()
+    assert "gaze is replayed" in told(page, "Calibration")
 
 
 def test_the_heat_map_is_shown_when_it_is_wanted(page: Page, running: Running) -> None:

@@ -56,7 +56,7 @@ def _latest(report: DecisionReport) -> str:
     word = f'<span class="dim">{STAGE_WORDS.get(report.stage, text(report.stage))}</span>'
     if not report.label:
         return word
-    held = "active, " if report.active == report.label else ""
+    held = "active, " if report.enter > 0.0 and report.active == report.label else ""
     return f"<b>{text(report.label)}</b> {held}{word}"
 
 
@@ -68,12 +68,13 @@ def _stages(report: DecisionReport) -> list[tuple[str, str, str, int]]:
     wait = f"{report.refractory:.1f} s" if report.refractory > 0.0 else "free"
     trust = f"{report.threshold:g}" if report.threshold > 0.0 else "any"
     levels = f"{report.enter:g} / {report.leave:g}" if report.enter > 0.0 else "any"
+    onset = "a new one" if report.enter > 0.0 else "any"
     return [
         ("Confidence", confidence, trust, _of(held, "threshold")),
         ("Votes", f"{report.votes}/{report.of}" if known else DASH, f"{report.votes_needed}/{report.of}",
          _of(held, "vote")),
         ("Support", f"{report.support:.2f}" if known else DASH, levels, _of(held, "hysteresis")),
-        ("Onset", text(report.active) or "none", "a new one", _of(held, "onset")),
+        ("Onset", (text(report.active) or "none") if report.enter > 0.0 else DASH, onset, _of(held, "onset")),
         ("Refractory", wait, "free", _of(held, "refractory")),
     ]  # fmt: skip
 
