@@ -11,8 +11,8 @@ from higvf_console.ui.scene_parts import Canvas, Layer
 from higvf_console.ui.theme import DARK
 
 _FAINT = 0.04  # share of the peak below which the ground is clear
-_OPACITY = 0.72  # of the peak
-_DARKEST, _BRIGHTEST = 70, 235  # part of the colour map that is used, out of 0 to 255: never black, never glaring
+_OPACITY = 0.8  # of the peak
+_DARKEST, _BRIGHTEST = 100, 245  # part of the colour map that is used, out of 0 to 255: never black, never glaring
 _RING = 17.0  # radius of the progress round the cursor [px]
 
 
@@ -35,13 +35,14 @@ class HeatLayer:
 def heat_picture(report: AttentionReport) -> NDArray[np.uint8]:
     """Red, green, blue and opacity (rows, columns, 4) of the time that gaze spent, blurred by a degree of visual angle.
 
-    Inferno is even in brightness, so that it reads without hues too; opacity says the same once more.
+    From clear over grey blue to the white of the gaze cursor: brightness alone tells, and neither fires nor paths have
+    that hue.
     """
     cell = report.extent.width / report.heat.shape[1]
     blurred = floats(cv2.GaussianBlur(report.heat, (0, 0), max(0.8, report.degree / cell)))
     share = np.sqrt(blurred / max(float(blurred.max()), 1e-12))  # a long rest must not hide the short ones
     level = np.round(_DARKEST + (_BRIGHTEST - _DARKEST) * share).astype(np.uint8)
-    colours = cv2.applyColorMap(level, cv2.COLORMAP_INFERNO)[:, :, ::-1]
+    colours = cv2.applyColorMap(level, cv2.COLORMAP_BONE)[:, :, ::-1]
     opacity = np.clip((share - _FAINT) / (1 - _FAINT), 0.0, 1.0) * 255 * _OPACITY
     return np.dstack([colours, np.round(opacity)]).astype(np.uint8)
 
@@ -62,12 +63,15 @@ class DwellLayer:
         if self._shown is None or not np.array_equal(outline, self._shown):
             self._shown = outline
             self._outline.draw(shapes.segments(outline) if len(outline) else floats([], 0, 2, 2))
-        self._ring.draw(progress_ring(cursor, self._radius, 0.0 if report is None else report.progress))
+        progress = report.progress if report is not None and np.isfinite(cursor).all() else 0.0
+        self._ring.draw(progress_ring(self._radius, progress))
+        if progress > 0.0:
+            self._ring.move(cursor)  # as the cursor moves: new points would come a moment later
 
 
-def progress_ring(centre: Floats, radius: float, progress: float) -> Floats:
-    """The part of a circle (s, 2, 2), clockwise from the top, that `progress` fills; none where there is no centre."""
-    if progress <= 0.0 or not np.isfinite(centre).all():
+def progress_ring(radius: float, progress: float) -> Floats:
+    """The part of a circle (s, 2, 2) round the origin, clockwise from the top, that `progress` in [0, 1] fills."""
+    if progress <= 0.0:
         return floats([], 0, 2, 2)
     turn = np.pi / 2 - np.linspace(0.0, 2 * np.pi * min(progress, 1.0), 49)
-    return shapes.segments(centre + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    return shapes.segments(radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))

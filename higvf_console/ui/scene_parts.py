@@ -150,6 +150,7 @@ class Lines:
     def __init__(self, canvas: Canvas, layer: Layer, name: str, colour: str | None, thickness: float) -> None:
         """Starts with no segment."""
         self._visible, self._empty = True, True
+        self._height = canvas.height(layer)[2]
         self._node = canvas.add(
             lambda scene: scene.add_line_segments(
                 name,
@@ -171,6 +172,10 @@ class Lines:
             if colours is not None:
                 self._node.colors = colours
         self.show(self._visible)
+
+    def move(self, origin: Floats) -> None:
+        """Puts the segments' origin at a ground point (2,) [m]."""
+        self._node.position = (float(origin[0]), float(origin[1]), self._height)
 
     def show(self, visible: bool) -> None:
         """Shows or hides them."""

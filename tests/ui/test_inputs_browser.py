@@ -46,10 +46,9 @@ def told(page: Page, words: str) -> str:
 
 
 def test_the_ring_fills_while_gaze_rests_on_the_button(page: Page, running: Running) -> None:
-    dwell = wait_until(lambda: (report := running.session.snapshot.inputs.dwell) and report.progress > 0.4 and report)
+    wait_until(lambda: (report := running.session.snapshot.inputs.dwell) and report.progress > 0.4)
     running.push(Freeze(True))
     wait_until(lambda: running.session.snapshot.frozen)
-    assert len(dwell.outline) == 5
     wait_until(lambda: visible(page, "/gaze/button") and visible(page, "/gaze/dwell"))
     page.wait_for_timeout(500)
     screenshot(page, "inputs-dwell")
