@@ -16,8 +16,7 @@ from tests.browser import wait_until
 ARENA = Arena(0.0, 0.0, 1200.0, 700.0)
 SCREEN = (1920.0, 1080.0)
 RATE = 60
-LOOKED = fit(ARENA, *SCREEN).to_screen(targets(ARENA, COUNT))
-LOOKED += np.array([30.0, -20.0])  # the tracker is off
+LOOKED = fit(ARENA, *SCREEN).to_screen(targets(ARENA, COUNT)) + np.array([[30.0, -20.0]])  # the tracker is off
 
 
 @pytest.fixture(autouse=True)
