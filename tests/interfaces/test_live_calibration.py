@@ -64,7 +64,6 @@ def test_a_calibration_that_is_captured_live_is_used_at_once(
     assert found.residual_px < 1.0
     assert gaze.capture_report().target is None
     until(lambda: Path(found.file).is_file() and "; written" in gaze.capture_report().outcome)
-    assert gaze.attention_report() is not None
     gaze.close()
 
     again = open_gaze(InputSpec("gaze", "lsl", {**options, "calibration": found.file}))

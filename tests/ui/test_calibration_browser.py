@@ -75,6 +75,7 @@ def running(tracker: Tracker) -> Iterator[Running]:
 @pytest.fixture(scope="module")
 def page(chromium: Browser, running: Running) -> Iterator[Page]:
     page = open_console(chromium, running.url, 1280, 720)
+    page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((close) => close.click())")
     page.get_by_role("tab", name="Inputs").click()
     yield page
     page.context.close()

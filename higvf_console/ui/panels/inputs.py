@@ -52,6 +52,7 @@ class InputsPanel:
         self._channels.content = block(channels_html(snapshot.channels))
         self._acknowledge.visible = any(health.state is ChannelState.RECOVERED for _, health in snapshot.channels)
         self._decisions.content = block("".join(decisions_html(*entry) for entry in inputs.decisions))
+        self._decisions.visible = bool(inputs.decisions)
         self._attention.content = block(attention_html(inputs.attention))
         self._calibration.content = block(calibration_html(inputs.calibrations, inputs.capture))
         self._calibration.visible = inputs.capture is not None
