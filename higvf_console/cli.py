@@ -189,6 +189,7 @@ def _run(given: argparse.Namespace) -> int:
 def _open_session(given: argparse.Namespace) -> "Session":
     from higvf_console.control.forms import forms_named
     from higvf_console.session.channels import open_interface
+    from higvf_console.session.input_reports import calibrations_of
     from higvf_console.session.marker_outlet import MarkerOutlet
     from higvf_console.session.recording import Recorder
     from higvf_console.session.scenario import load_scenario
@@ -200,7 +201,8 @@ def _open_session(given: argparse.Namespace) -> "Session":
     if given.forms is not None:
         scenario = scenario.with_forms(forms_named(given.forms))
     interfaces = [open_interface(spec) for spec in _input_specs(given, scenario)]
-    recorder = Recorder(given.record, scenario, given.seed) if given.record else None
+    measured = calibrations_of(interfaces)
+    recorder = Recorder(given.record, scenario, given.seed, measured) if given.record else None
     _warm_up(scenario.setup(given.seed))
     markers = MarkerOutlet(given.lsl_out, scenario.name, given.seed) if given.lsl_out is not None else None
     session = Session(scenario, interfaces, given.seed, recorder, markers)

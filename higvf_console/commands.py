@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import NamedTuple, Protocol, TypeAlias
 
-from higvf_console.arrays import Floats
+from higvf_console.arrays import Floats, floats
 from higvf_console.command import Command
 from higvf_console.edits import (
     AddOutlines,
@@ -337,6 +337,23 @@ OperatorCommand: TypeAlias = (
 )  # fmt: skip
 
 
+class Targets(NamedTuple):
+    """What there is to look at now; arrays of the state, not to be written.
+
+    Attributes:
+        fires: (M, 2) where the fires are [m], those that are out included.
+        fire_radius: (M,) [m].
+        robots: (N, 2) where the robots are [m].
+    """
+
+    fires: Floats
+    fire_radius: Floats
+    robots: Floats
+
+
+NO_TARGETS = Targets(floats([], 0, 2), floats([]), floats([], 0, 2))
+
+
 class OperatorContext(NamedTuple):
     """What an interface may know when it is polled.
 
@@ -349,6 +366,7 @@ class OperatorContext(NamedTuple):
         influenced: index of the influenced robot.
         extinguished: fire indices, in the order in which they went out.
         robots: how many there are.
+        targets: what there is to look at.
     """
 
     time: float
@@ -359,6 +377,7 @@ class OperatorContext(NamedTuple):
     influenced: int
     extinguished: tuple[int, ...]
     robots: int
+    targets: Targets = NO_TARGETS
 
 
 class ChannelState(StrEnum):

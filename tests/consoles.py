@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import viser
 
-from higvf_console.commands import InputSpec, OperatorCommand
+from higvf_console.commands import InputSpec, Interface, OperatorCommand
 from higvf_console.session.channels import open_interface
 from higvf_console.session.scenario import load_scenario
 from higvf_console.session.session import Session
@@ -38,9 +38,9 @@ class Running(NamedTuple):
 
 
 @contextmanager
-def console_at_work(scenario: str) -> Generator[Running]:
-    """A scenario, live."""
-    session = Session(load_scenario(scenario), [open_interface(InputSpec("mouse"))])
+def console_at_work(scenario: str, *interfaces: Interface) -> Generator[Running]:
+    """A scenario, live, with the mouse and what else there is."""
+    session = Session(load_scenario(scenario), [open_interface(InputSpec("mouse")), *interfaces])
     warm_up(session.setup.start, session.setup.world, session.setup.gains)
     token = guard.new_token()
     server = guard.open_server("127.0.0.1", 0, token, "Console")

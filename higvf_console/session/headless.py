@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from higvf_console.control.forms import name_of
+from higvf_console.session.attention_report import attention_section
 from higvf_console.session.run import TrajectoryDigest
 from higvf_console.session.session import Session
 from higvf_console.sim.certificates import certificates
@@ -22,7 +23,7 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
 
     Returns:
         The report, ready for JSON: fires are numbered from 1, `min_clearance_m` is null when nobody ever came near
-        anything, `digest` is the SHA-256 of `TrajectoryDigest`.
+        anything, `attention` is null without gaze, `digest` is the SHA-256 of `TrajectoryDigest`.
     """
     dt = session.setup.gains.safety.control_period
     duration = session.scenario.duration if duration is None else duration
@@ -36,6 +37,7 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
         burning = session.snapshot.state.motion.fire_burning
         if len(burning) and not burning.any():
             break
+    inputs = session.input_reports
     return {
         "scenario": session.scenario.name,
         "forms": name_of(session.scenario.gains.forms),
@@ -47,6 +49,8 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
             {"time": round(time, 9), "source": command.source, "kind": type(command).__name__}
             for time, command in session.commands
         ],
+        "attention": attention_section(inputs.attention),
+        "calibrations": {name: report._asdict() for name, report in inputs.calibrations},
         "tick_ms": {f"p{share}": round(float(np.percentile(tick_ms or [0.0], share)), 4) for share in (50, 99)},
         "digest": digest.hex(),
     }

@@ -5,7 +5,9 @@ that a replay needs no image.
 
 JSON lines: a header; `{"tick": 120, "command": "Pick", ...}` for each command; `{"mark": 150, "digest": ...}` each
 second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`. Numbers that
-JSON does not have are written as {"number": "inf"}; null in an array is NaN.
+JSON does not have are written as {"number": "inf"}; null in an array is NaN. The header
+has the calibration of each input that has one; `{"tick": 90, "calibration": "gaze", ...}` tells of a new one. A replay
+needs neither: the commands are on the ground already.
 """
 
 import dataclasses
@@ -24,11 +26,13 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.commands import Command, LoadScenario, OperatorCommand
 from higvf_console.control.forms import WORDS, Forms
 from higvf_console.errors import InputError
+from higvf_console.reports import CalibrationReport
 from higvf_console.session.run import Run, TrajectoryDigest
 from higvf_console.session.scenario import Scenario, parse_scenario
 from higvf_console.state import Motion
 
 FORMAT = 1
+NONE_MEASURED: Mapping[str, CalibrationReport] = {}
 _FLUSH_EVERY = 1.0  # [s] of wall clock: what a crash can lose
 _KINDS: dict[str, type[Command]] = {kind.__name__: kind for kind in get_args(OperatorCommand)}
 _ARRAYS = {"points": (-1, 2), "point": (2,), "grip": (2,), "sides": (4,)}  # fields that hold arrays, and their shapes
@@ -39,8 +43,16 @@ _NUMBER = "number"
 class Recorder:
     """Writes a session down while it runs."""
 
-    def __init__(self, file: Path, scenario: Scenario, seed: int) -> None:
+    def __init__(
+        self, file: Path, scenario: Scenario, seed: int, calibrations: Mapping[str, CalibrationReport] = NONE_MEASURED
+    ) -> None:
         """Opens the file and writes the header.
+
+        Args:
+            file: where to.
+            scenario: what is run.
+            seed: of its start positions.
+            calibrations: in use, by input.
 
         Raises:
             InputError: the file cannot be written.
@@ -56,7 +68,9 @@ class Recorder:
         header = {"recording": FORMAT, "scenario": scenario.name, "source": scenario.source, "seed": seed}
         forms = scenario.gains.forms.words()
         polygons = [chain.tolist() for chain in scenario.obstacles.polygons]
-        self._write({**header, "forms": forms, "versions": versions(), "text": scenario.text, "polygons": polygons})
+        measured = {name: report._asdict() for name, report in calibrations.items()}
+        self._write({**header, "forms": forms, "versions": versions(), "calibrations": measured,
+                     "text": scenario.text, "polygons": polygons})  # fmt: skip
 
     def command(self, command: OperatorCommand, scenario: Scenario | None = None) -> None:
         """A command was applied before the next tick.
@@ -72,6 +86,10 @@ class Recorder:
             command = dataclasses.replace(command, polygons=scenario.obstacles.polygons)
         fields = {field.name: _plain(getattr(command, field.name)) for field in dataclasses.fields(command)}
         self._write({"tick": self._ticks, "command": type(command).__name__, **fields})
+
+    def calibration(self, channel: str, report: CalibrationReport) -> None:
+        """An input has a new calibration."""
+        self._write({"tick": self._ticks, "calibration": channel, **report._asdict()})
 
     def step(self, motion: Motion) -> None:
         """A tick was done."""
@@ -212,7 +230,7 @@ def read_recording(file: Path) -> Recording:
         if "mark" in entry:
             recording.marks.append(Mark(entry["mark"], entry["digest"]))
             recording = recording._replace(complete="end" in entry)
-        else:
+        elif "calibration" not in entry:
             recording.commands.setdefault(entry["tick"], []).append(_command(entry, f"{file}: line {number}"))
     return recording
 

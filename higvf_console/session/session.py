@@ -25,13 +25,16 @@ from higvf_console.commands import (
     SetSpeed,
     Step,
     StrokePoints,
+    Targets,
 )
 from higvf_console.errors import InputError
+from higvf_console.reports import Calibrated
 from higvf_console.session.baseline import Baseline, compute_baseline
 from higvf_console.session.channels import Channels
 from higvf_console.session.explain import Moved
 from higvf_console.session.failsafe import failure_event, halted
 from higvf_console.session.history import History
+from higvf_console.session.input_reports import InputReports, Reporter, calibration_event
 from higvf_console.session.marker_outlet import MarkerOutlet
 from higvf_console.session.recording import Recorder
 from higvf_console.session.run import Run
@@ -73,6 +76,7 @@ class Snapshot(NamedTuple):
         history: what was done and may be undone.
         channels: how each interface is.
         events: what happened, oldest first; the last `EVENTS_KEPT`.
+        inputs: what the interfaces tell of themselves: attention, decoding, calibration.
     """
 
     setup: Setup
@@ -92,6 +96,7 @@ class Snapshot(NamedTuple):
     history: History
     channels: tuple[tuple[str, ChannelHealth], ...]
     events: tuple[Event, ...]
+    inputs: InputReports = InputReports()
 
 
 class AppliedCommand(NamedTuple):
@@ -142,6 +147,7 @@ class Session:
         self._run = Run(scenario.setup(seed), scenario.filter, scenario)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
+        self._reporter = Reporter(self._channels, self._run.setup.gains.safety.control_period)
         self._recorder, self._markers = recorder, markers
         self._frozen = False
         self._speed = 1.0
@@ -166,6 +172,16 @@ class Session:
     def scenario(self) -> Scenario:
         """What is run."""
         return cast(Scenario, self._run.scenario)
+
+    @property
+    def calibrated(self) -> Calibrated | None:
+        """The interface whose calibration can be made; None = none has a screen."""
+        return self._reporter.calibrated
+
+    @property
+    def input_reports(self) -> InputReports:
+        """What the interfaces tell of themselves at this moment; the snapshot's may be half a second old."""
+        return self._reporter.count(self._run.time, self.snapshot.inputs)
 
     @property
     def setup(self) -> Setup:
@@ -226,10 +242,11 @@ class Session:
         return max(due, now - CATCH_UP * period)
 
     def _attend(self) -> None:
-        intent = self._run.state.intent
+        intent, motion = self._run.state.intent, self._run.state.motion
         context = OperatorContext(
             self._run.time, "operator", self.viewport, self._run.state.drawing.clutch, intent.paused,
-            intent.influenced, self._run.tally.extinguished, len(self._run.state.motion.position),
+            intent.influenced, self._run.tally.extinguished, len(motion.position),
+            Targets(self._run.setup.world.fire_position, motion.fire_radius, motion.position),
         )  # fmt: skip
         said, failures = self._supervisor.poll(context)
         for channel, command in said:
@@ -304,7 +321,11 @@ class Session:
         self._publish(perf_counter())
 
     def _publish(self, started: float) -> None:
-        run = self._run
+        run, inputs = self._run, self._reporter.take(self._run.time)
+        for channel, report in self._reporter.new_calibrations():
+            self._add((calibration_event(channel, report, run.time),))
+            if self._recorder is not None:
+                self._record(self._recorder.calibration, channel, report)
         self.snapshot = Snapshot(
             setup=run.setup,
             state=run.state,
@@ -323,6 +344,7 @@ class Session:
             history=run.history,
             channels=self._supervisor.health,
             events=self._events,
+            inputs=inputs,
         )
 
     def _compute_baseline(self, stopping: Signal) -> None:

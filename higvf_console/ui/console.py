@@ -19,12 +19,13 @@ from higvf_console.session.channel_state import default_limits
 from higvf_console.session.history import History
 from higvf_console.session.previewer import Choice, Previewer
 from higvf_console.ui import camera, hints, keys, page, pointer, theme, tools
+from higvf_console.ui.calibration import Calibration
 from higvf_console.ui.hand import Hand
 from higvf_console.ui.panels.edit import EditPanel
-from higvf_console.ui.panels.faults import FaultsPanel
 from higvf_console.ui.panels.fires import FiresPanel
 from higvf_console.ui.panels.history import HistoryPanel
 from higvf_console.ui.panels.html import SPACER, style_html
+from higvf_console.ui.panels.inputs import InputsPanel
 from higvf_console.ui.panels.log import LogPanel
 from higvf_console.ui.panels.preview import PreviewPanel
 from higvf_console.ui.panels.run import RunPanel
@@ -89,6 +90,7 @@ class Console:
         keys.install(server, hand.key)
         tools.install(server, hand.tool, hand.key)
         hints.install(server)
+        self._calibration = Calibration(server, session.calibrated)
         page.on_leave(server, hand.leave)
         add_commands(server.gui, hand, self._roles)
         self._roles.install(hand.hand_over)
@@ -110,13 +112,13 @@ class Console:
         with tabs.add_tab("Edit"):
             edit = EditPanel(gui, sink, self._view)
             history = HistoryPanel(gui, sink)
+        with tabs.add_tab("Inputs"):
+            inputs = InputsPanel(gui, session, sink)
         with tabs.add_tab("View"):
             view = ViewPanel(gui, self._view)
         with tabs.add_tab("Log"):
             log = LogPanel(self._server, self._view)
-        with tabs.add_tab("Faults"):
-            faults = FaultsPanel(gui, [name for name, _ in session.snapshot.channels], sink)
-        self._panels = (status, run, self._steer, preview, fires, why, edit, history, view, log, faults)
+        self._panels = (status, run, self._steer, preview, fires, why, edit, history, inputs, view, log)
 
     def _show_tool(self, tool: tools.Tool, client_id: int) -> None:
         tools.show(self._server, tool, client_id)
@@ -143,6 +145,7 @@ class Console:
         """Shows one snapshot. A part that fails is logged once and does not keep the others from showing."""
         with self._server.atomic():
             self._try("scene", lambda: self._show_scene(snapshot))
+            self._try("calibration", lambda: self._calibration.update(snapshot.inputs.capture))
             if self._frames % FRAMES_PER_PANEL == 0:
                 for panel in self._panels:
                     self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))

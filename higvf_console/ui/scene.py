@@ -1,7 +1,7 @@
 """The arena as the operator sees it, from above: layers that a snapshot is poured into.
 
-    floor, grid -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path -> ghosts -> sight lines,
-    arrows of reasons -> robots -> stroke, cursor
+    floor, grid -> heat of gaze -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path ->
+    ghosts -> sight lines, arrows of reasons -> robots -> stroke, cursor, dwell button
 
 Everything changes by assignment to a few nodes; nothing here knows threads or commands.
 """
@@ -20,6 +20,7 @@ from higvf_console.ui.grips import Drag
 from higvf_console.ui.scene_edit import EditLayer
 from higvf_console.ui.scene_field import FieldLayer
 from higvf_console.ui.scene_fires import Fires
+from higvf_console.ui.scene_gaze import DwellLayer, HeatLayer
 from higvf_console.ui.scene_ghosts import Ghosts
 from higvf_console.ui.scene_ground import Ground, with_margin
 from higvf_console.ui.scene_parts import Canvas
@@ -56,6 +57,7 @@ class View:
         drag: what the hand holds.
         look: colours and size of text, on every page.
         alarms: those that nobody has acknowledged, oldest first.
+        heat: where the operator has looked.
     """
 
     field: FieldKind | None = None
@@ -74,6 +76,7 @@ class View:
     drag: Drag | None = None
     look: Look = USUAL_LOOK
     alarms: list[Event] = attribute(default_factory=list[Event])
+    heat: bool = False
 
     def robot(self, snapshot: "Snapshot") -> int:
         """Index of the robot whose velocity is explained."""
@@ -112,6 +115,8 @@ class Scene:
         self._reasons = ReasonLayer(canvas, setup)
         self._sights = SightLayer(canvas, setup)
         self._edit = EditLayer(canvas, setup)
+        self._heat = HeatLayer(canvas)
+        self._dwell = DwellLayer(canvas)
 
     def update(self, snapshot: "Snapshot", preview: "Preview | None" = None) -> None:
         """Shows a snapshot, and what is foreseen; call it inside `server.atomic()`."""
@@ -125,6 +130,8 @@ class Scene:
         self._reasons.update(snapshot.last, robot if view.reasons else None)
         self._sights.update(snapshot.last, robot if view.sights else None)
         self._edit.update(state, view.selected if view.editing else None, view.drag)
+        self._heat.update(snapshot.inputs.attention, view.heat)
+        self._dwell.update(snapshot.inputs.dwell, state.drawing.cursor)
         self._ground.show_boundaries(view.boundaries)
         self._team.show(links=view.links, trails=view.trails, labels=view.labels, clearance=view.clearance)
 

@@ -27,27 +27,28 @@ class Layer(IntEnum):
 
     FLOOR = 0
     GRID = 1
-    FIELD = 2
-    FIRE_ZONE = 3
-    BOUNDARY = 4
-    LINK = 5
-    TRAIL = 6
-    FIRE = 7
-    FIRE_EDGE = 8
-    FIRE_TEXT = 9
-    OBSTACLE = 10
-    PATH = 11
-    CHEVRON = 12
-    GHOST = 13
-    CLEARANCE = 14
-    SIGHT = 15
-    HALO = 16
-    VELOCITY = 17
-    REASON = 18
-    ROBOT = 19
-    ROBOT_TEXT = 20
-    STROKE = 21
-    CURSOR = 22
+    HEAT = 2
+    FIELD = 3
+    FIRE_ZONE = 4
+    BOUNDARY = 5
+    LINK = 6
+    TRAIL = 7
+    FIRE = 8
+    FIRE_EDGE = 9
+    FIRE_TEXT = 10
+    OBSTACLE = 11
+    PATH = 12
+    CHEVRON = 13
+    GHOST = 14
+    CLEARANCE = 15
+    SIGHT = 16
+    HALO = 17
+    VELOCITY = 18
+    REASON = 19
+    ROBOT = 20
+    ROBOT_TEXT = 21
+    STROKE = 22
+    CURSOR = 23
 
 
 class Canvas:
@@ -90,6 +91,10 @@ class Canvas:
     ) -> "Marks":
         """`count` copies of a shape."""
         return Marks(self, layer, name, shape, count=count, colour=colour, opacity=opacity)
+
+    def picture(self, layer: Layer, name: str) -> "Picture":
+        """A picture over the whole arena."""
+        return Picture(self, layer, name)
 
 
 def raised(points: Floats) -> NDArray[np.float32]:
@@ -146,6 +151,7 @@ class Lines:
     def __init__(self, canvas: Canvas, layer: Layer, name: str, colour: str | None, thickness: float) -> None:
         """Starts with no segment."""
         self._visible, self._empty = True, True
+        self._height = canvas.height(layer)[2]
         self._node = canvas.add(
             lambda scene: scene.add_line_segments(
                 name,
@@ -167,6 +173,10 @@ class Lines:
             if colours is not None:
                 self._node.colors = colours
         self.show(self._visible)
+
+    def move(self, origin: Floats) -> None:
+        """Puts the segments' origin at a ground point (2,) [m]."""
+        self._node.position = (float(origin[0]), float(origin[1]), self._height)
 
     def show(self, visible: bool) -> None:
         """Shows or hides them."""
@@ -226,3 +236,34 @@ class Marks:
     def show(self, visible: bool) -> None:
         """Shows or hides them."""
         self._node.visible = visible and self.count > 0
+
+
+class Picture:
+    """A picture over the whole arena, hidden until there is one; its colours are shown as they are."""
+
+    def __init__(self, canvas: Canvas, layer: Layer, name: str) -> None:
+        """Starts clear."""
+        arena = canvas.arena
+        centre = ((arena.x_min + arena.x_max) / 2, (arena.y_min + arena.y_max) / 2, canvas.height(layer)[2])
+        self._node = canvas.add(
+            lambda scene: scene.add_image(
+                name,
+                np.zeros((1, 1, 4), np.uint8),
+                arena.width,
+                arena.height,
+                format="png",
+                cast_shadow=False,
+                receive_shadow=False,
+                wxyz=(0.0, 1.0, 0.0, 0.0),  # viser hangs its pictures face down
+                position=centre,
+                visible=False,
+            )
+        )
+
+    def paint(self, rgba: NDArray[np.uint8]) -> None:
+        """Shows a picture (rows, columns, 4); row 0 is the top."""
+        self._node.image = rgba
+
+    def show(self, visible: bool) -> None:
+        """Shows or hides it."""
+        self._node.visible = visible

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from higvf_console.arrays import Floats, floats
 from higvf_console.viewport import Arena
-from higvf_interfaces.attention import looks
-from higvf_interfaces.fixations import THRESHOLDS, Classified
+from higvf_interfaces.fixations import THRESHOLDS, Classified, fixations_of
 from higvf_interfaces.gaze_path import gaze_path
 from higvf_interfaces.heat_map import counts, paint
 from higvf_interfaces.screens import Screen, ground_length, to_ground
@@ -64,12 +63,10 @@ class Becoming:
         for stage, column in zip(self._stages, (piece.seen, piece.steady, piece.fixating), strict=True):
             self._stages[stage] += int(np.count_nonzero(column))
         self._grid += counts(to_ground(piece.points[piece.seen], self._screen), self._arena, _WIDTH)
-        found = looks(piece)
-        self._fixations += len(found.start)
-        self._fixated += float((found.end - found.start).sum())
-        ground = to_ground(found.points, self._screen)
-        for start, end, point in zip(found.start.tolist(), found.end.tolist(), ground, strict=True):
-            self._draw(start, end, point)
+        for start, end, point in fixations_of(piece):
+            self._fixations += 1
+            self._fixated += end - start
+            self._draw(start, end, to_ground(floats(point, 1, 2), self._screen)[0])
 
     def finish(self) -> None:
         """Ends the stroke that is being drawn."""

@@ -8,8 +8,10 @@ tells how well a plane explains them. Stored as YAML (or JSON, which YAML reads)
     screen_px: [1920, 1080]
     points_px: [[370, 108], [1550, 108], [1550, 972], [370, 972], [960, 540]]
     points_m: [[120, 630], [1080, 630], [1080, 70], [120, 70], [600, 350]]
+    made: 2026-03-02T14:05:00+01:00      # optional; else the file's own time
 """
 
+from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple, cast
 
@@ -19,12 +21,13 @@ import yaml
 
 from higvf_console.arrays import Floats, floats
 from higvf_console.errors import InputError
+from higvf_console.reports import CalibrationReport
 from higvf_console.viewport import Arena
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.yaml_files import read_yaml
 
 MARGIN = 0.1  # of the arena's sides, between its border and the points to look at
-KEYS = ("screen_px", "points_px", "points_m", "residual_m")
+KEYS = ("screen_px", "points_px", "points_m", "residual_m", "made")
 _FEWEST = 4
 _NEAREST_HORIZON = 0.1  # smallest weight on the screen, as a share of the largest
 
@@ -38,6 +41,8 @@ class Calibration(NamedTuple):
         points_px: (n, 2) where gaze was.
         points_m: (n, 2) what it looked at.
         residual: root mean square of the points' distances on the ground [m].
+        file: where it is stored; empty where it is not.
+        made: date and time, as ISO 8601.
     """
 
     homography: Floats
@@ -45,6 +50,8 @@ class Calibration(NamedTuple):
     points_px: Floats
     points_m: Floats
     residual: float
+    file: str = ""
+    made: str = ""
 
 
 def targets(arena: Arena, count: int, margin: float = MARGIN) -> Floats:
@@ -99,6 +106,29 @@ def to_arena(calibration: Calibration, pixels: Floats) -> Floats:
     return floats(np.where(weights[:, None] > 0, mapped / np.where(weights > 0, weights, 1.0)[:, None], np.nan))
 
 
+def residual_px(calibration: Calibration) -> float:
+    """Root mean square of the points' distances on the screen [px]."""
+    back = np.linalg.inv(calibration.homography)
+    mapped = np.column_stack([calibration.points_m, np.ones(len(calibration.points_m))]) @ back.T
+    missed = mapped[:, :2] / mapped[:, 2:] - calibration.points_px
+    return float(np.sqrt(np.mean(np.sum(missed**2, axis=1))))
+
+
+def calibration_report(calibration: Calibration) -> CalibrationReport:
+    """A calibration in plain values, as it is shown and written down with a run."""
+    first, second, third = ((float(a), float(b), float(c)) for a, b, c in calibration.homography.tolist())
+    return CalibrationReport(
+        file=calibration.file,
+        made=calibration.made,
+        screen_px=calibration.screen,
+        points_px=tuple((float(x), float(y)) for x, y in calibration.points_px.tolist()),
+        points_m=tuple((float(x), float(y)) for x, y in calibration.points_m.tolist()),
+        homography=(first, second, third),
+        residual_px=residual_px(calibration),
+        residual_m=calibration.residual,
+    )
+
+
 def read_calibration(path: Path) -> Calibration:
     """Reads a stored calibration and fits it again.
 
@@ -112,7 +142,15 @@ def read_calibration(path: Path) -> Calibration:
     width, height = fields.numbers("screen_px", 2)
     if min(width, height) < 1:
         fields.fail(f"screen_px: {[width, height]!r} is not [width, height]")
-    return calibrate(fields.points("points_px"), fields.points("points_m"), (width, height), str(path))
+    fitted = calibrate(fields.points("points_px"), fields.points("points_m"), (width, height), str(path))
+    return fitted._replace(file=str(path), made=_made(path, fields))
+
+
+def _made(path: Path, fields: Fields) -> str:
+    """What the file says of when it was made, else when it was written."""
+    if fields.has("made"):
+        return str(fields.values["made"])
+    return datetime.fromtimestamp(path.stat().st_mtime).astimezone().isoformat(timespec="seconds")
 
 
 def calibration_text(calibration: Calibration) -> str:
@@ -122,6 +160,7 @@ def calibration_text(calibration: Calibration) -> str:
         "points_px": calibration.points_px.tolist(),
         "points_m": calibration.points_m.tolist(),
         "residual_m": calibration.residual,
+        **({"made": calibration.made} if calibration.made else {}),
     }
     return yaml.safe_dump(content, sort_keys=False, default_flow_style=None)
 

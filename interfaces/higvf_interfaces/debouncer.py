@@ -109,6 +109,11 @@ def support(recent: tuple[Decision, ...], label: str, needed: Evidence) -> float
     return sum(votes) / needed.of
 
 
+def votes_for(recent: tuple[Decision, ...], label: str, needed: Evidence) -> int:
+    """How many of the decisions that vote now say `label`."""
+    return sum(vote.label == label for vote in _electorate(recent, needed))
+
+
 def _electorate(recent: tuple[Decision, ...], needed: Evidence) -> tuple[Decision, ...]:
     """The decisions that vote now: the last m that are not forgotten."""
     since = recent[-1].time - needed.memory if recent else 0.0
@@ -118,7 +123,7 @@ def _electorate(recent: tuple[Decision, ...], needed: Evidence) -> tuple[Decisio
 def _held(state: Debounced, decision: Decision, needed: Evidence) -> tuple[Stage, str] | None:
     """The stage that holds a decision which has been observed, and why; None where none does."""
     label = decision.label
-    votes = sum(vote.label == label for vote in _electorate(state.recent, needed))
+    votes = votes_for(state.recent, label, needed)
     since = decision.time - dict(state.accepted).get(label, -math.inf)
     stages = (
         (_abstains(decision, needed), Stage.THRESHOLD, f"confidence below {needed.threshold:g}"),

@@ -16,6 +16,7 @@ from higvf_console.commands import (
     OperatorContext,
     ResetRun,
 )
+from higvf_console.reports import DecisionReport
 from higvf_interfaces import interpretation, lsl
 from higvf_interfaces.debouncer import Evidence, Verdict
 from higvf_interfaces.emulation import ERRORS, EmulatedFeed, error_model
@@ -102,6 +103,10 @@ class DecisionReplay:
         if self._feed.ended and self._feed.started:
             return ChannelHealth(ChannelState.ENDED, f"replayed to its end; {detail}")
         return ChannelHealth(ChannelState.LIVE if self._feed.started else ChannelState.NEVER_SEEN, detail)
+
+    def decision_report(self, now: float) -> DecisionReport:
+        """Where the debouncer stands."""
+        return self._interpreter.report(now)
 
     def close(self) -> None:
         """Ends the reading of a live stream; a file is closed after reading."""

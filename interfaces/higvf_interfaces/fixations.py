@@ -59,6 +59,14 @@ class Classified(NamedTuple):
     last: Ints
 
 
+class Fixation(NamedTuple):
+    """A rest of the eye: its `start` and `end` [s], and its centroid `point` (2,) [px, or m once mapped]."""
+
+    start: float
+    end: float
+    point: Floats
+
+
 def classify(
     time: Floats,
     points: Floats,
@@ -99,6 +107,16 @@ def centroid(gaze: Classified, first: int, last: int) -> Floats:
     """Mean (2,) of the fixating samples from `first` to `last` inclusive [px]."""
     inside = slice(first, last + 1)
     return floats(gaze.points[inside][gaze.fixating[inside]].mean(axis=0))
+
+
+def fixation(gaze: Classified, first: int, last: int) -> Fixation:
+    """The fixation from sample `first` to `last` inclusive, in pixels."""
+    return Fixation(float(gaze.time[first]), float(gaze.time[last]), centroid(gaze, first, last))
+
+
+def fixations_of(gaze: Classified) -> list[Fixation]:
+    """All fixations, in order of time, in pixels."""
+    return [fixation(gaze, *ends) for ends in zip(gaze.first.tolist(), gaze.last.tolist(), strict=True)]
 
 
 def fill_gaps(time: Floats, points: Floats, valid: Bools, longest: float) -> tuple[Floats, Bools]:

@@ -26,12 +26,17 @@ from higvf_console.commands import (
     StrokeEnd,
     StrokePoints,
 )
+from higvf_console.reports import AttentionReport, CalibrationReport, CaptureReport, DwellReport
 from higvf_console.viewport import Viewport
 from higvf_interfaces import lsl
+from higvf_interfaces.calibration import calibration_report
+from higvf_interfaces.capture import Capture
 from higvf_interfaces.dwell_button import IDLE, step
 from higvf_interfaces.fields import Fields, option_fields
+from higvf_interfaces.fixations import THRESHOLDS, Fixation
 from higvf_interfaces.gaze_source import OPTIONS as SOURCE_OPTIONS
 from higvf_interfaces.gaze_source import GazeSource
+from higvf_interfaces.gaze_tally import GazeTally
 from higvf_interfaces.live_gaze import LiveGaze
 from higvf_interfaces.playback import GazePlayback
 from higvf_interfaces.screens import ground_length, to_ground
@@ -74,7 +79,9 @@ class GazeReplay:
         self._live = LiveGaze(spec, options) if lsl.is_live(spec.source) else None
         self._source = self._live or GazeSource(spec, options)
         self._playback = GazePlayback(self._source.pieces) if isinstance(self._source, GazeSource) else self._source
-        self._smoothing_px = SMOOTHING * self._source.px_per_deg
+        self._arena = spec.arena
+        shown = self._source.screen.shown
+        self._capture = Capture(spec.arena, (shown.width_px, shown.height_px), self._source.px_per_deg)
         self._name = spec.channel
         self._stamp = Stamp(spec.channel)
         self._now = -math.inf
@@ -85,19 +92,49 @@ class GazeReplay:
         """Channel name, shown in the status line."""
         return self._name
 
-    @property
-    def dwell_progress(self) -> float:
-        """Share of the dwell time on the button, for a ring round it; 0 with another clutch."""
-        return self._dwell.progress
+    def attention_report(self) -> AttentionReport | None:
+        """What has been looked at so far; None before the first sample."""
+        return self._tally.report()
+
+    def dwell_report(self) -> DwellReport | None:
+        """The button; None with another clutch."""
+        if self._clutch != "dwell":
+            return None
+        shown, box = self._source.screen.shown, self._box
+        around = [(box.left, box.top), (box.right, box.top), (box.right, box.bottom), (box.left, box.bottom)]
+        corners = floats([*around, around[0]]) * [shown.width_px, shown.height_px]
+        return DwellReport(self._dwell.progress, to_ground(corners, self._source.screen, self._browser))
+
+    def calibration_report(self) -> CalibrationReport | None:
+        """The calibration in use."""
+        calibration = self._source.screen.calibration
+        return None if calibration is None else calibration_report(calibration)
+
+    def capture_report(self) -> CaptureReport:
+        """How the making of a calibration stands; a recording can have none."""
+        if self._live is None:
+            return CaptureReport("gaze is replayed: a calibration is made with a live eye tracker")
+        return self._capture.report()
+
+    def begin_capture(self) -> None:
+        """Begins to make a calibration; callable from any thread."""
+        self._capture.begin()
+
+    def cancel_capture(self) -> None:
+        """Gives it up; callable from any thread."""
+        self._capture.cancel()
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """The newest cursor, and what the stroke has become, by session time."""
         if context.time < self._now:
             self._forget()
         self._now = context.time
+        self._browser = context.viewport if self._follows_browser else None
         new, ended = self._playback.advance(self._now)
+        self._calibrate()
+        self._count(ended, context)
         self._press()
-        commands = [*self._look(new, context), *self._draw(ended, context)]
+        commands = [*self._look(new), *self._draw(ended, context)]
         return [self._stamp(command, context.time, context) for command in commands]
 
     def health(self, now: float) -> ChannelHealth:
@@ -122,6 +159,8 @@ class GazeReplay:
     def _forget(self) -> None:
         """Starts like new, because the run has."""
         self._dwell = IDLE
+        self._tally = GazeTally(self._arena)
+        self._browser: Viewport | None = None  # onto which the recording's screen is stretched
         self._toggled = False  # by the button: drawing is wanted
         self._cursor_shown = False
         self._last_seen = -math.inf
@@ -129,6 +168,26 @@ class GazeReplay:
         self._lifted = False  # the pen lifted itself; the clutch must open before it draws again
         self._stroke: list[Floats] = []
         self._remark = "no stroke yet"
+
+    def _calibrate(self) -> None:
+        """Hands a live tracker's samples to the making of a calibration, and uses the one that is made."""
+        if self._live is None:
+            return
+        made = self._capture.take(self._live.newest)
+        if made is not None:
+            self._live.screen = self._live.screen._replace(calibration=made)
+
+    def _count(self, ended: list[Fixation], context: OperatorContext) -> None:
+        """Adds to what has been looked at."""
+        playback = self._playback
+        fresh = playback.started and playback.seen and self._now - playback.time <= THRESHOLDS.longest_filled
+        self._tally.look(self._now, self._ground(playback.point) if fresh else None, context.targets)
+        self._fixate(ended)
+
+    def _fixate(self, ended: list[Fixation]) -> None:
+        degree = self._length(1.0) if ended else 0.0
+        for fixation in ended:
+            self._tally.fixate(fixation._replace(point=self._ground(fixation.point)), degree)
 
     def _press(self) -> None:
         """Lets gaze work the button."""
@@ -143,7 +202,7 @@ class GazeReplay:
         x, y = float(pixel[0] / shown.width_px), float(pixel[1] / shown.height_px)
         return self._clutch == "dwell" and box.left <= x <= box.right and box.top <= y <= box.bottom
 
-    def _look(self, new: bool, context: OperatorContext) -> list[OperatorCommand]:
+    def _look(self, new: bool) -> list[OperatorCommand]:
         """The cursor: at the newest sample, or NaN once when gaze is lost."""
         if not self._playback.started:
             return []
@@ -153,13 +212,13 @@ class GazeReplay:
             if not new:
                 return []
             self._cursor_shown = True
-            return [Cursor(self._ground(self._playback.point, context))]
+            return [Cursor(self._ground(self._playback.point))]
         if not self._cursor_shown:
             return []
         self._cursor_shown = False
         return [Cursor(np.full(2, np.nan))]
 
-    def _draw(self, ended: list[Floats], context: OperatorContext) -> list[OperatorCommand]:
+    def _draw(self, ended: list[Fixation], context: OperatorContext) -> list[OperatorCommand]:
         """The stroke: begins and ends by the clutch, grows by the centroids of fixations that have ended."""
         wanted = self._wanted(context)
         self._lifted = self._lifted and wanted
@@ -171,14 +230,17 @@ class GazeReplay:
             return commands
         blind = self._clutch != "always" and self._now - self._last_seen > PEN_UP
         if not wanted or blind:
-            ended = [*ended, *self._playback.unfinished()]
-        grown = [pixel for pixel in ended if not self._on_button(pixel)]
+            rest = self._playback.unfinished()
+            ended = [*ended, *rest]
+            if self._live is not None:  # it does not hand them out again
+                self._fixate(rest)
+        grown = [fixation.point for fixation in ended if not self._on_button(fixation.point)]
         if grown:
-            self._stroke += [self._ground(point, context) for point in grown]
+            self._stroke += [self._ground(point) for point in grown]
             commands.append(StrokePoints(floats(self._stroke[-len(grown) :])))
         if not wanted or blind:
             self._drawing, self._lifted, self._toggled = False, blind, False
-            commands.append(self._end(context))
+            commands.append(self._end())
         return commands
 
     def _wanted(self, context: OperatorContext) -> bool:
@@ -188,20 +250,20 @@ class GazeReplay:
             return self._toggled and not self._playback.ended
         return context.paused if self._clutch == "paused" else context.clutch
 
-    def _end(self, context: OperatorContext) -> OperatorCommand:
+    def _end(self) -> OperatorCommand:
         distinct = len(np.unique(floats(self._stroke, -1, 2), axis=0))
         self._remark = f"last stroke: {distinct} fixations"
         if distinct < _FEWEST:
             self._remark += f", dropped: {_FEWEST} make a path"
             return StrokeCancel()
-        smoothing = ground_length(self._smoothing_px, self._source.screen, self._viewport(context))
-        return StrokeEnd(smoothing=smoothing, preview=self._waits)
+        return StrokeEnd(smoothing=self._length(SMOOTHING), preview=self._waits)
 
-    def _viewport(self, context: OperatorContext) -> Viewport | None:
-        return context.viewport if self._follows_browser else None
+    def _length(self, degrees: float) -> float:
+        """What an angle at the eye is on the ground [m]."""
+        return ground_length(degrees * self._source.px_per_deg, self._source.screen, self._browser)
 
-    def _ground(self, pixel: Floats, context: OperatorContext) -> Floats:
-        return to_ground(floats(pixel, 1, 2), self._source.screen, self._viewport(context))[0]
+    def _ground(self, pixel: Floats) -> Floats:
+        return to_ground(floats(pixel, 1, 2), self._source.screen, self._browser)[0]
 
 
 def open_gaze(spec: InputSpec) -> GazeReplay:

@@ -27,16 +27,17 @@ def heat_map(points: Floats, arena: Arena, width_px: int, sigma: float) -> NDArr
     return paint(counts(points, arena, width_px), arena, width_px, sigma)
 
 
-def counts(points: Floats, arena: Arena, width_px: int) -> Floats:
+def counts(points: Floats, arena: Arena, width_px: int, weights: Floats | None = None) -> Floats:
     """Samples (rows, columns) in each cell of the grid, a quarter of the picture's resolution; row 0 is the top.
 
-    Counts of parts of a recording add up to the counts of the whole.
+    Counts of parts of a recording add up to the counts of the whole. `weights` (n,) are what each sample counts.
     """
     columns, rows = (max(1, side // _COARSE) for side in _size(arena, width_px))
     share = (points - np.array([arena.x_min, arena.y_max])) / np.array([arena.width, -arena.height])
     inside = ((share >= 0) & (share <= 1)).all(axis=1)  # NaN is not
     column, row = (np.minimum(share[inside] * [columns, rows], [columns - 1, rows - 1])).astype(np.int64).T
-    return floats(np.bincount(row * columns + column, minlength=rows * columns), rows, columns)
+    each = None if weights is None else weights[inside]
+    return floats(np.bincount(row * columns + column, each, minlength=rows * columns), rows, columns)
 
 
 def paint(grid: Floats, arena: Arena, width_px: int, sigma: float) -> NDArray[np.uint8]:

@@ -1,17 +1,20 @@
 """Label -> action -> evidence -> command; a robot change of low confidence is only proposed."""
 
+import math
 from collections import Counter, deque
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import cast
 
 from higvf_console.commands import OperatorCommand, Pick, ProposePick
+from higvf_console.reports import DecisionReport
 from higvf_interfaces.actions import ACTIONS, CHOICES, command_for
-from higvf_interfaces.debouncer import Debounced, Evidence, Stage, Verdict, judge, observe
+from higvf_interfaces.debouncer import Debounced, Evidence, Stage, Verdict, judge, observe, support, votes_for
 from higvf_interfaces.evidence import NEEDS, EvidenceTable
 from higvf_interfaces.fields import Fields, shown
 from higvf_interfaces.formats.records import Decision
 
+UNKNOWN = "unknown"  # the stage of a label, or a robot, that there is not
 IDLE = "none"  # the action of a label that is known and means nothing
 OPTIONS = (*NEEDS, "evidence", "confirm", "confirm_within")
 _TRACE = 50  # verdicts kept for display
@@ -35,12 +38,15 @@ class Interpreter:
         self._confirm = options.number("confirm", 0.0, 0.0, 1.0)
         self._patience = options.number("confirm_within", 5.0, 0.1, 3600.0, "s")
         self._ignored: Counter[str] = Counter()
-        self._latest = "no decision yet"
+        self._stages: Counter[str] = Counter()
+        self._proposed = 0
         self.restart()
 
     def restart(self) -> None:
         """Forgets what was decoded, because the run has started again."""
         self._state = Debounced()
+        self._latest: Decision | None = None
+        self._stage = ""
         self.trace: deque[Verdict] = deque(maxlen=_TRACE)
 
     def command(self, decision: Decision, robots: int) -> OperatorCommand | None:
@@ -51,38 +57,71 @@ class Interpreter:
             robots: how many there are.
         """
         decision = decision._replace(label=plain_label(decision.label))
-        trust = "" if decision.confidence is None else f" ({decision.confidence:.2f})"
-        self._latest = f"latest: {decision.label[:40]}{trust}"
+        self._latest = decision
         action = self._actions.get(decision.label)
         if action is None:
-            return self._ignore(f"unknown label {shown(decision.label)}")
+            return self._ignore(UNKNOWN, f"unknown label {shown(decision.label)}")
         if action == IDLE:
+            self._stage = "idle"
             self._state = observe(self._state, decision, self._needed)
             return None
         wanted = command_for(action)
         if isinstance(wanted, Pick) and wanted.robot >= robots:
-            return self._ignore(f"there is no robot {wanted.robot + 1}")
+            return self._ignore(UNKNOWN, f"there is no robot {wanted.robot + 1}")
         self._state, verdict = judge(self._state, decision, self._needed)
         self.trace.append(verdict)
         if verdict.stage is not Stage.PASSED:
-            return self._ignore(verdict.reason)
+            return self._ignore(verdict.stage, verdict.reason)
+        self._stage = Stage.PASSED
+        self._stages[Stage.PASSED] += 1
         return None if wanted is None else self._sure_enough(replace(wanted, confidence=decision.confidence))
 
     def describe(self) -> tuple[str, ...]:
         """The latest decision, and what was ignored, in words."""
         ignored = ", ".join(f"{count} x {reason}" for reason, count in self._ignored.most_common(5))
-        return (self._latest, *([f"ignored: {ignored}"] if ignored else []))
+        latest = "no decision yet"
+        if self._latest is not None:
+            trust = "" if self._latest.confidence is None else f" ({self._latest.confidence:.2f})"
+            latest = f"latest: {self._latest.label[:40]}{trust}"
+        return (latest, *([f"ignored: {ignored}"] if ignored else []))
+
+    def report(self, now: float) -> DecisionReport:
+        """The latest decision and the evidence for its label, at session time `now` [s]; what became of all."""
+        label = "" if self._latest is None else self._latest.label
+        needed, recent = self._needed(label), self._state.recent
+        accepted = dict(self._state.accepted).get(label, -math.inf)
+        return DecisionReport(
+            label=label[:40],
+            confidence=None if self._latest is None else self._latest.confidence,
+            stage=self._stage,
+            votes=votes_for(recent, label, needed) if label else 0,
+            votes_needed=needed.votes,
+            of=needed.of,
+            threshold=needed.threshold,
+            support=support(recent, label, needed) if label else 0.0,
+            enter=needed.enter,
+            leave=needed.leave,
+            active=self._state.active,
+            refractory=max(0.0, accepted + needed.refractory - now),
+            passed=self._stages[Stage.PASSED],
+            proposed=self._proposed,
+            unknown=self._stages[UNKNOWN],
+            held=tuple((stage.value, self._stages[stage]) for stage in Stage if stage is not Stage.PASSED),
+        )
 
     def _sure_enough(self, wanted: OperatorCommand) -> OperatorCommand:
         """The command, or the proposal of a robot change that any channel may confirm."""
         if not isinstance(wanted, Pick) or wanted.confidence is None or wanted.confidence >= self._confirm:
             return wanted
+        self._proposed += 1
         return ProposePick(wanted.robot, self._patience, confidence=wanted.confidence)
 
     def _needed(self, label: str) -> Evidence:
         return self._evidence.of(self._actions.get(label, IDLE))
 
-    def _ignore(self, reason: str) -> None:
+    def _ignore(self, stage: str, reason: str) -> None:
+        self._stage = stage
+        self._stages[stage] += 1
         self._ignored[reason] += 1
 
 

@@ -15,8 +15,7 @@ from higvf_interfaces.feeds import DecisionFeed, Due
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signal_records import SignalChunk, SignalRecord, unique_names
-from higvf_interfaces.formats.xdf_markers import decision_of
-from higvf_interfaces.formats.xdf_streams import label_of
+from higvf_interfaces.formats.xdf_markers import decision_of, label_of
 from higvf_interfaces.lsl import WITHIN, LslReader, Wish, wish_of
 from higvf_interfaces.recorded_options import words
 

@@ -11,11 +11,11 @@ import numpy as np
 from higvf_console.arrays import Floats, bools, floats
 from higvf_console.commands import InputSpec
 from higvf_interfaces.fields import Fields
-from higvf_interfaces.fixations import IVT, METHODS, PX_PER_DEG, THRESHOLDS, centroid
+from higvf_interfaces.fixations import IVT, METHODS, PX_PER_DEG, THRESHOLDS, Classified, Fixation, fixations_of
 from higvf_interfaces.formats.gaze_xdf import described_channels, frame_of, point_channels
 from higvf_interfaces.formats.records import GazeStream
 from higvf_interfaces.lsl import WITHIN, LslReader, Wish, wish_of
-from higvf_interfaces.pieces import PieceMaker, Pixels
+from higvf_interfaces.pieces import NO_PIXELS, PieceMaker, Pixels
 from higvf_interfaces.recorded_options import word
 from higvf_interfaces.screens import choose_screen, on_screen, to_pixels
 
@@ -34,6 +34,7 @@ class LiveGaze:
         point: the newest sample (2,) [px]; NaN where it saw nothing.
         ended: never.
         first_time: session time of the first sample [s]; 0 before.
+        newest: the samples that the last call of `advance` took in, on the clock of the stream.
     """
 
     ended = False
@@ -78,17 +79,18 @@ class LiveGaze:
         """Session time of the newest sample [s]."""
         return min(self._now, self._now - (self.reader.now - self._latest))
 
-    def advance(self, now: float) -> tuple[bool, list[Floats]]:
+    def advance(self, now: float) -> tuple[bool, list[Fixation]]:
         """Takes in what has come by session time `now` [s].
 
         Returns:
-            Whether there are new samples, and the centroids (2,) [px] of the fixations that have ended.
+            Whether there are new samples, and the fixations that have ended, in session time.
         """
         if now < self._now:
             self._restart()
         self._now = now
         samples = [sample for sample in self.reader.take() if sample.time > self._latest]
         if not samples:
+            self.newest = NO_PIXELS
             return False, []
         times = floats([sample.time for sample in samples])
         kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
@@ -100,19 +102,22 @@ class LiveGaze:
         points[~valid] = np.nan
         self._latest, self.started = float(times[kept][-1]), True
         self.point, self.seen = points[-1], bool(valid[-1])
-        piece = self._maker.push(Pixels(floats(times[kept]), points, bools(valid)))
-        ended = zip(piece.first, piece.last, strict=True) if piece is not None else ()
-        return True, [centroid(piece, int(first), int(last)) for first, last in ended if piece is not None]
+        self.newest = Pixels(floats(times[kept]), points, bools(valid))
+        piece = self._maker.push(self.newest)
+        return True, self._fixations(piece) if piece is not None else []
 
-    def unfinished(self) -> list[Floats]:
-        """Centroids of the fixations that have not been handed out, the lasting one included if it is long enough."""
+    def unfinished(self) -> list[Fixation]:
+        """The fixations that have not been handed out, the lasting one included if it is long enough."""
         rest = self._maker.rest()
         if rest is None:
             return []
         self._maker = PieceMaker(self.px_per_deg, self._method)
-        long_enough = rest.time[rest.last] - rest.time[rest.first] >= THRESHOLDS.shortest
-        runs = zip(rest.first[long_enough], rest.last[long_enough], strict=True)
-        return [centroid(rest, int(first), int(last)) for first, last in runs]
+        return [found for found in self._fixations(rest) if found.end - found.start >= THRESHOLDS.shortest]
+
+    def _fixations(self, piece: Classified) -> list[Fixation]:
+        """The fixations of a piece, in session time."""
+        shift = self._now - self.reader.now
+        return [rest._replace(start=rest.start + shift, end=rest.end + shift) for rest in fixations_of(piece)]
 
     def close(self) -> None:
         """Ends the reading; may be called twice."""
@@ -124,3 +129,4 @@ class LiveGaze:
         self._now = self._latest = -math.inf
         self.started = self.seen = False
         self.point: Floats = np.full(2, np.nan)
+        self.newest = NO_PIXELS

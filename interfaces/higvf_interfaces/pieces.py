@@ -24,6 +24,9 @@ class Pixels(NamedTuple):
     valid: Bools
 
 
+NO_PIXELS = Pixels(floats([]), floats([], 0, 2), bools([]))
+
+
 def classify_blocks(
     blocks: Iterable[Pixels], px_per_deg: float = PX_PER_DEG, method: str = IVT, longest: int = LONGEST
 ) -> Iterator[Classified]:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from higvf_console.arrays import Floats
-from higvf_interfaces.fixations import THRESHOLDS, Classified, centroid
+from higvf_interfaces.fixations import THRESHOLDS, Classified, Fixation, fixation
 from higvf_interfaces.streams import CLOCK_GRAIN
 
 
@@ -26,11 +26,11 @@ class GazePlayback:
         self._open = pieces
         self._rewind()
 
-    def advance(self, now: float) -> tuple[bool, list[Floats]]:
+    def advance(self, now: float) -> tuple[bool, list[Fixation]]:
         """Plays on to session time `now` [s], or again from the start where that has gone back.
 
         Returns:
-            Whether there are new samples, and the centroids (2,) [px] of the fixations that have ended.
+            Whether there are new samples, and the fixations that have ended.
         """
         if now < self._now:
             self._rewind()
@@ -42,15 +42,15 @@ class GazePlayback:
             new, ended = new or also_new, ended + also_ended
         return new, ended
 
-    def unfinished(self) -> list[Floats]:
-        """The centroid so far of the fixation that lasts now, if it is long enough to be one."""
+    def unfinished(self) -> list[Fixation]:
+        """What there is so far of the fixation that lasts now, if it is long enough to be one."""
         piece, newest = self._piece, self._next - 1
         current = int(np.searchsorted(piece.first, newest, side="right")) - 1
         if current < 0 or piece.last[current] <= newest:
             return []
         if piece.time[newest] - piece.time[piece.first[current]] < THRESHOLDS.shortest:
             return []
-        return [centroid(piece, int(piece.first[current]), newest)]
+        return [fixation(piece, int(piece.first[current]), newest)]
 
     @property
     def time(self) -> float:
@@ -86,12 +86,12 @@ class GazePlayback:
         self._next = int(np.searchsorted(piece.time, 0.0))
         self._fixation = int(np.searchsorted(piece.time[piece.last], 0.0))
 
-    def _play(self) -> tuple[bool, list[Floats]]:
+    def _play(self) -> tuple[bool, list[Fixation]]:
         """What of the current piece has fallen due."""
         piece, until = self._piece, self._now + CLOCK_GRAIN
         due = max(self._next, int(np.searchsorted(piece.time, until, side="right")))
         done = max(self._fixation, int(np.searchsorted(piece.time[piece.last], until, side="right")))
-        ended = [centroid(piece, int(piece.first[k]), int(piece.last[k])) for k in range(self._fixation, done)]
+        ended = [fixation(piece, int(piece.first[k]), int(piece.last[k])) for k in range(self._fixation, done)]
         new = due > self._next
         self._next, self._fixation = due, done
         self.started = self.started or new

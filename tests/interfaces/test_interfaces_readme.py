@@ -13,7 +13,7 @@ from higvf_interfaces.bci import CLASSES
 from higvf_interfaces.calibration import read_calibration
 from higvf_interfaces.decisions import OPTIONS as DECISION_OPTIONS
 from higvf_interfaces.emg import GESTURES, open_emg
-from higvf_interfaces.formats.reading import COMMAND_FORMATS, GAZE_FORMATS
+from higvf_interfaces.formats.reading import GAZE_FORMATS
 from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, SIGNAL_FORMATS
 from higvf_interfaces.gaze import OPTIONS as GAZE_OPTIONS
 from higvf_interfaces.recordings import make_recordings
@@ -50,7 +50,7 @@ def test_the_table_of_eye_trackers_has_every_format_once() -> None:
 @pytest.mark.parametrize(
     "name",
     [*GAZE_OPTIONS, *DECISION_OPTIONS, *ACTIONS, *GESTURES, "robot9", *DETAILS, *EVENTS,
-     *(known.name for known in (*GAZE_FORMATS, *COMMAND_FORMATS, *DECISION_FORMATS, *SIGNAL_FORMATS))],
+     *(known.name for known in (*GAZE_FORMATS, *DECISION_FORMATS, *SIGNAL_FORMATS))],
 )  # fmt: skip
 def test_every_option_action_label_and_format_is_described(name: str) -> None:
     assert re.search(rf"`[^`\n]*\b{re.escape(name)}\b[^`\n]*`", README), name

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from higvf_console.commands import InputSpec
 from higvf_console.errors import HigvfError, InputError, ScriptError
 from higvf_interfaces.calibration import read_calibration
-from higvf_interfaces.formats.reading import COMMAND_FORMATS, GAZE_FORMATS, read_command_log, read_gaze
+from higvf_interfaces.formats.reading import GAZE_FORMATS, read_gaze
+from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, read_decisions
+from higvf_interfaces.formats.signal_records import SignalRequest
 from higvf_interfaces.gaze import open_gaze
 from higvf_interfaces.inspection import inspect
 from higvf_interfaces.recordings import make_recordings
@@ -30,7 +32,7 @@ LINES = '{"time": 1.5, "label": "fist", "confidence": 0.9}\n{"time": 2.5, "label
 SCRIPT = "- when: {extinguished: 1}\n  after_s: 0.5\n  do: stroke\n  points_m: [[1, 2], [3, 4]]\n"
 SEEDS = (TOBII, PLAIN, LOG, LINES, SCRIPT)
 GAZE_NAMES = [None, *(known.name for known in GAZE_FORMATS)]
-LOG_NAMES = [None, *(known.name for known in COMMAND_FORMATS)]
+LOG_NAMES = [None, *(known.name for known in DECISION_FORMATS)]
 hard = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 cells = st.sampled_from(
     ["", "0", "1", "-1", "1e308", "-1e308", "1e-320", "nan", "inf", "1,5", "Valid", "Invalid", "Eye Tracker", "9" * 400,
@@ -45,7 +47,7 @@ def survive(file: Path) -> None:
             read_gaze(str(file), name)
     for name in LOG_NAMES:
         with contextlib.suppress(InputError):
-            read_command_log(str(file), name)
+            read_decisions(str(file), SignalRequest(format=name))
     with contextlib.suppress(InputError):
         open_gaze(InputSpec("gaze", str(file), options={"frame": "arena"}))
     with contextlib.suppress(InputError):

@@ -13,8 +13,9 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.errors import InputError
 from higvf_console.viewport import Arena, fit
 from higvf_interfaces.fixations import PX_PER_DEG, centroid, classify
-from higvf_interfaces.formats.reading import read_command_log, read_gaze
+from higvf_interfaces.formats.reading import read_gaze
 from higvf_interfaces.formats.records import Decision
+from higvf_interfaces.formats.signal_reading import read_decisions
 from higvf_interfaces.recording_files import write_command_csv, write_command_jsonl, write_gaze_csv, write_gaze_tsv
 from higvf_interfaces.recordings import main, make_recordings
 from higvf_interfaces.synthetic_gaze import DrawnByEye, along, synthetic_gaze
@@ -68,7 +69,7 @@ def test_gaze_written_as_a_plain_table_reads_back(write: Write) -> None:
 @pytest.mark.parametrize("writer", [write_command_csv, write_command_jsonl])
 def test_command_logs_read_back(write: Write, writer: Callable[[list[Decision]], str]) -> None:
     decisions = [Decision(1.25, "fist", 0.93), Decision(2.0, 'a "b", c', None)]
-    assert read_command_log(write(writer(decisions))).decisions == tuple(decisions)
+    assert read_decisions(write(writer(decisions))).decisions == tuple(decisions)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -110,7 +111,7 @@ def test_the_command_writes_what_the_plan_asks_for(write: Write, tmp_path: Path)
     subprocess.run(command, check=True, capture_output=True)
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["bci.jsonl", "emg.csv", "gaze.tsv"]
     assert read_gaze(str(tmp_path / "out" / "gaze.tsv")).time[-1] == pytest.approx(12, abs=0.01)
-    assert read_command_log(str(tmp_path / "out" / "emg.csv")).decisions == ((2.0, "fist", 0.93), (9.0, "open", None))
+    assert read_decisions(str(tmp_path / "out" / "emg.csv")).decisions == ((2.0, "fist", 0.93), (9.0, "open", None))
     assert {name: text.encode() for name, text in make_recordings(Path(plan)).items()} == {
         path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()
     }, "the same bytes each time"

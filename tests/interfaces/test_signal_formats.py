@@ -68,8 +68,8 @@ def test_streams_of_one_name_are_told_apart_by_type_source_or_number(write: Writ
     with pytest.raises(InputError) as refusal:
         read_signals(file)
     assert "the file has 2 signal streams; choose one by stream=TYPE, NAME, SOURCE or NUMBER" in str(refusal.value)
-    assert "#1: type ACC, name Muse, source x (100 Hz, 300 samples)" in str(refusal.value)
-    assert "type Markers, name Cues (texts, 1 samples)" in str(refusal.value)
+    assert "#1: type ACC, name Muse, source x (2 channels, 100 Hz, 300 samples)" in str(refusal.value)
+    assert "type Markers, name Cues (1 channels, texts, 1 samples)" in str(refusal.value)
     for words in ("eeg", "y", "2", "#2", "Muse+EEG", "muse+y"):
         assert whole(read_signals(file, SignalRequest(stream=words))).values[7].tolist() == [7, -7]
     with pytest.raises(InputError, match="stream=Muse fits 2 signal streams"):

@@ -19,7 +19,6 @@ from higvf_console.sim.simulation import advance
 from higvf_console.state import PathStatus, SimState
 from higvf_console.ui.panels.callbacks import SETTLE_S, mirror, number_in, one_of, reaction, truth
 from higvf_console.ui.panels.chart import Curve, chart_svg
-from higvf_console.ui.panels.faults import faults_html
 from higvf_console.ui.panels.fires import MOST_SAMPLES, LossHistory, summary_html, table_html
 from higvf_console.ui.panels.html import area, clock
 from higvf_console.ui.panels.log import MOST_AT_ONCE, MOST_SHOWN, Notifications, log_html, newer
@@ -289,11 +288,3 @@ def test_every_state_of_an_input_has_a_shape_of_its_own_and_a_word_unless_it_is_
     for state in ChannelState:
         html = channel_html("gaze", ChannelHealth(state, "why"))
         assert (f">{state.value}<" in html) == (state is not ChannelState.LIVE)
-
-
-def test_the_fault_panel_tells_why_an_input_is_as_it_is() -> None:
-    snapshot = SimpleNamespace(channels=(("gaze", ChannelHealth(ChannelState.LOST, "last heard <3 s ago")),))
-    html = faults_html(snapshot)  # pyright: ignore[reportArgumentType]
-    assert "gaze" in html
-    assert "lost" in html
-    assert "last heard &lt;3 s ago" in html

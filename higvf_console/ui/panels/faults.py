@@ -2,16 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import viser
 
-from higvf_console.commands import ChannelState, FaultKind, InjectFault, PointerSink
+from higvf_console.commands import FaultKind, InjectFault, PointerSink
 from higvf_console.ui.panels.callbacks import number_in, one_of, reaction
-from higvf_console.ui.panels.html import block, text
-
-if TYPE_CHECKING:
-    from higvf_console.session.session import Snapshot
 
 LONGEST_S, SHORTEST_S = 60.0, 0.1
 _KINDS: dict[str, Any] = {
@@ -21,7 +17,7 @@ _KINDS: dict[str, Any] = {
 }
 
 
-class FaultsPanel:
+class FaultWidgets:
     """Which input, which fault, for how long, and the button."""
 
     def __init__(self, gui: viser.GuiApi, channels: Sequence[str], sink: PointerSink) -> None:
@@ -45,27 +41,11 @@ class FaultsPanel:
         self._seconds.on_update(reaction(lambda value: self._choose(seconds=number_in(value, SHORTEST_S, LONGEST_S))))
         self._delay.on_update(reaction(lambda value: self._choose(delay=number_in(value, 0.0, LONGEST_S))))
         self._inject.on_click(reaction(lambda _: sink.push(self._fault)))
-        self._html = gui.add_html("")
 
     def _choose(self, **changes: Any) -> None:
         self._fault = replace(self._fault, **changes)
 
-    def update(self, snapshot: "Snapshot") -> None:
-        """Tells how each input is, in full."""
-        self._html.content = faults_html(snapshot)
-
     def cleanup(self) -> None:
         """Removes the widgets."""
-        for widget in (self._channel, self._kind, self._seconds, self._delay, self._inject, self._html):
+        for widget in (self._channel, self._kind, self._seconds, self._delay, self._inject):
             widget.remove()
-
-
-def faults_html(snapshot: "Snapshot") -> str:
-    """A line for each input: its name, its state, and why."""
-    rows = [
-        f"<dt>{text(name)}</dt><dd>{text(health.state.value)}"
-        + (f' <span class="dim">{text(health.detail)}</span>' if health.state is not ChannelState.NEVER_SEEN else "")
-        + "</dd>"
-        for name, health in snapshot.channels
-    ]
-    return block(f"<dl>{''.join(rows)}</dl>")

@@ -49,6 +49,12 @@ _STYLE = """
 .hg tfoot td { font-weight: 600; }
 .hg .log div { display: grid; grid-template-columns: 4em 1fr; gap: 8px; padding: 4px 0 4px 8px;
   border-left: 3px solid; margin-bottom: 4px; }
+.hg .inputs { display: grid; grid-template-columns: 1.15em max-content 1fr; gap: 1px 8px; }
+.hg .inputs .why { grid-column: 2 / -1; font-size: .92em; line-height: 1.4; margin-bottom: 4px;
+  overflow-wrap: anywhere; }
+.hg dl.wide { grid-template-columns: 10.3em 1fr; }
+.hg table.attention td:last-child { width: 34%; }
+.hg .bar { display: block; height: 7px; min-width: 1px; border-radius: 2px; background: var(--hg-robot); }
 .hg .deeds div { display: grid; grid-template-columns: 4em 1fr; gap: 8px; padding: 2px 0; }
 .hg .deeds .undone { opacity: .55; text-decoration: line-through; }
 .hg .chart text { font-size: 11px; fill: var(--hg-dim); }

@@ -24,6 +24,7 @@ SWITCHES = {
     "links": ("Links", "Which robots exchange intentions"),
     "boundaries": ("Boundaries", "Reactive (dashed) and repulsive boundaries of obstacles"),
     "labels": ("Numbers", "Robot numbers (teams of up to 50)"),
+    "heat": ("Gaze heat map", "Where you have looked in this run; the brighter, the longer"),
     "clearance": (
         "Safety circles",
         "Two circles that touch are as close as two robots may be; pale: as unicycles and noise enlarge them",

@@ -29,11 +29,6 @@ class _Entry(NamedTuple):
     confidence: float | None  # NaN: something that is not a number
 
 
-def matches_csv(file: TextFile) -> bool:
-    """Whether the header names a time and a label."""
-    return not matches_jsonl(file) and file.find(*TIMES) is not None and file.find(*LABELS) is not None
-
-
 def matches_labels(file: TextFile) -> bool:
     """Whether the header names a label; the times may be missing."""
     return not matches_jsonl(file) and file.find(*LABELS) is not None

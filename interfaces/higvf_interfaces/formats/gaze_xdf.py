@@ -12,6 +12,7 @@ import numpy as np
 
 from higvf_console.arrays import Floats, floats
 from higvf_console.errors import InputError
+from higvf_interfaces.formats import xdf_file
 from higvf_interfaces.formats.records import (
     BLOCK,
     BOTTOM_LEFT,
@@ -22,7 +23,8 @@ from higvf_interfaces.formats.records import (
     block_of,
 )
 from higvf_interfaces.formats.text import TextFile
-from higvf_interfaces.formats.xdf_file import MAGIC, choose, load, survey
+from higvf_interfaces.formats.xdf_file import XdfStream, channel_texts, choose, survey
+from higvf_interfaces.formats.xdf_samples import load
 
 NAME = "xdf"
 TITLE = "XDF (LabRecorder) with a gaze stream"
@@ -39,9 +41,7 @@ _LABELS = (
 _PIXELS = ("px", "pixel", "pixels")
 
 
-def matches(file: TextFile) -> bool:
-    """Whether it is an XDF file; whether one of its streams is gaze, the reader tells."""
-    return file.head.startswith(MAGIC)
+matches = xdf_file.matches  # whether one of its streams is gaze, the reader tells
 
 
 def has_gaze(file: TextFile) -> bool:
@@ -50,7 +50,11 @@ def has_gaze(file: TextFile) -> bool:
     Raises:
         InputError: the file is damaged.
     """
-    return any(stream.info.type.strip().casefold() in TYPES for stream in survey(file.path).streams)
+    return any(map(_is_gaze, survey(file.path).streams))
+
+
+def _is_gaze(stream: XdfStream) -> bool:
+    return stream.info.type.strip().casefold() in TYPES
 
 
 def stream(file: TextFile, wanted: Wanted) -> GazeStream:
@@ -60,17 +64,16 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
         InputError: no XDF, no stream or several that could be meant, channels that cannot be told, or damage.
     """
     found = survey(file.path)
-    chosen = choose(file.path, found.streams, wanted.stream, TYPES)
+    meant = found.streams if wanted.stream else [stream for stream in found.streams if _is_gaze(stream)]
+    what = "streams" if wanted.stream else f"streams of type {' or '.join(TYPES)}"
+    chosen = choose(file.path, found.streams, wanted.stream, meant, what)
     labels, units = described_channels(chosen.header, chosen.info.channels)
     x, y, origin = point_channels(str(file.path), labels, wanted.x, wanted.y)
     confidence = labels.index("confidence") if "confidence" in labels else None
+    if chosen.texts:
+        raise InputError(f"{file.path}: stream {chosen.info.name!r} holds texts and no numbers")
     samples = load(file.path, chosen)
-    try:
-        values = floats(samples.values, -1, chosen.info.channels)
-    except (ValueError, TypeError) as problem:
-        raise InputError(f"{file.path}: stream {chosen.info.name!r} holds no numbers: {problem}") from problem
-    if len(values) != len(samples.time):
-        raise InputError(f"{file.path}: {len(values)} samples have {len(samples.time)} times: the file is damaged")
+    values = floats(samples.values)
     notes = ["the file is cut off: its readable part is used"] if found.torn else []
     return GazeStream(
         format=NAME,
@@ -91,10 +94,8 @@ def frame_of(unit: str, origin: str) -> str | None:
 
 def described_channels(header: ET.Element, count: int) -> tuple[list[str], list[str]]:
     """Label and unit of each of `count` channels by a stream's XML header; empty where it does not say."""
-    described = header.findall("desc/channels/channel")[:count]
-    missing = [""] * (count - len(described))
-    labels, units = ([(c.findtext(key) or "").strip().casefold() for c in described] for key in ("label", "unit"))
-    return [re.sub(r"[\s-]+", "_", label) for label in labels] + missing, units + missing
+    labels, units = ([text.casefold() for text in channel_texts(header, key, count)] for key in ("label", "unit"))
+    return [re.sub(r"[\s-]+", "_", label) for label in labels], units
 
 
 def point_channels(place: str, labels: list[str], x: str | None, y: str | None) -> tuple[int, int, str]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -10,7 +10,6 @@ from higvf_console.arrays import bools, floats
 from higvf_console.errors import InputError
 from higvf_interfaces.formats import (
     bids_gaze,
-    command_log,
     eyelink_asc,
     gaze_csv,
     gaze_xdf,
@@ -23,19 +22,8 @@ from higvf_interfaces.formats import (
     tobii_research,
 )
 from higvf_interfaces.formats.clock import GazeClock
-from higvf_interfaces.formats.records import ANYTHING, CommandLog, GazeBlock, GazeRecording, GazeStream, Wanted
+from higvf_interfaces.formats.records import ANYTHING, GazeBlock, GazeRecording, GazeStream, Wanted
 from higvf_interfaces.formats.text import TextFile, look
-
-_Record = TypeVar("_Record")
-
-
-class Format(NamedTuple, Generic[_Record]):
-    """A format: its short name, what it is, and how to know and read it."""
-
-    name: str
-    title: str
-    matches: Callable[[TextFile], bool]
-    read: Callable[[TextFile], _Record]
 
 
 class GazeFormat(NamedTuple):
@@ -61,10 +49,6 @@ GAZE_FORMATS: tuple[GazeFormat, ...] = (
     GazeFormat(gazepoint.NAME, gazepoint.TITLE, gazepoint.matches, gazepoint.stream),
     GazeFormat(bids_gaze.NAME, bids_gaze.TITLE, bids_gaze.matches, bids_gaze.stream),
     GazeFormat(gaze_csv.NAME, gaze_csv.TITLE, gaze_csv.matches, gaze_csv.stream),
-)
-COMMAND_FORMATS: tuple[Format[CommandLog], ...] = (
-    Format(command_log.JSON_NAME, command_log.JSON_TITLE, command_log.matches_jsonl, command_log.read_jsonl),
-    Format(command_log.CSV_NAME, command_log.CSV_TITLE, command_log.matches_csv, command_log.read_csv),
 )
 
 
@@ -163,16 +147,6 @@ def read_gaze(source: str, format_name: str | None = None, wanted: Wanted = ANYT
     if not recording.valid.any():
         raise InputError(f"{source}: none of the {len(recording.time)} gaze samples is valid")
     return recording
-
-
-def read_command_log(source: str, format_name: str | None = None) -> CommandLog:
-    """Reads a log of decoded commands.
-
-    Raises:
-        InputError: the file is missing or empty, of no known format, or without times or labels.
-    """
-    file = look(source)
-    return choose_format(file, format_name, COMMAND_FORMATS).read(file)
 
 
 def choose_format(file: TextFile, name: str | None, formats: Sequence[_Known]) -> _Known:

@@ -1,36 +1,58 @@
-"""XDF files: what streams one holds, how to choose one, and its samples by pyxdf, which loads it whole.
+"""XDF files (Lab Streaming Layer): what streams one holds, and how to choose one.
 
 Stream names are not unique and types lie, so a stream is chosen by name, type, source id or number, and a choice that
-fails lists what there is. The chunks are walked before pyxdf sees them: it trusts the lengths in a file, and a torn or
+fails lists what there is. The chunks are walked before pyxdf loads any: it trusts the lengths in a file, and a torn or
 wrong one would be believed. Format: github.com/sccn/xdf, "Specifications".
 """
 
-import logging
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import IO, NamedTuple
 
 import numpy as np
-import pyxdf
 
-from higvf_console.arrays import Floats, floats
 from higvf_console.errors import InputError
 from higvf_interfaces.formats.records import StreamInfo
+from higvf_interfaces.formats.text import TextFile
 
 MAGIC = b"XDF:"
-_HEADER, _SAMPLES = 2, 3
+_HEADER, _SAMPLES, _FOOTER = 2, 3, 6
 _LONGEST_HEADER = 10_000_000  # bytes
 
 
 class XdfStream(NamedTuple):
-    """A stream of a file: its number in the file, what it says of itself, its header in XML, and its samples."""
+    """A stream of a file.
+
+    Attributes:
+        number: in the file.
+        info: what it says of itself; the type may lie.
+        header: in XML.
+        texts: whether its samples are texts.
+        samples: how many there are.
+        closed: whether the recorder ended it; else the recording was cut off.
+    """
 
     number: int
     info: StreamInfo
     header: ET.Element
+    texts: bool
     samples: int = 0
+    closed: bool = False
+
+    @property
+    def marks(self) -> bool:
+        """Whether it holds events rather than samples of a signal."""
+        return self.texts or self.info.rate == 0
+
+    def __str__(self) -> str:
+        """The stream as messages list it."""
+        name, kind, source_id, channels, rate = self.info
+        source = f", source {source_id[:40]}" if source_id else ""
+        what = "texts" if self.texts else f"{rate:g} Hz" if rate else "events"
+        size = f"{channels} channels, {what}, {self.samples} samples"
+        return f"#{self.number}: type {kind[:20]}, name {name[:40]}{source} ({size})"
 
 
 class Survey(NamedTuple):
@@ -40,21 +62,20 @@ class Survey(NamedTuple):
     torn: bool
 
 
-class XdfSamples(NamedTuple):
-    """A loaded stream: times (n,) [s] of the recording computer, and values (n, channels)."""
-
-    time: Floats
-    values: Any
+def matches(file: TextFile) -> bool:
+    """Whether the file begins with XDF's magic word."""
+    return file.head.startswith(MAGIC)
 
 
 def survey(path: Path) -> Survey:
     """Walks the chunks of a file without loading it.
 
     Raises:
-        InputError: it is no XDF file, or a chunk claims more samples than it has bytes.
+        InputError: it is no XDF file, breaks off before its first stream, or claims more samples than it has bytes.
     """
     streams: dict[int, XdfStream] = {}
     samples: Counter[int] = Counter()
+    closed: set[int] = set()
     torn = False
     try:
         size = path.stat().st_size
@@ -67,66 +88,56 @@ def survey(path: Path) -> Survey:
                     torn = True
                     break
                 tag, end = chunk
-                number = int.from_bytes(file.read(4), "little") if tag in (_HEADER, _SAMPLES) else 0
+                number = int.from_bytes(file.read(4), "little") if tag in (_HEADER, _SAMPLES, _FOOTER) else 0
                 if tag == _HEADER:
                     streams[number] = _header(path, file, number, end)
                 elif tag == _SAMPLES:
                     samples[number] += _count(path, file, end)
+                elif tag == _FOOTER:
+                    closed.add(number)
                 file.seek(end)
     except OSError as problem:
         raise InputError(f"{path}: cannot be read: {problem}") from problem
-    counted = (stream._replace(samples=samples[number]) for number, stream in streams.items())
+    if torn and not streams:
+        raise InputError(f"{path}: the XDF file cannot be read: it breaks off before its first stream")
+    counted = (s._replace(samples=samples[number], closed=number in closed) for number, s in streams.items())
     return Survey(tuple(counted), torn)
 
 
-def choose(path: Path, streams: Sequence[XdfStream], wanted: str | None, types: Sequence[str]) -> XdfStream:
-    """The stream called `wanted`, by number from 1, name, type or source id; without it, the only one of `types`.
+def choose(
+    path: Path, streams: Sequence[XdfStream], wanted: str | None, candidates: Sequence[XdfStream], what: str
+) -> XdfStream:
+    """The candidate that `wanted` names, or the only one there is.
+
+    Args:
+        path: of the file, for messages.
+        streams: all of the file.
+        wanted: words joined by `+`, each the type, name, source id or number of the stream.
+        candidates: those among which it is.
+        what: how messages call these.
 
     Raises:
-        InputError: none or several are meant; the message lists the streams.
+        InputError: none or several fit; the message lists what there is.
     """
-    if wanted is None:
-        found = [stream for stream in streams if stream.info.type.strip().casefold() in types]
-        meant = f"of type {' or '.join(types)}"
-    else:
-        meant, key = f"called {wanted[:80]!r}", wanted.strip().casefold()
-        named = [(s.info.name, s.info.type, s.info.source_id) for s in streams]
-        found = [s for s, names in zip(streams, named, strict=True) if key in [n.strip().casefold() for n in names]]
-        if not found and key.removesuffix(".0").isdecimal():
-            found = [s for place, s in enumerate(streams, start=1) if str(place) == key.removesuffix(".0")]
-    if len(found) == 1:
-        return found[0]
-    listed = "; ".join(describe(place, stream) for place, stream in enumerate(streams, start=1)) or "none"
-    raise InputError(
-        f"{path}: {len(found) or 'no'} streams {meant}; give stream= a name, type, source id or number of: {listed}"
-    )
+    words = [word.strip().casefold() for word in (wanted or "").split("+") if word.strip()]
+    fit = [stream for stream in candidates if all(word in _handles(stream) for word in words)]
+    if len(fit) == 1:
+        return fit[0]
+    listed = "; ".join(map(str, streams)) or "none"
+    asked = f"stream={(wanted or '')[:80]} fits" if words else "the file has"
+    way_out = "; choose one by stream=TYPE, NAME, SOURCE or NUMBER, or several of these joined by +"
+    raise InputError(f"{path}: {asked} {len(fit)} {what}{way_out if streams else ''}; the file has: {listed}")
 
 
-def describe(place: int, stream: XdfStream) -> str:
-    """A stream in a list for messages."""
-    name, kind, source_id, channels, rate = stream.info
-    return (
-        f"{place} name {name[:40]!r} type {kind[:20]!r} source id {source_id[:40]!r}, {channels} channels, {rate:g} Hz"
-    )
+def channel_texts(header: ET.Element, key: str, count: int) -> list[str]:
+    """What a stream's header says of each of `count` channels, say its `label`; empty where it does not."""
+    said = [(channel.findtext(key) or "").strip() for channel in header.findall("desc/channels/channel")[:count]]
+    return said + [""] * (count - len(said))
 
 
-def load(path: Path, stream: XdfStream) -> XdfSamples:
-    """Loads one stream, its clock corrected.
-
-    Raises:
-        InputError: pyxdf cannot read the file.
-    """
-    quiet = logging.getLogger("pyxdf")
-    level = quiet.level
-    quiet.setLevel(logging.CRITICAL)  # it logs what this module says in its own words
-    try:
-        loaded, _ = pyxdf.load_xdf(str(path), select_streams=[stream.number], verbose=False)
-        (found,) = loaded
-        return XdfSamples(floats(found["time_stamps"]), found["time_series"])
-    except Exception as problem:  # a damaged file makes pyxdf raise whatever there is
-        raise InputError(f"{path}: pyxdf cannot read it: {type(problem).__name__}: {problem}") from problem
-    finally:
-        quiet.setLevel(level)
+def _handles(stream: XdfStream) -> set[str]:
+    names = {name.strip().casefold() for name in (stream.info.type, stream.info.name, stream.info.source_id)}
+    return names | {str(stream.number), f"#{stream.number}", f"{stream.number}.0"}
 
 
 def _next_chunk(file: IO[bytes], size: int) -> tuple[int, int] | None:
@@ -156,7 +167,7 @@ def _header(path: Path, file: IO[bytes], number: int, end: int) -> XdfStream:
     if not 0 < channels <= 100_000 or not np.isfinite(rate) or rate < 0:
         raise InputError(f"{path}: stream {number} claims {channels} channels at {rate:g} Hz")
     info = StreamInfo(_said(header, "name"), _said(header, "type"), _said(header, "source_id"), channels, rate)
-    return XdfStream(number, info, header)
+    return XdfStream(number, info, header, _said(header, "channel_format") == "string")
 
 
 def _count(path: Path, file: IO[bytes], end: int) -> int:

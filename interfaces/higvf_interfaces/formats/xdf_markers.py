@@ -3,21 +3,23 @@
 import itertools
 import json
 import math
+from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
 
 from higvf_console.errors import InputError
-from higvf_interfaces.fields import is_number
-from higvf_interfaces.formats import xdf_streams
+from higvf_interfaces.fields import is_number, shown
+from higvf_interfaces.formats import xdf_file
 from higvf_interfaces.formats.command_log import LABELS
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signal_records import SignalRequest
 from higvf_interfaces.formats.text import TextFile
+from higvf_interfaces.formats.xdf_samples import cut_off, load
 
 NAME = "xdf-markers"
 TITLE = "XDF marker stream (Lab Streaming Layer)"
-matches = xdf_streams.matches
+matches = xdf_file.matches
 
 
 def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
@@ -26,21 +28,23 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
     Raises:
         InputError: not an XDF file, no or several marker streams fit, or the stream is empty.
     """
-    content = xdf_streams.load(file.path)
-    stream = xdf_streams.choose(content.streams, request.stream, True, file.path)
-    notes = xdf_streams.cut_off(stream)
+    streams = xdf_file.survey(file.path).streams
+    marks = [stream for stream in streams if stream.marks]
+    stream = xdf_file.choose(file.path, streams, request.stream, marks, "event streams")
+    samples = load(file.path, stream, streams)
+    notes = cut_off(stream, len(samples.time))
     timed = [
         (float(time), sample)
-        for time, sample in zip(stream.times, stream.samples, strict=True)
+        for time, sample in zip(samples.time - samples.earliest, samples.values, strict=True)
         if np.isfinite(time)
     ]  # fmt: skip
-    decisions = [decision for time, sample in timed if (decision := decision_of(time, xdf_streams.label_of(sample)))]
+    decisions = [decision for time, sample in timed if (decision := decision_of(time, label_of(sample)))]
     if not decisions:
-        raise InputError(f"{file.path}: the marker stream {stream.name} holds no label")
+        raise InputError(f"{file.path}: the marker stream {stream.info.name} holds no label")
     if any(later.time < earlier.time for earlier, later in itertools.pairwise(decisions)):
         notes.append("entries out of order: sorted by time")
         decisions.sort(key=lambda decision: decision.time)
-    return CommandLog(tuple(decisions), content.epoch, NAME, tuple(notes))
+    return CommandLog(tuple(decisions), samples.earliest, NAME, tuple(notes))
 
 
 def decision_of(time: float, text: str) -> Decision | None:
@@ -58,3 +62,11 @@ def decision_of(time: float, text: str) -> Decision | None:
     if not isinstance(label, str | int | float) or (isinstance(label, float) and not math.isfinite(label)):
         return None
     return Decision(time, str(label).strip(), confidence) if str(label).strip() else None
+
+
+def label_of(sample: object) -> str:
+    """A marker as one text; shown shortened where it is none."""
+    value = cast(Sequence[object], sample)[0] if isinstance(sample, list | np.ndarray) and len(sample) else sample
+    if isinstance(value, float | np.floating):
+        return f"{float(value):g}"
+    return value.strip() if isinstance(value, str) else shown(value)

@@ -4,14 +4,15 @@ from collections.abc import Iterator
 
 from higvf_console.arrays import floats
 from higvf_console.errors import InputError
-from higvf_interfaces.formats import xdf_streams
+from higvf_interfaces.formats import xdf_file
 from higvf_interfaces.formats.sample_clock import estimate_rate
 from higvf_interfaces.formats.signal_records import SignalChunk, SignalRecord, SignalRequest, sliced, unique_names
 from higvf_interfaces.formats.text import TextFile
+from higvf_interfaces.formats.xdf_samples import cut_off, load
 
 NAME = "xdf-signals"
 TITLE = "XDF stream of samples (Lab Streaming Layer)"
-matches = xdf_streams.matches
+matches = xdf_file.matches
 
 
 def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
@@ -20,15 +21,22 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
     Raises:
         InputError: not an XDF file, no or several streams of samples fit, or the stream is empty.
     """
-    content = xdf_streams.load(file.path)
-    stream = xdf_streams.choose(content.streams, request.stream, False, file.path)
-    times, values = stream.times, floats(stream.samples)
+    streams = xdf_file.survey(file.path).streams
+    signals = [stream for stream in streams if not stream.marks]
+    stream = xdf_file.choose(file.path, streams, request.stream, signals, "signal streams")
+    samples = load(file.path, stream, streams)
+    times, values = samples.time - samples.earliest, floats(samples.values)
     rate = request.rate or estimate_rate(times)
     if not len(times) or not rate > 0:
-        raise InputError(f"{file.path}: the stream {stream.name} has too few samples ({len(times)})")
+        raise InputError(f"{file.path}: the stream {stream.info.name} has too few samples ({len(times)})")
 
     def chunks() -> Iterator[SignalChunk]:
         return sliced(times, values)
 
-    notes = xdf_streams.cut_off(stream)
-    return SignalRecord(unique_names(stream.names), stream.units, rate, content.epoch, NAME, notes, chunks)
+    names, units = (xdf_file.channel_texts(stream.header, key, stream.info.channels) for key in ("label", "unit"))
+    notes = cut_off(stream, len(times))
+    return SignalRecord(unique_names(names), tuple(map(_unit, units)), rate, samples.earliest, NAME, notes, chunks)
+
+
+def _unit(text: str) -> str:
+    return {"microvolts": "uV", "microvolt": "uV", "µv": "uV", "volts": "V"}.get(text.casefold(), text)

@@ -1,0 +1,81 @@
+"""Replayed gaze in a real browser: its heat map, what it looked at, the button that it presses, the panel of inputs."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from higvf_console.commands import Freeze, InputSpec, SetSpeed
+from higvf_console.session.channels import open_interface
+from higvf_console.session.inputs import demo_specs
+from higvf_console.session.scenario import load_scenario
+from tests.browser import open_console, screenshot, wait_until
+from tests.consoles import Running, console_at_work
+
+pytestmark = pytest.mark.browser
+
+BUTTON = [0.2, 0.2, 0.5, 0.7]  # where the recorded eye rests, unlike the usual corner
+
+
+@pytest.fixture(scope="module")
+def running() -> Iterator[Running]:
+    """The recorded demonstration, with a button for the gaze to press."""
+    gaze, *others = demo_specs(load_scenario("barrier-gaze"))
+    gaze = InputSpec("gaze", gaze.source, {**gaze.options, "clutch": "dwell"}, {"button": BUTTON}, gaze.arena)
+    with console_at_work("barrier-gaze", *(open_interface(spec) for spec in (gaze, *others))) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def page(chromium: Browser, running: Running) -> Iterator[Page]:
+    """A page of 1280 x 720 that shows it, at the panel of inputs."""
+    page = open_console(chromium, running.url, 1280, 720)
+    page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((close) => close.click())")
+    page.get_by_role("tab", name="Inputs").click()
+    yield page
+    page.context.close()
+
+
+def visible(page: Page, node: str) -> bool:
+    return page.evaluate("(node) => !!window.__viserMutable.nodeRefFromName[node]?.visible", node)
+
+
+def told(page: Page, words: str) -> str:
+    """The text of the table that has some words in it."""
+    return page.locator(".hg", has_text=words).last.inner_text()
+
+
+def test_the_ring_fills_while_gaze_rests_on_the_button(page: Page, running: Running) -> None:
+    wait_until(lambda: (report := running.session.snapshot.inputs.dwell) and report.progress > 0.4)
+    running.push(Freeze(True))
+    wait_until(lambda: running.session.snapshot.frozen)
+    wait_until(lambda: visible(page, "/gaze/button") and visible(page, "/gaze/dwell"))
+    page.wait_for_timeout(500)
+    screenshot(page, "inputs-dwell")
+    running.push(Freeze(False), SetSpeed(8.0))
+
+
+def test_the_panel_tells_what_was_looked_at_and_what_was_decided(page: Page, running: Running) -> None:
+    running.push(SetSpeed(8.0))
+    wait_until(lambda: running.session.snapshot.time > 20.0)
+    wait_until(lambda: "Fire 3" in told(page, "Fixation rate"))
+    wait_until(lambda: "right passed" in told(page, "Decisions of bci"))
+    assert "Decisions of emg" in told(page, "Decisions of bci")
+    screenshot(page, "inputs-panel")
+
+
+def test_a_recording_cannot_be_calibrated_and_the_panel_says_why(page: Page) -> None:
+    assert page.get_by_role("button", name="Calibrate gaze").is_disabled()
+    assert "gaze is replayed" in told(page, "Calibration")
+
+
+def test_the_heat_map_is_shown_when_it_is_wanted(page: Page, running: Running) -> None:
+    wait_until(lambda: running.session.snapshot.inputs.attention)
+    assert not visible(page, "/gaze/heat")
+    page.get_by_role("tab", name="View").click()
+    page.get_by_role("checkbox", name="Gaze heat map").click()
+    wait_until(lambda: visible(page, "/gaze/heat"))
+    page.wait_for_timeout(1000)
+    screenshot(page, "inputs-heat")
+    page.get_by_role("checkbox", name="Gaze heat map").click()
+    wait_until(lambda: not visible(page, "/gaze/heat"))
