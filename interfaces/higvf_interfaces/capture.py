@@ -68,7 +68,7 @@ class Capture:
         asked, self._asked = self._asked, None
         if asked is not None:
             if self._running and not asked:
-                self._outcome = "given up; the map in use stays"
+                self._outcome = "Given up; the map in use stays."
             self._running, self._found = asked, []
             self._next_target()
         if not self._running or not len(samples.time):
@@ -108,13 +108,13 @@ class Capture:
         try:
             fitted = calibrate(floats(self._found), self._targets, self._screen)
         except InputError as problem:
-            self._outcome = f"failed: {problem}"
+            self._outcome = f"Failed: {problem}"
             return None
         now = datetime.now().astimezone()
         file = Path(f"gaze-calibration-{now:%Y%m%d-%H%M%S}.yaml").absolute()
         made = fitted._replace(file=str(file), made=now.isoformat(timespec="seconds"))
         off = f"off by {residual_px(made):.0f} px, {made.residual:.1f} m (root mean square)"
-        self._outcome = f"in use; {off}; being written to {file}"
+        self._outcome = f"In use; {off}; being written to {file}"
         Thread(target=self._store, args=(made, file, off), name="calibration", daemon=True).start()
         return made
 
@@ -122,6 +122,6 @@ class Capture:
         """Writes the file, on a thread of its own: a slow disk must not hold up the team."""
         try:
             file.write_text(calibration_text(made), encoding="utf-8")
-            self._outcome = f"in use; {off}; written to {file}"
+            self._outcome = f"In use; {off}; written to {file}"
         except OSError as error:
-            self._outcome = f"in use; {off}; not written to {file}: {error.strerror}"
+            self._outcome = f"In use; {off}; not written to {file}: {error.strerror}"

@@ -113,7 +113,7 @@ class GazeReplay:
     def capture_report(self) -> CaptureReport:
         """How the making of a calibration stands; a recording can have none."""
         if self._live is None:
-            return CaptureReport("gaze is replayed: a calibration is made with a live eye tracker")
+            return CaptureReport("Gaze is replayed: a calibration is made with a live eye tracker.")
         return self._capture.report()
 
     def begin_capture(self) -> None:

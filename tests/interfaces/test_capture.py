@@ -100,7 +100,7 @@ def test_escape_gives_it_up_and_leaves_no_file(tmp_path: Path) -> None:
     capture.cancel()
     capture.take(next(samples(rest(floats(LOOKED[0]), 0.1), 2.0)))
     assert capture.report().target is None
-    assert "given up" in capture.report().outcome
+    assert "Given up" in capture.report().outcome
     assert list(tmp_path.iterdir()) == []
 
 
@@ -108,7 +108,7 @@ def test_eyes_that_never_leave_one_place_make_no_map() -> None:
     capture = Capture(ARENA, SCREEN, 38.0)
     capture.begin()
     assert look_round(capture, floats([[960, 540]] * COUNT)) is None
-    assert capture.report().outcome.startswith("failed: calibration:")
+    assert capture.report().outcome.startswith("Failed: calibration:")
 
 
 def test_a_file_that_cannot_be_written_is_said_and_the_map_is_used(

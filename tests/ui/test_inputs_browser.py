@@ -62,11 +62,14 @@ def test_the_panel_tells_what_was_looked_at_and_what_was_decided(page: Page, run
     wait_until(lambda: "right passed" in told(page, "Decisions of bci"))
     assert "Decisions of emg" in told(page, "Decisions of bci")
     screenshot(page, "inputs-panel")
+    page.get_by_role("button", name="Calibrate gaze").scroll_into_view_if_needed()
+    page.wait_for_timeout(300)
+    screenshot(page, "inputs-panel-below")
 
 
 def test_a_recording_cannot_be_calibrated_and_the_panel_says_why(page: Page) -> None:
     assert page.get_by_role("button", name="Calibrate gaze").is_disabled()
-    assert "gaze is replayed" in told(page, "Calibration")
+    assert "Gaze is replayed" in told(page, "Calibration")
 
 
 def test_the_heat_map_is_shown_when_it_is_wanted(page: Page, running: Running) -> None:

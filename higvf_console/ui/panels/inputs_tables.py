@@ -113,8 +113,7 @@ def _share(spent: float, total: float) -> str:
 
 
 def _bar(spent: float, total: float) -> str:
-    width = 100 * spent / total if total > 0.0 else 0.0
-    return f'<span class="bar" style="width:{width:.0f}%"></span>'
+    return f'<span class="bar" style="width:{100 * spent / total:.0f}%"></span>' if spent > 0.0 else ""
 
 
 def _workload(report: AttentionReport) -> str:
@@ -132,7 +131,7 @@ def calibration_html(calibrations: Sequence[tuple[str, CalibrationReport]], capt
     """The calibration in use, and how the making of one stands."""
     lines = [f"<div>{_calibration(name, report)}</div>" for name, report in calibrations]
     if not lines:
-        lines.append('<div class="dim">None in use: the screen is taken to show the whole arena.</div>')
+        lines.append('<div class="dim">None in use.</div>')
     if capture is not None and capture.target is not None:
         lines.append(f"<div>Target {capture.number} of {capture.targets}, {capture.progress:.0%}</div>")
     elif capture is not None and (capture.refusal or capture.outcome):
