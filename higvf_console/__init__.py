@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from higvf_console.session.headless import run_headless
     from higvf_console.session.recording import Recorder, read_recording, replay
     from higvf_console.session.scenario import Scenario, load_scenario, scenario_names
-    from higvf_console.session.session import Session, Snapshot
+    from higvf_console.session.session import Session
+    from higvf_console.session.snapshot import Snapshot
     from higvf_console.sim.operator import apply_command
     from higvf_console.sim.setup import Event, Setup
     from higvf_console.sim.simulation import advance, roll
@@ -36,7 +37,8 @@ _HOMES = {
     "session.headless": ("run_headless",),
     "session.recording": ("Recorder", "read_recording", "replay"),
     "session.scenario": ("Scenario", "load_scenario", "scenario_names"),
-    "session.session": ("Session", "Snapshot"),
+    "session.session": ("Session",),
+    "session.snapshot": ("Snapshot",),
     "sim.operator": ("apply_command",),
     "sim.setup": ("Event", "Setup"),
     "sim.simulation": ("advance", "roll"),

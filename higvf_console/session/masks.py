@@ -58,10 +58,11 @@ def read_grey(name: str, folders: Sequence[Path]) -> Grey:
         raise ScenarioError(
             f"{file}: {image.shape[1]} x {image.shape[0]} pixels; give at most {MOST_PIXELS / 1e6:g} million"
         )
-    return _grey(image)
+    return grey(image)
 
 
-def _grey(image: MatLike) -> Grey:
+def grey(image: MatLike) -> Grey:
+    """Brightness (rows, columns) of an image as OpenCV decodes it, 0 black to 255 white; transparent is white."""
     white = {"uint8": 255.0, "uint16": 65535.0}.get(image.dtype.name, 1.0)
     light = (image if image.ndim == 3 else image[:, :, None]).astype(np.float32) * (255.0 / white)
     if light.shape[2] in (2, 4):

@@ -13,9 +13,7 @@ from threading import Thread
 from time import perf_counter
 from typing import Any, NamedTuple, cast
 
-from higvf_console.arrays import Floats
 from higvf_console.commands import (
-    ChannelHealth,
     Cursor,
     Freeze,
     Interface,
@@ -31,72 +29,26 @@ from higvf_console.errors import InputError
 from higvf_console.reports import Calibrated
 from higvf_console.session.baseline import Baseline, compute_baseline
 from higvf_console.session.channels import Channels
-from higvf_console.session.explain import Moved
 from higvf_console.session.failsafe import failure_event, halted
-from higvf_console.session.history import History
 from higvf_console.session.input_reports import InputReports, Reporter, calibration_event
 from higvf_console.session.marker_outlet import MarkerOutlet
 from higvf_console.session.recording import Recorder
 from higvf_console.session.run import Run
 from higvf_console.session.scenario import Scenario
 from higvf_console.session.sections import FilterKind
+from higvf_console.session.snapshot import Snapshot
 from higvf_console.session.supervision import SOURCE, Said, Supervisor
-from higvf_console.sim.certificates import Worst
 from higvf_console.sim.metrics import loss_area
 from higvf_console.sim.setup import Event, Setup, Severity
-from higvf_console.state import SimState, Trace
 from higvf_console.viewport import Viewport
 
 SLOWEST, FASTEST = 0.25, 8.0  # speed factors
 CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time
 EVENTS_KEPT = 2000
+_LOOK = 0.1  # [s] between two looks whether the world is another one
 _WATCH_EVERY = 5  # ticks from one look after the channels to the next
 
 _log = logging.getLogger(__name__)
-
-
-class Snapshot(NamedTuple):
-    """All that a view needs of one moment.
-
-    Attributes:
-        setup: world and gains in force; another object once they are edited.
-        state: now.
-        trace: of the last control period.
-        last: the last control period as a whole; at the start of a run, the first one to come.
-        time: session time [s].
-        frozen: whether the simulation clock stands.
-        speed: factor of the simulation clock.
-        loss_area: (M,) burnt by each fire [m^2].
-        min_clearance: smallest of the run so far [m]; the present one is in the trace.
-        tick_ms: how long the tick took [ms].
-        infeasible_ticks: control periods in which a robot could not meet all barrier rows.
-        deadlock_s: time in which a robot was deadlocked [s].
-        worst: what the certificates of single ticks came to so far.
-        extinguished: fire indices in the order in which they went out.
-        history: what was done and may be undone.
-        channels: how each interface is.
-        events: what happened, oldest first; the last `EVENTS_KEPT`.
-        inputs: what the interfaces tell of themselves: attention, decoding, calibration.
-    """
-
-    setup: Setup
-    state: SimState
-    trace: Trace
-    last: Moved
-    time: float
-    frozen: bool
-    speed: float
-    loss_area: Floats
-    min_clearance: float
-    tick_ms: float
-    infeasible_ticks: int
-    deadlock_s: float
-    worst: Worst
-    extinguished: tuple[int, ...]
-    history: History
-    channels: tuple[tuple[str, ChannelHealth], ...]
-    events: tuple[Event, ...]
-    inputs: InputReports = InputReports()
 
 
 class AppliedCommand(NamedTuple):
@@ -211,7 +163,7 @@ class Session:
 
     def run(self, stopping: Signal) -> None:
         """Ticks at the pace of the clock until `stopping` is set; an engine that fails halts the team, not the loop."""
-        Thread(target=self._compute_baseline, args=(stopping,), name="baseline", daemon=True).start()
+        Thread(target=self._keep_baseline, args=(stopping,), name="baseline", daemon=True).start()
         due, credit = perf_counter(), 0.0
         while not stopping.is_set():
             credit += min(self._speed, 1.0)
@@ -327,6 +279,7 @@ class Session:
             if self._recorder is not None:
                 self._record(self._recorder.calibration, channel, report)
         self.snapshot = Snapshot(
+            scenario=self.scenario,
             setup=run.setup,
             state=run.state,
             trace=run.trace,
@@ -347,6 +300,14 @@ class Session:
             inputs=inputs,
         )
 
-    def _compute_baseline(self, stopping: Signal) -> None:
-        if self.scenario.filter is FilterKind.DISTRIBUTED:  # the centralised filter has no fast roll
-            self.baseline = compute_baseline(self.setup, self.scenario.duration, stopping)
+    def _keep_baseline(self, stopping: Signal) -> None:
+        """Runs every world that is edited or loaded without an operator, on a thread of its own."""
+        known: Setup | None = None
+        while not stopping.wait(_LOOK):
+            setup, scenario = self.setup, self.scenario
+            if setup is known:
+                continue
+            known, self.baseline = setup, None
+            if scenario.filter is FilterKind.DISTRIBUTED:  # the centralised filter has no fast roll
+                found = compute_baseline(setup, scenario.duration, stopping)
+                self.baseline = found if self.setup is setup else None

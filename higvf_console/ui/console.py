@@ -22,6 +22,7 @@ from higvf_console.ui import camera, hints, keys, page, pointer, theme, tools
 from higvf_console.ui.calibration import Calibration
 from higvf_console.ui.hand import Hand
 from higvf_console.ui.panels.edit import EditPanel
+from higvf_console.ui.panels.files import FilesPanel
 from higvf_console.ui.panels.fires import FiresPanel
 from higvf_console.ui.panels.history import HistoryPanel
 from higvf_console.ui.panels.html import SPACER, style_html
@@ -37,7 +38,8 @@ from higvf_console.ui.roles import Roles
 from higvf_console.ui.scene import Scene, View
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Session, Snapshot
+    from higvf_console.session.session import Session
+    from higvf_console.session.snapshot import Snapshot
 
 FRAME = 1 / 30  # [s]
 # Between two frames, at least [s]: viser looks 60 times a second whether there is anything to send, and sends nothing
@@ -77,6 +79,7 @@ class Console:
         self._previewer = Previewer(session, self._choice)
         self._stopped: bool | None = None
         self._history: History | None = None
+        self._scenario = session.scenario
         self._frames = 0
         self._failures: set[str] = set()
         theme.dress(server, session.scenario.title)
@@ -87,10 +90,10 @@ class Console:
         camera.install(server, self._scene.camera_arena)
         hand = Hand(session, self._view, self._steer, self._roles, self._show_tool)
         pointer.install(server, hand, theme.CSS.stroke)
+        self._calibration = Calibration(server, session.calibrated)  # ahead of the keys: Esc is its own at times
         keys.install(server, hand.key)
         tools.install(server, hand.tool, hand.key)
         hints.install(server)
-        self._calibration = Calibration(server, session.calibrated)
         page.on_leave(server, hand.leave)
         add_commands(server.gui, hand, self._roles)
         self._roles.install(hand.hand_over)
@@ -112,13 +115,14 @@ class Console:
         with tabs.add_tab("Edit"):
             edit = EditPanel(gui, sink, self._view)
             history = HistoryPanel(gui, sink)
+            file = FilesPanel(self._server, session, sink, self._view)
         with tabs.add_tab("Inputs"):
             inputs = InputsPanel(gui, session, sink)
         with tabs.add_tab("View"):
             view = ViewPanel(gui, self._view)
         with tabs.add_tab("Log"):
             log = LogPanel(self._server, self._view)
-        self._panels = (status, run, self._steer, preview, fires, why, edit, history, inputs, view, log)
+        self._panels = (status, run, self._steer, preview, fires, why, edit, history, file, inputs, view, log)
 
     def _show_tool(self, tool: tools.Tool, client_id: int) -> None:
         tools.show(self._server, tool, client_id)
@@ -151,6 +155,9 @@ class Console:
                     self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))
                 self._try("roles", self._roles.update)
         self._frames += 1
+        if snapshot.scenario is not self._scenario:
+            self._scenario = snapshot.scenario
+            self._server.gui.set_panel_label(snapshot.scenario.title)
         if snapshot.history is not self._history:
             self._history = snapshot.history
             done, undone = self._history

@@ -1,7 +1,7 @@
 """The arena as the operator sees it, from above: layers that a snapshot is poured into.
 
-    floor, grid -> heat of gaze -> field arrows -> boundaries -> fires -> obstacles -> links, trails -> path ->
-    ghosts -> sight lines, arrows of reasons -> robots -> stroke, cursor, dwell button
+    floor, overhead image, grid -> heat of gaze -> field arrows -> boundaries -> fires -> obstacles -> links, trails ->
+    path -> ghosts -> sight lines, arrows of reasons -> robots -> stroke, what is edited, cursor, dwell button
 
 Everything changes by assignment to a few nodes; nothing here knows threads or commands.
 """
@@ -17,6 +17,7 @@ from higvf_console.session.editing.things import Place
 from higvf_console.session.preview import USUAL
 from higvf_console.sim.setup import Event, Setup
 from higvf_console.ui.grips import Drag
+from higvf_console.ui.scene_background import Background, BackgroundLayer
 from higvf_console.ui.scene_edit import EditLayer
 from higvf_console.ui.scene_field import FieldLayer
 from higvf_console.ui.scene_fires import Fires
@@ -32,7 +33,7 @@ from higvf_console.viewport import Arena
 
 if TYPE_CHECKING:
     from higvf_console.session.preview import Preview
-    from higvf_console.session.session import Snapshot
+    from higvf_console.session.snapshot import Snapshot
 
 
 @dataclass
@@ -55,6 +56,7 @@ class View:
         editing: whether the hand edits things.
         selected: the thing that is chosen for editing.
         drag: what the hand holds.
+        background: overhead image on the ground.
         look: colours and size of text, on every page.
         alarms: those that nobody has acknowledged, oldest first.
         heat: where the operator has looked.
@@ -74,6 +76,7 @@ class View:
     editing: bool = False
     selected: Place | None = None
     drag: Drag | None = None
+    background: Background | None = None
     look: Look = USUAL_LOOK
     alarms: list[Event] = attribute(default_factory=list[Event])
     heat: bool = False
@@ -96,6 +99,7 @@ class Scene:
         editing: whether the hand edits things.
         selected: the thing that is chosen for editing.
         drag: what the hand holds.
+        background: overhead image on the ground.
         look: its colours and size of text; another one needs a new scene, too.
         camera_arena: what the camera must show.
     """
@@ -107,6 +111,7 @@ class Scene:
         self.camera_arena: Arena = with_margin(setup.arena, max(self.look.text, 1.0) * canvas.px)
         self._view = view
         self._ground = Ground(canvas, setup)
+        self._background = BackgroundLayer(canvas)
         self._fires = Fires(canvas, setup)
         self._team = Team(canvas, setup)
         self._path = PathLayer(canvas)
@@ -121,6 +126,7 @@ class Scene:
     def update(self, snapshot: "Snapshot", preview: "Preview | None" = None) -> None:
         """Shows a snapshot, and what is foreseen; call it inside `server.atomic()`."""
         state, trace, view = snapshot.state, snapshot.trace, self._view
+        self._background.update(view.background)
         self._fires.update(state, trace, snapshot.loss_area)
         self._team.update(state, trace, snapshot.time)
         self._path.update(state)

@@ -26,29 +26,30 @@ class Layer(IntEnum):
     """What lies over what, from the ground up."""
 
     FLOOR = 0
-    GRID = 1
-    HEAT = 2
-    FIELD = 3
-    FIRE_ZONE = 4
-    BOUNDARY = 5
-    LINK = 6
-    TRAIL = 7
-    FIRE = 8
-    FIRE_EDGE = 9
-    FIRE_TEXT = 10
-    OBSTACLE = 11
-    PATH = 12
-    CHEVRON = 13
-    GHOST = 14
-    CLEARANCE = 15
-    SIGHT = 16
-    HALO = 17
-    VELOCITY = 18
-    REASON = 19
-    ROBOT = 20
-    ROBOT_TEXT = 21
-    STROKE = 22
-    CURSOR = 23
+    IMAGE = 1
+    GRID = 2
+    HEAT = 3
+    FIELD = 4
+    FIRE_ZONE = 5
+    BOUNDARY = 6
+    LINK = 7
+    TRAIL = 8
+    FIRE = 9
+    FIRE_EDGE = 10
+    FIRE_TEXT = 11
+    OBSTACLE = 12
+    PATH = 13
+    CHEVRON = 14
+    GHOST = 15
+    CLEARANCE = 16
+    SIGHT = 17
+    HALO = 18
+    VELOCITY = 19
+    REASON = 20
+    ROBOT = 21
+    ROBOT_TEXT = 22
+    STROKE = 23
+    CURSOR = 24
 
 
 class Canvas:
@@ -92,9 +93,9 @@ class Canvas:
         """`count` copies of a shape."""
         return Marks(self, layer, name, shape, count=count, colour=colour, opacity=opacity)
 
-    def picture(self, layer: Layer, name: str) -> "Picture":
-        """A picture over the whole arena."""
-        return Picture(self, layer, name)
+    def picture(self, layer: Layer, name: str, extent: Arena | None = None) -> "Picture":
+        """A picture over some ground; None = the whole arena."""
+        return Picture(self, layer, name, extent or self.arena)
 
 
 def raised(points: Floats) -> NDArray[np.float32]:
@@ -239,18 +240,17 @@ class Marks:
 
 
 class Picture:
-    """A picture over the whole arena, hidden until there is one; its colours are shown as they are."""
+    """A picture over some ground, hidden until there is one; its colours are shown as they are."""
 
-    def __init__(self, canvas: Canvas, layer: Layer, name: str) -> None:
+    def __init__(self, canvas: Canvas, layer: Layer, name: str, extent: Arena) -> None:
         """Starts clear."""
-        arena = canvas.arena
-        centre = ((arena.x_min + arena.x_max) / 2, (arena.y_min + arena.y_max) / 2, canvas.height(layer)[2])
+        centre = ((extent.x_min + extent.x_max) / 2, (extent.y_min + extent.y_max) / 2, canvas.height(layer)[2])
         self._node = canvas.add(
             lambda scene: scene.add_image(
                 name,
                 np.zeros((1, 1, 4), np.uint8),
-                arena.width,
-                arena.height,
+                extent.width,
+                extent.height,
                 format="png",
                 cast_shadow=False,
                 receive_shadow=False,

@@ -11,8 +11,9 @@ from higvf_console.arrays import floats
 from higvf_console.commands import OperatorCommand, Pick
 from higvf_console.session.explain import Part, Say
 from higvf_console.session.run import Run
-from higvf_console.session.session import Session, Snapshot
+from higvf_console.session.session import Session
 from higvf_console.session.sight import sights
+from higvf_console.session.snapshot import Snapshot
 from higvf_console.session.tight_rows import TightRow
 from higvf_console.sim.certificates import Certificate
 from higvf_console.ui.hand import Hand

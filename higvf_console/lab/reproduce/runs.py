@@ -11,7 +11,8 @@ from higvf_console.session.channels import open_interface
 from higvf_console.session.headless import run_headless
 from higvf_console.session.inputs import demo_specs
 from higvf_console.session.scenario import Scenario, data_folder, load_scenario
-from higvf_console.session.session import Session, Snapshot
+from higvf_console.session.session import Session
+from higvf_console.session.snapshot import Snapshot
 from higvf_console.sim.certificates import connectivity
 from higvf_console.sim.setup import Event, Setup
 from higvf_console.state import Path, PathKind

@@ -17,7 +17,7 @@ from higvf_console.ui.scene import View
 from higvf_console.viewport import Arena
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Snapshot
+    from higvf_console.session.snapshot import Snapshot
 
 _MOST_NUMBERS = max(len(numbers) for numbers in NUMBERS.values())
 _SIDES = {"x_min": "Left m", "y_min": "Bottom m", "x_max": "Right m", "y_max": "Top m"}

@@ -13,7 +13,8 @@ from higvf_console.ui.theme import CSS
 
 if TYPE_CHECKING:
     from higvf_console.session.baseline import Baseline
-    from higvf_console.session.session import Session, Snapshot
+    from higvf_console.session.session import Session
+    from higvf_console.session.snapshot import Snapshot
 
 SAMPLE_PERIOD = 0.5  # of the curve [s]
 MOST_SAMPLES = 400  # beyond, every second one goes

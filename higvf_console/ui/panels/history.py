@@ -10,7 +10,7 @@ from higvf_console.ui.panels.callbacks import one_of, reaction
 from higvf_console.ui.panels.html import block, clock, text
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Snapshot
+    from higvf_console.session.snapshot import Snapshot
 
 SHOWN = 12  # deeds
 _UNDO, _REDO = "Undo", "Redo"

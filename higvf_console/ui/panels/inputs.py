@@ -12,7 +12,8 @@ from higvf_console.ui.panels.html import block
 from higvf_console.ui.panels.inputs_tables import attention_html, calibration_html, channels_html, decisions_html
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Session, Snapshot
+    from higvf_console.session.session import Session
+    from higvf_console.session.snapshot import Snapshot
 
 
 class InputsPanel:

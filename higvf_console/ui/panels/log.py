@@ -15,7 +15,7 @@ from higvf_console.ui.scene import View
 from higvf_console.ui.theme import hex_rgb
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Snapshot
+    from higvf_console.session.snapshot import Snapshot
 
 MOST_SHOWN = 30
 MOST_ALARMS = 99  # that wait to be acknowledged; older ones are let go

@@ -15,7 +15,7 @@ from higvf_console.ui.panels.html import DASH, area, block
 
 if TYPE_CHECKING:
     from higvf_console.session.previewer import Previewer
-    from higvf_console.session.session import Snapshot
+    from higvf_console.session.snapshot import Snapshot
 
 _COMMIT, _REDRAW, _DISCARD = "Commit", "Redraw", "Discard"
 _ARROW, _MINUS = " \u2192 ", "\u2212"

@@ -10,7 +10,7 @@ from higvf_console.ui.panels.callbacks import mirror, one_of, reaction
 from higvf_console.ui.panels.html import TIMES
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Snapshot
+    from higvf_console.session.snapshot import Snapshot
 
 SPEEDS: dict[str, Any] = {f"{factor:g}{TIMES}": factor for factor in (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)}
 CONFIRM_S = 4.0  # within which a reset must be confirmed

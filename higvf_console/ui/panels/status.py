@@ -14,7 +14,7 @@ from higvf_console.ui.scene import View
 from higvf_console.ui.theme import CSS
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Snapshot
+    from higvf_console.session.snapshot import Snapshot
 
 # Shape and word tell the state; the colour only repeats it.
 CHANNEL_MARK = {

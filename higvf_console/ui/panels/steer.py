@@ -33,7 +33,7 @@ from higvf_console.ui.scene import View
 if TYPE_CHECKING:
     from higvf_console.session.scenario import Scenario
     from higvf_console.session.sections import ShownStroke
-    from higvf_console.session.session import Snapshot
+    from higvf_console.session.snapshot import Snapshot
 
 LONGEST_DURATION = 3600.0  # [s]
 _CLEAR, _REVERSE, _CLOSE, _OPEN, _NEXT = "Clear", "Reverse", "Close", "Open", "Finish"
@@ -55,6 +55,7 @@ class SteerPanel:
     def __init__(self, gui: viser.GuiApi, scenario: "Scenario", robots: int, sink: PointerSink, view: View) -> None:
         """Builds the widgets for a team and the strokes that its scenario ships."""
         self._gui, self._sink, self._view = gui, sink, view
+        self._scenario = scenario
         self._path, self._paths = NO_PATH, tuple[Path, ...]()
         self.smoothing = scenario.gains.path.stroke_smoothing
         self.ending, self.pace, self.duration = "release", 1.0, 0.0
@@ -161,6 +162,8 @@ class SteerPanel:
     def update(self, snapshot: "Snapshot") -> None:
         """Shows who is influenced now, and the settings in force."""
         state = snapshot.state
+        if snapshot.scenario is not self._scenario:
+            self._take(snapshot.scenario)
         self._picker.show(state.intent.influenced, len(state.motion.position))
         self._show_path(state.intent.path)
         if state.drawing.paths is not self._paths:
@@ -178,6 +181,13 @@ class SteerPanel:
         self._unprioritise.visible = bool((priority[:, 0] == state.intent.influenced).any())
         if len(priority):
             self._priority.content = block(priority_html(priority.tolist()))
+
+    def _take(self, scenario: "Scenario") -> None:
+        """Offers the strokes of a scenario that was loaded, and its smoothing."""
+        self._scenario, self.smoothing = scenario, scenario.gains.path.stroke_smoothing
+        for button in self._strokes:
+            button.remove()
+        self._strokes = [self._make_show_me(self._gui, stroke) for stroke in scenario.strokes]
 
     def _show_path(self, path: Path) -> None:
         if path is self._path:

@@ -11,7 +11,7 @@ from higvf_console.ui.scene import View
 from higvf_console.ui.theme import CSS, TEXT_SIZES, THEMES
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Snapshot
+    from higvf_console.session.snapshot import Snapshot
 
 FIELDS: dict[str, Any] = {
     "Off": None,

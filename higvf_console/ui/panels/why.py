@@ -18,7 +18,8 @@ from higvf_console.ui.panels.why_tables import certificate_html, parts_html, row
 from higvf_console.ui.scene import View
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Session, Snapshot
+    from higvf_console.session.session import Session
+    from higvf_console.session.snapshot import Snapshot
 
 MOST_SHARED = 200  # robots; a larger team has no chart of its own
 CERTIFIED_EVERY = 5  # updates; lambda_2 of a larger team takes longer, and is renewed ten times less often

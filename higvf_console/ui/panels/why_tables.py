@@ -17,7 +17,7 @@ from higvf_console.ui.scene_reasons import part_colours
 from higvf_console.ui.theme import CSS
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Snapshot
+    from higvf_console.session.snapshot import Snapshot
 
 PART_NAMES = {
     Part.TARGET: ("Own target", "Robot intention v_t"),

@@ -1,0 +1,138 @@
+"""Scenarios to and from the operator's computer, and an overhead image with the obstacles in it."""
+
+import logging
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+import viser
+
+from higvf_console.commands import LoadScenario, PointerSink
+from higvf_console.edits import AddOutlines
+from higvf_console.errors import ScenarioError
+from higvf_console.session.editing.overhead import outlines_in, read_picture
+from higvf_console.session.masks import MaskPlace
+from higvf_console.session.scenario_writer import scenario_yaml
+from higvf_console.ui import files
+from higvf_console.ui.panels.callbacks import number_in, one_of, reaction
+from higvf_console.ui.panels.html import block, text
+from higvf_console.ui.scene import View
+from higvf_console.ui.scene_background import Background
+
+if TYPE_CHECKING:
+    from higvf_console.session.session import Session, Snapshot
+
+_DARK, _BRIGHT = "Dark", "Bright"
+_SCENARIO, _IMAGE = "scenario", "image"
+_log = logging.getLogger(__name__)
+
+
+class FilesPanel:
+    """Buttons, and fields that place the image; what cannot be used is said below them."""
+
+    def __init__(self, server: viser.ViserServer, session: "Session", sink: PointerSink, view: View) -> None:
+        """Builds the widgets, and lets pages send files."""
+        self._session, self._sink, self._view = session, sink, view
+        self._said = ""
+        kinds = {
+            _SCENARIO: files.FileKind(".yaml,.yml", self._load),
+            _IMAGE: files.FileKind("image/*", self._lay),
+        }
+        self._choose = files.install(server, kinds, self._refuse)
+        gui = server.gui
+        self._folder = gui.add_folder("Files", expand_by_default=False)
+        with self._folder:
+            save = gui.add_button("Save scenario", icon=viser.Icon.DOWNLOAD, hint="What is now, as a scenario file")
+            save.on_click(self._save)
+            self._make_chooser(gui, "Load scenario", _SCENARIO, "A run of it begins; it can be undone")
+            self._make_chooser(gui, "Overhead image", _IMAGE, "Shown on the ground; obstacles can be made of it")
+            self._fields = self._make_fields(gui)
+            self._note = gui.add_html("", visible=False)
+
+    def _make_chooser(self, gui: viser.GuiApi, label: str, kind: str, hint: str) -> None:
+        button = gui.add_button(label, icon=viser.Icon.UPLOAD, color="gray", hint=hint)
+
+        async def choose(event: viser.GuiEvent[Any]) -> None:
+            if event.client_id is not None:
+                self._choose(kind, event.client_id)
+
+        button.on_click(choose)
+
+    def _make_fields(self, gui: viser.GuiApi) -> list[Any]:
+        self._scale = gui.add_number("Metres a pixel", 1.0, min=1e-4, max=1e4, step=0.01, visible=False)
+        self._left = gui.add_number("Left m", 0.0, step=1.0, visible=False, hint="Of the image's lower left corner")
+        self._bottom = gui.add_number("Bottom m", 0.0, step=1.0, visible=False)
+        for field in (self._scale, self._left, self._bottom):
+            field.on_update(reaction(lambda _: self._place()))
+        self._shade = gui.add_button_group("Obstacles are", (_DARK, _BRIGHT), visible=False)
+        self._threshold = gui.add_slider("Threshold", 0, 255, 1, 128, visible=False, hint="Parts dark from bright")
+        self._remove = gui.add_button("Remove image", color="gray", visible=False)
+        self._shade.on_click(reaction(self._trace))
+        self._remove.on_click(reaction(lambda _: setattr(self._view, "background", None)))
+        return [self._scale, self._left, self._bottom, self._shade, self._threshold, self._remove]
+
+    async def _save(self, event: viser.GuiEvent[Any]) -> None:
+        if event.client is None:
+            return
+        snapshot, scenario = self._session.snapshot, self._session.scenario
+        try:
+            content = scenario_yaml(snapshot.setup, snapshot.state, scenario)
+        except ScenarioError as error:
+            self._said = f"Not saved: {error}"
+            return
+        event.client.send_file_download(f"{scenario.name}.yaml", content.encode(), save_immediately=True)
+        self._said = ""
+
+    def _load(self, name: str, content: bytes) -> None:
+        try:
+            text = content.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            raise ValueError("not UTF-8 text") from error
+        self._sink.push(LoadScenario(text=text, name=PurePath(name).name))
+        self._said = ""
+
+    def _lay(self, _name: str, content: bytes) -> None:
+        try:
+            picture = read_picture(content)
+        except ScenarioError as error:
+            raise ValueError(str(error)) from error
+        arena = self._session.setup.arena
+        scale = arena.width / picture.shape[1]
+        self._view.background = Background(picture, MaskPlace((arena.x_min, arena.y_min), scale))
+        self._scale.value, self._left.value, self._bottom.value = round(scale, 4), arena.x_min, arena.y_min
+        self._said = ""
+
+    def _place(self) -> None:
+        background = self._view.background
+        if background is not None:
+            scale = number_in(self._scale.value, 1e-4, 1e4)
+            corner = (number_in(self._left.value, -1e6, 1e6), number_in(self._bottom.value, -1e6, 1e6))
+            self._view.background = background._replace(place=MaskPlace(corner, scale))
+
+    def _trace(self, shade: object) -> None:
+        background = self._view.background
+        bright = one_of(shade, {_DARK: False, _BRIGHT: True})
+        if background is None:
+            return
+        threshold = number_in(self._threshold.value, 0, 255)
+        try:
+            outlines = outlines_in(background.picture, background.place, threshold, bright=bright)
+        except ScenarioError as error:
+            self._said = f"No obstacles: {error}"
+            return
+        self._sink.push(AddOutlines(outlines=outlines))
+        self._said = ""
+
+    def _refuse(self, name: str, reason: str) -> None:
+        _log.warning("file %r: %s", name, reason)
+        self._said = f"{name}: {reason}"
+
+    def update(self, _snapshot: "Snapshot") -> None:
+        """Shows the fields while there is an image, and what could not be used."""
+        for widget in self._fields:
+            widget.visible = self._view.background is not None
+        self._note.visible = bool(self._said)
+        self._note.content = block(f'<span class="warn">{text(self._said)}</span>')
+
+    def cleanup(self) -> None:
+        """Removes the widgets."""
+        self._folder.remove()
