@@ -33,6 +33,7 @@ from higvf_console.session.editing.layout import Layout, layout_of, world_of
 from higvf_console.session.editing.parameters import with_parameters
 from higvf_console.session.editing.safe_places import diagonal, nearest_fit, placed, resettled, robot_fits
 from higvf_console.session.editing.things import NUMBERS, Place, centres, how_many, name_of, numbers_of
+from higvf_console.session.reading import COORDINATE
 from higvf_console.sim.setup import Setup
 from higvf_console.state import Motion, SimState, World
 from higvf_console.viewport import Arena
@@ -120,11 +121,11 @@ def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: P
     motion = state.motion
     match command:
         case AddThing(thing=thing, point=point):
-            return _add(layout, motion, _kind(thing), floats(point, 2))
+            return _add(layout, motion, _kind(thing), _on_ground(point)[0])
         case AddOutlines(outlines=outlines):
-            return _plain(layout, *bodies.with_outlines(layout, motion, outlines))
+            return _plain(layout, *bodies.with_outlines(layout, motion, [_on_ground(outline) for outline in outlines]))
         case MoveThing(thing=thing, index=index, point=point):
-            return _move(layout, motion, _place(layout, thing, index), floats(point, 2))
+            return _move(layout, motion, _place(layout, thing, index), _on_ground(point)[0])
         case ChangeThing(thing=thing, index=index, name=name, value=value):
             return _change(layout, motion, _place(layout, thing, index), name, value)
         case DeleteThing(thing=thing, index=index):
@@ -134,7 +135,7 @@ def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: P
         case LinkByRange():
             return _plain(layout, layout._replace(links=None), "The communication range decides who is linked.")
         case SetArena(sides=sides, walls=walls):
-            arena = Arena(*floats(sides, 4).tolist())
+            arena = Arena(*_on_ground(sides).ravel().tolist())
             check_walls(arena, bool(walls), layout, motion)
             text = f"The arena is {arena.width:g} m x {arena.height:g} m, {'walled' if walls else 'open'}."
             return _plain(layout, layout._replace(arena=arena, walls=bool(walls)), text)
@@ -143,6 +144,16 @@ def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: P
             return _plain(layout, layout._replace(gains=gains), text)
         case _:
             raise ScenarioError(f"{type(command).__name__} is no edit that this console knows")
+
+
+def _on_ground(points: Floats) -> Floats:
+    """Points (n, 2) [m], if they are within the coordinates that a scenario may have."""
+    points = floats(points, -1, 2)
+    for x, y in points[~((points >= COORDINATE.low) & (points <= COORDINATE.high)).all(axis=1)]:
+        raise ScenarioError(
+            f"({x:g}, {y:g}) is no place: coordinates are numbers from {COORDINATE.low:g} to {COORDINATE.high:g} m"
+        )
+    return points
 
 
 def _plain(layout: Layout, new: Layout, text: str) -> _Draft:
