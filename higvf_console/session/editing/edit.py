@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Floats, Ints, floats, ints
+from higvf_console.control.gains import controlled
 from higvf_console.edits import (
     AddOutlines,
     AddThing,
@@ -79,7 +80,8 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
     before = layout_of(setup)
     draft = _draft(before, state, command)
     layout = draft.layout
-    world = setup.world if layout is before else world_of(layout)
+    same = layout.obstacles is before.obstacles and _clearance(layout) == _clearance(before)
+    world = setup.world if layout is before else world_of(layout, setup.world if same else None)
     motion = draft.finish(carried(state.motion, draft.robots, draft.fires, setup.world, world))
     if state.motion.tick == 0:
         start = motion
@@ -95,6 +97,10 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
         layout.obstacles.polygons,
     )  # fmt: skip
     return Edited(new, state._replace(motion=motion, intent=intent), draft.robots, draft.fires, draft.text)
+
+
+def _clearance(layout: Layout) -> float:
+    return controlled(layout.gains).safety.obstacle_clearance
 
 
 def _start(setup: Setup, draft: _Draft, layout: Layout, world: World) -> Motion:

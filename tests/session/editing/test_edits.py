@@ -20,13 +20,13 @@ from higvf_console.edits import (
     Thing,
     ToggleLink,
 )
-from higvf_console.session.editing.layout import layout_of, link_pairs
+from higvf_console.session.editing.layout import layout_of, link_pairs, world_of
 from higvf_console.session.editing.things import NUMBERS, Place, centres, how_many, numbers_of, thing_at
 from higvf_console.session.history import History
 from higvf_console.session.run import Run
 from higvf_console.session.scenario import load_scenario
 from higvf_console.state import PathStatus
-from tests.session.editing.deeds import HAIR, edited_run, give, refused, shortfalls
+from tests.session.editing.deeds import HAIR, assert_same, edited_run, give, refused, shortfalls
 from tests.teams import stroke
 
 
@@ -312,3 +312,17 @@ def test_shipped_worlds_can_be_edited(name: str) -> None:
         assert shortfalls(run).max() <= HAIR
         run.step()
         assert run.trace.clearance.min() > -1e-6 or run.trace.infeasible.any()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        AddThing("robot", at(1000.0, 100.0)), DeleteThing("fire", 1), ToggleLink(0, 1),
+        SetArena(floats([0, 0, 1250, 700]), walls=False),
+        SetParameters({"safety.obstacle_clearance": 8.0}), AddThing("circle", at(1000.0, 100.0)),
+    ],
+)  # fmt: skip
+def test_a_world_that_was_edited_is_the_world_that_is_made_of_what_it_came_to(command: OperatorCommand) -> None:
+    run = edited_run("unicycles", ticks=3)
+    assert not refused(give(run, command))
+    assert_same(run.setup.world, world_of(layout_of(run.setup)))
