@@ -1,6 +1,7 @@
 """A path that is repaired keeps what was not touched, and is followed as before."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -137,7 +138,7 @@ def following(ticks: int = 100) -> tuple[Setup, SimState]:
     return setup, gone_on(setup, commanded(setup, setup.start, stroke(WAY)), ticks)
 
 
-def commanded(setup: Setup, state: SimState, commands: list[OperatorCommand]) -> SimState:
+def commanded(setup: Setup, state: SimState, commands: Sequence[OperatorCommand]) -> SimState:
     for command in commands:
         state, _ = apply_command(state, command, setup)
     return state

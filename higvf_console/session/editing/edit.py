@@ -40,6 +40,7 @@ from higvf_console.state import Motion, SimState, World
 from higvf_console.viewport import Arena
 
 FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire [m], [m/s]
+_OF_PATH = ("path_parameter", "path_status", "path_idle", "path_gap", "path_left")  # what a start keeps of its motion
 _HELD = 0.01  # [m] from where it was wanted, from which on it is said that a thing was held
 
 
@@ -84,7 +85,7 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
     world = setup.world if layout is before else world_of(layout, setup.world if same else None)
     motion = draft.finish(carried(state.motion, draft.robots, draft.fires, setup.world, world))
     if state.motion.tick == 0:
-        start = motion
+        start = motion._replace(**{name: getattr(setup.start.motion, name) for name in _OF_PATH})
         layout = layout._replace(formation=_shifted_formation(layout, draft, setup.start.motion, motion))
         world = world._replace(formation=layout.formation)
     else:

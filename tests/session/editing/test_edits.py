@@ -326,3 +326,19 @@ def test_a_world_that_was_edited_is_the_world_that_is_made_of_what_it_came_to(co
     run = edited_run("unicycles", ticks=3)
     assert not refused(give(run, command))
     assert_same(run.setup.world, world_of(layout_of(run.setup)))
+
+
+def test_a_stroke_before_the_first_step_is_no_part_of_the_start_when_the_world_is_edited() -> None:
+    run = edited_run()
+    give(run, *stroke([(700.0, 300.0), (500.0, 450.0), (200.0, 500.0)]), AddThing("circle", at(1000.0, 100.0)))
+    assert run.state.motion.path_status == PathStatus.FOLLOWING
+    assert run.setup.start.motion.path_status == PathStatus.NONE
+
+
+def test_what_is_wrong_already_is_no_licence_for_tunables_that_are_wrong_too() -> None:
+    run = edited_run(ticks=3)
+    grown = run.state.motion.fire_radius + 60.0
+    run.state = run.state._replace(motion=run.state.motion._replace(fire_radius=grown))
+    assert not refused(run.apply(SetParameters({"blending.cruise_speed": 40.0})))
+    for values in ({"safety.pair_rate": 900.0}, {"fires.stand_off": 5.0}, {"formation.formation_rate": 50.0}):
+        assert refused(run.apply(SetParameters(values))), values
