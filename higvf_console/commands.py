@@ -1,7 +1,8 @@
 """The closed list of operator commands, and the contracts that every interface stands on.
 
 Whatever the device, its wishes arrive as these commands; nothing else changes the intent of a run. A command is data:
-`sim.operator.apply_command` gives it its meaning (Freeze, Step, SetSpeed, Acknowledge and InjectFault: the session).
+`sim.operator.apply_command` gives it its meaning (Freeze, Step, SetSpeed, Acknowledge, InjectFault, LoadScenario, Undo,
+Redo, HandOver and the commands of `edits`: the session).
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,26 +11,28 @@ from enum import StrEnum
 from typing import NamedTuple, Protocol, TypeAlias
 
 from higvf_console.arrays import Floats, floats
+from higvf_console.command import Command
+from higvf_console.edits import (
+    AddOutlines,
+    AddThing,
+    ChangeThing,
+    DeleteThing,
+    LinkByRange,
+    MoveThing,
+    SetArena,
+    SetParameters,
+    ToggleLink,
+)
 from higvf_console.viewport import Arena, Viewport
 
 
-@dataclass(frozen=True, kw_only=True)
-class Command:
-    """What every command carries.
+class StrokeUse(StrEnum):
+    """What a stroke is drawn for."""
 
-    Attributes:
-        time: session time when it was given [s].
-        source: name of the interface that gave it.
-        operator: who gave it.
-        sequence: count of commands of this source.
-        confidence: of the decoder in [0, 1]; None where nothing was decoded.
-    """
-
-    time: float = 0.0
-    source: str = "mouse"
-    operator: str = "operator"
-    sequence: int = 0
-    confidence: float | None = None
+    PATH = "path"  # the new desired path
+    AMEND = "amend"  # the part of the desired path between the stroke's ends is drawn anew
+    PRIORITY = "priority"  # the fires inside the stroke matter more to the robot that is influenced
+    OBSTACLE = "obstacle"  # the outline of a new obstacle
 
 
 @dataclass(frozen=True)
@@ -46,17 +49,25 @@ class StrokePoints(Command):
 
 @dataclass(frozen=True)
 class StrokeEnd(Command):
-    """The stroke is complete and becomes the desired path.
+    """The stroke is complete: it becomes the desired path, or what `use` says.
 
     Attributes:
         smoothing: standard deviation by which the path may leave the points [m]; None = the scenario's.
         robot: index of the robot that shall feel it; None = the one that is influenced now.
         preview: the path waits for a Confirm; nothing moves along it before.
+        use: a `StrokeUse`, or its word.
+        ending: of a new path, see `ShapePath`.
+        pace: likewise.
+        duration: likewise [s].
     """
 
     smoothing: float | None = None
     robot: int | None = None
     preview: bool = False
+    use: str = "path"
+    ending: str = "release"
+    pace: float = 1.0
+    duration: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -144,6 +155,65 @@ class ReversePath(Command):
 
 
 @dataclass(frozen=True)
+class ShapePath(Command):
+    """The desired path is followed in another way; None leaves a thing as it is.
+
+    Attributes:
+        ending: what happens at its end: release, hold or loop.
+        pace: share of their velocity that those who are led take.
+        duration: how long it is followed from now on [s]; 0 = as long as it takes.
+        closed: whether its end is joined to its start.
+    """
+
+    ending: str | None = None
+    pace: float | None = None
+    duration: float | None = None
+    closed: bool | None = None
+
+
+@dataclass(frozen=True)
+class BendPath(Command):
+    """A point of the desired path is dragged; the path on both sides of it gives way smoothly.
+
+    Attributes:
+        grip: (2,) where the path is gripped: its nearest point [m].
+        point: (2,) where that goes [m].
+    """
+
+    grip: Floats
+    point: Floats
+
+
+@dataclass(frozen=True)
+class TakeUpPath(Command):
+    """Path `number` (index from 0) of those drawn so far is followed again."""
+
+    number: int
+
+
+@dataclass(frozen=True)
+class ForgetPath(Command):
+    """Path `number` (index from 0) of those drawn so far leaves the list."""
+
+    number: int
+
+
+@dataclass(frozen=True)
+class Prioritise(Command):
+    """Robot `robot` (index from 0; None = the influenced one) values `fires` more, and no others.
+
+    Attributes:
+        fires: indices from 0; empty = it judges by itself again.
+        robot: which one.
+        factor: by how much; None = `perception.priority`.
+    """
+
+    fires: tuple[int, ...] = ()
+    robot: int | None = None
+    factor: float | None = None
+
+
+@dataclass(frozen=True)
 class NextTask(Command):
     """The human intention counts as finished; the team goes on with its own task."""
 
@@ -183,6 +253,31 @@ class Acknowledge(Command):
     channel: str = ""
 
 
+@dataclass(frozen=True)
+class LoadScenario(Command):
+    """A run of another scenario begins.
+
+    Attributes:
+        text: of its file.
+        name: of its file.
+        polygons: what its polygons and masks came to when they were read before; None = read them.
+    """
+
+    text: str
+    name: str
+    polygons: tuple[Floats, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Undo(Command):
+    """The last thing that was done, and is not undone yet, is undone."""
+
+
+@dataclass(frozen=True)
+class Redo(Command):
+    """What was undone last is done again."""
+
+
 class FaultKind(StrEnum):
     """What a channel can be made to suffer."""
 
@@ -208,10 +303,37 @@ class InjectFault(Command):
     delay: float = 0.5
 
 
+class ControlChange(StrEnum):
+    """What becomes of control, which one page of the console has at a time."""
+
+    FIRST = "first"  # nobody had it
+    ASKED = "asked"
+    REFUSED = "refused"
+    GRANTED = "granted"
+    TAKEN = "taken"
+    RELEASED = "released"
+    LOST = "lost"  # whoever had it was not heard of any more
+
+
+@dataclass(frozen=True)
+class HandOver(Command):
+    """Control passes from page to page, or is asked for; `operator` is the page that did it, or that was lost.
+
+    Attributes:
+        page: name of the page that has control from now on, that asks or is refused; empty = nobody has it.
+        how: a `ControlChange`, or its word.
+    """
+
+    page: str
+    how: str
+
+
 OperatorCommand: TypeAlias = (
     StrokeBegin | StrokePoints | StrokeEnd | StrokeCancel | Cursor | Clutch | Pick | ProposePick | Confirm | Discard
-    | Pause | Resume | Stop | AskReset | ResetStop | ClearPath | ReversePath | NextTask | ResetRun | Freeze | Step
-    | SetSpeed | Acknowledge | InjectFault
+    | Pause | Resume | Stop | AskReset | ResetStop | ClearPath | ReversePath | ShapePath | BendPath | TakeUpPath
+    | ForgetPath | Prioritise | NextTask | ResetRun | Freeze | Step | SetSpeed | Acknowledge | InjectFault
+    | LoadScenario | Undo | Redo | AddThing | AddOutlines | MoveThing | ChangeThing | DeleteThing | ToggleLink
+    | LinkByRange | SetArena | SetParameters | HandOver
 )  # fmt: skip
 
 

@@ -37,6 +37,15 @@ class PathStatus(IntEnum):
     FINISHED = 2
     BLOCKED = 3  # no progress for a while: flagged, then released
     BREAK_AWAY = 4  # left for a fire that was found on the way; w is kept, the team returns when it is out
+    HOLDING = 5  # at its end, where the team waits
+
+
+class PathEnding(IntEnum):
+    """What happens at the end of an open path, and when the time of a path is over."""
+
+    RELEASE = 0  # the human intention ends; the team goes on with its own task
+    HOLD = 1  # the team waits there
+    LOOP = 2  # the path starts again; when its time is over, as RELEASE
 
 
 class Path(NamedTuple):
@@ -50,6 +59,9 @@ class Path(NamedTuple):
         length: arc length of the path [m]; inf for a line.
         closed: whether the path returns to its start.
         direction: gamma, +1 along increasing arc length, -1 against it.
+        ending: a `PathEnding`.
+        pace: share of their velocity that those who are led along it take.
+        duration: how long it is followed at most, pauses not counted [s]; inf = as long as it takes.
     """
 
     kind: int
@@ -59,9 +71,15 @@ class Path(NamedTuple):
     length: float
     closed: bool
     direction: float
+    ending: int
+    pace: float
+    duration: float
 
 
-NO_PATH = Path(int(PathKind.NONE), np.zeros(4), np.zeros((0, 8)), 1.0, 0.0, False, 1.0)
+NO_PATH = Path(
+    int(PathKind.NONE), np.zeros(4), np.zeros((0, 8)), 1.0, 0.0, False, 1.0, int(PathEnding.RELEASE), 1.0, math.inf
+)
+NO_PRIORITY = np.zeros((0, 3))
 
 
 class Motion(NamedTuple):
@@ -86,6 +104,7 @@ class Motion(NamedTuple):
         path_status: a `PathStatus`.
         path_idle: how long the influenced robot has made no progress along it [s].
         path_gap: least travel that was ever left to the path's end [m].
+        path_left: time that is left of the path's duration [s].
         robot_peak: largest |v_t| so far.
         human_peak: largest |v_h| so far.
     """
@@ -107,6 +126,7 @@ class Motion(NamedTuple):
     path_status: int
     path_idle: float
     path_gap: float
+    path_left: float
     robot_peak: float
     human_peak: float
 
@@ -119,12 +139,14 @@ class Intent(NamedTuple):
         influenced: index of the robot that feels it.
         paused: nominal velocities are zero, the filter still yields.
         stopped: all velocities are zero, latched.
+        priority: (P, 3) rows of robot, fire and the factor by which that robot values that fire more.
     """
 
     path: Path
     influenced: int
     paused: bool
     stopped: bool
+    priority: Floats
 
 
 class Drawing(NamedTuple):
@@ -140,6 +162,7 @@ class Drawing(NamedTuple):
         pending_robot: index of the robot that it was drawn for; NOBODY = the one that is influenced then.
         proposed: index of the robot that a decoder is unsure to have been asked for; NOBODY when none is.
         proposed_until: when that proposal lapses [s of session time].
+        paths: drawn so far, to be taken up again; the oldest first.
     """
 
     cursor: Floats
@@ -151,6 +174,7 @@ class Drawing(NamedTuple):
     pending_robot: int = NOBODY
     proposed: int = NOBODY
     proposed_until: float = math.inf
+    paths: tuple[Path, ...] = ()
 
 
 class SimState(NamedTuple):

@@ -101,9 +101,14 @@ def launch(playwright: Playwright, path: str) -> Browser:
     return playwright.chromium.launch(executable_path=path, args=list(CHROMIUM_FLAGS))
 
 
-def open_console(browser: Browser, url: str, width: int = 1000, height: int = 640) -> Page:
-    """A page of its own session that shows the console, ready to be used."""
-    page = browser.new_context(viewport={"width": width, "height": height}).new_page()
+def open_console(
+    browser: Browser, url: str, width: int = 1000, height: int = 640, *, hints: bool = False, touch: bool = False
+) -> Page:
+    """A page of its own session that shows the console, ready to be used; with the hints of a first run if told."""
+    context = browser.new_context(viewport={"width": width, "height": height}, has_touch=touch)
+    if not hints:
+        context.add_init_script("localStorage.setItem('higvf-hints', '[\"away\"]')")
+    page = context.new_page()
     page.set_default_timeout(PATIENCE * 1000)
     page.goto(url)
     wait_for_console(page)
@@ -239,4 +244,5 @@ def open_stage(arena: Arena = ARENA, max_clients: int = 16) -> Stage:
 def screenshot(page: Page, name: str) -> None:
     """Keeps a picture of the page when HIGVF_SCREENSHOTS names a folder."""
     if folder := os.environ.get("HIGVF_SCREENSHOTS"):
+        Path(folder).mkdir(parents=True, exist_ok=True)
         page.screenshot(path=Path(folder) / f"{name}.png")

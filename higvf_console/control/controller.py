@@ -35,7 +35,7 @@ from higvf_console.control.intention import shared_intention
 from higvf_console.control.kernel import kernel
 from higvf_console.control.neighbours import components, within
 from higvf_console.control.paths import WINDOW
-from higvf_console.control.perception import choose_target, fire_value, interval_room, robot_intention
+from higvf_console.control.perception import choose_target, fire_value, half_angle, interval_room, robot_intention
 from higvf_console.control.rings import Rings, find_rings, fire_ring
 from higvf_console.state import NOBODY, Intent, Motion, PathKind, PathStatus, World
 
@@ -62,6 +62,7 @@ class Plan(NamedTuple):
     path_status: int
     path_idle: float
     path_gap: float
+    path_left: float
     steered: Bools  # (N,) whether a human intention acts in the robot's component
     fire_value: Floats
     robot_intention: Floats
@@ -79,13 +80,14 @@ def compute(motion: Motion, intent: Intent, world: World, gains: Gains) -> Plan:
     """One control period of HI-GVF for the whole team, up to the nominal velocities."""
     start, to = links(motion.position, world, gains)
     component = components(start, to)
-    sight = perceive(motion, world, gains)
+    sight = perceive(motion, intent.priority, world, gains)
     rung, flip = climb(motion, intent.influenced if following(motion, intent) else NOBODY, gains)
     status = broken_away(motion, intent, sight.fire_value, sight.target, component, gains)
-    w, status, idle, gap = progress(motion, intent, status, rung[intent.influenced], world, gains)
+    w, status, idle, gap, left = progress(motion, intent, status, rung[intent.influenced], world, gains)
     human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
     leader = intent.influenced if human else NOBODY
     steered = has_human(component, intent.influenced, human)
+    held = has_human(component, intent.influenced, status == PathStatus.HOLDING)
     wanted, human_intention = sight.robot_intention, guide(leader, w, motion, intent, gains)
     heard_start, heard_to = heard(start, to, motion.tick, gains.robots)
     grip = formation_grip(rung, component, leader, idle, gains)
@@ -95,10 +97,10 @@ def compute(motion: Motion, intent: Intent, world: World, gains: Gains) -> Plan:
     if intent.paused:
         intention = motion.intention.copy()
     else:
-        awake = is_awake(sight.target, steered, component)
+        awake = is_awake(sight.target, steered, held, component)
         psi = receptivity(leader, rung, wanted, human_intention, motion.intention, heard_start, heard_to, gains)
         intention = share(leader, psi, awake, wanted, human_intention, motion, heard_start, heard_to, gains)
-    blended, blending = blend(intention, formation, gains)
+    blended, blending = blend(intention, formation, steered, intent.path.pace, gains)
     rings = find_rings(motion, world, gains.safety.obstacle_clearance)
     side = agree_sides(blended, motion.position, motion.side, component, leader, flip, rings, gains.rings)
     if intent.paused or intent.stopped:
@@ -108,9 +110,12 @@ def compute(motion: Motion, intent: Intent, world: World, gains: Gains) -> Plan:
     else:
         goal = destination(intent.path, w)
         nominal = limit_speed(go_round(blended, sight.target, steered, goal, side, rings, motion, world, gains), gains)
+        for i in range(held.shape[0]):
+            if held[i]:
+                nominal[i, 0], nominal[i, 1] = 0.0, 0.0
     return Plan(
         nominal, intention, sight.target, sight.target_value, side, forgotten(rung, side, motion.stalled), w, status,
-        idle, gap, steered, sight.fire_value, wanted, human_intention, formation, blending, blended, start, to,
+        idle, gap, left, steered, sight.fire_value, wanted, human_intention, formation, blending, blended, start, to,
         component,
     )  # fmt: skip
 
@@ -124,8 +129,11 @@ def links(position: Floats, world: World, gains: Gains) -> tuple[Ints, Ints]:
 
 
 @kernel
-def perceive(motion: Motion, world: World, gains: Gains) -> Sight:
-    """Each robot's observed fire values (N, M), target and intention; no targets before the start delay is over."""
+def perceive(motion: Motion, priority: Floats, world: World, gains: Gains) -> Sight:
+    """Each robot's observed fire values (N, M), target and intention; no targets before the start delay is over.
+
+    What the operator gave `priority` (P, 3) to, see `Intent`, a robot values as often more, as if nothing hid it.
+    """
     robots, fires = motion.position.shape[0], world.fire_position.shape[0]
     value = np.zeros((robots, fires))
     target = np.full(robots, NOBODY)
@@ -141,6 +149,11 @@ def perceive(motion: Motion, world: World, gains: Gains) -> Sight:
                     x, y, world.fire_position[j, 0], world.fire_position[j, 1], float(motion.fire_radius[j]),
                     gains.perception.perception_range, world.circles, world.bars, hidden,
                 )  # fmt: skip
+        for row in range(priority.shape[0]):
+            j = int(priority[row, 1])
+            if int(priority[row, 0]) == i and motion.fire_burning[j]:
+                distance = math.hypot(x - world.fire_position[j, 0], y - world.fire_position[j, 1])
+                value[i, j] = priority[row, 2] * 2.0 * half_angle(float(motion.fire_radius[j]), distance)
         if waiting:
             continue
         kept = motion.target[i] if motion.target[i] != NOBODY and motion.fire_burning[motion.target[i]] else NOBODY
@@ -167,11 +180,11 @@ def guide(leader: int, w: float, motion: Motion, intent: Intent, gains: Gains) -
 
 
 @kernel
-def is_awake(target: Ints, steered: Bools, component: Ints) -> Bools:
-    """(N,) whether anyone in each robot's component has a target or feels the human; else the team is idle."""
+def is_awake(target: Ints, steered: Bools, held: Bools, component: Ints) -> Bools:
+    """(N,) whether anyone in each robot's component has a target or feels the human; else, or `held`, it is idle."""
     someone = np.zeros(target.shape[0], np.bool_)  # by component
     for i in range(target.shape[0]):
-        if target[i] != NOBODY or steered[i]:
+        if (target[i] != NOBODY or steered[i]) and not held[i]:
             someone[component[i]] = True
     return someone[component]
 
@@ -206,13 +219,15 @@ def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to
 
 
 @kernel
-def blend(intention: Floats, formation: Floats, gains: Gains) -> tuple[Floats, Floats]:
-    """Blended velocities (N, 2) [m/s] and their weights lambda (N,)."""
+def blend(intention: Floats, formation: Floats, steered: Bools, pace: float, gains: Gains) -> tuple[Floats, Floats]:
+    """Blended velocities (N, 2) [m/s], those of robots that are steered times `pace`, and their weights lambda (N,)."""
     blended, weight = np.zeros(intention.shape), np.zeros(intention.shape[0])
     for i in range(intention.shape[0]):
         blended[i, 0], blended[i, 1], weight[i] = blended_velocity(
             intention[i, 0], intention[i, 1], formation[i, 0], formation[i, 1], gains.blending, gains.forms
         )
+        if steered[i]:
+            blended[i, 0], blended[i, 1] = pace * blended[i, 0], pace * blended[i, 1]
     return blended, weight
 
 

@@ -81,7 +81,7 @@ def as_measured(motion: Motion, robots: RobotGains) -> Motion:
         motion.tick, measured(motion.position, motion.tick, robots), motion.heading, motion.velocity, motion.intention,
         motion.target, motion.target_value, motion.side, motion.stalled, motion.rung, motion.fire_radius,
         motion.fire_progress, motion.fire_burning, motion.path_parameter, motion.path_status, motion.path_idle,
-        motion.path_gap, motion.robot_peak, motion.human_peak,
+        motion.path_gap, motion.path_left, motion.robot_peak, motion.human_peak,
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from higvf_console.control.gains import Gains
 from higvf_console.control.kernel import kernel
 from higvf_console.control.obstacles import part_at
 from higvf_console.control.paths import WINDOW, nearest, point_at, travel_left
-from higvf_console.state import NOBODY, Intent, Motion, Path, PathKind, PathStatus, World
+from higvf_console.state import NOBODY, Intent, Motion, Path, PathEnding, PathKind, PathStatus, World
 
 VAIN_PATIENCE = 10.0  # as EN_ROUTE_PATIENCE, where no robot can come near enough to the path's end
 
@@ -48,17 +48,18 @@ def broken_away(motion: Motion, intent: Intent, value: Floats, target: Ints, com
 @kernel
 def progress(
     motion: Motion, intent: Intent, status: int, rung: int, world: World, gains: Gains
-) -> tuple[float, int, float, float]:
-    """Path parameter w [m], status, idle time [s] and least travel left [m] after one control period from `status`.
+) -> tuple[float, int, float, float, float]:
+    """Path parameter w [m], status, idle time [s], least travel [m] and time [s] left, one control period on.
 
-    An open path is finished when w is at its end and the robot within the end radius of it. Without progress (no new
+    An open path is finished when w is at its end and the robot within the end radius of it; a looping one then starts
+    again. When its time is over, any path is finished. Without progress (no new
     least travel left, or on an endless path no motion) for `patience` it is given up and flagged as BLOCKED; a robot
     that still moves, or climbs the ladder out of a deadlock (`rung` is its own), is granted forty times that; ten times
     where no robot can come near enough to the end.
     """
-    idle, gap = motion.path_idle, motion.path_gap
+    idle, gap, time = motion.path_idle, motion.path_gap, motion.path_left
     if intent.path.kind == PathKind.NONE or status != PathStatus.FOLLOWING:
-        return motion.path_parameter, status, idle, gap
+        return motion.path_parameter, status, idle, gap, time
     path, robot = intent.path, intent.influenced
     x, y = motion.position[robot]
     w = nearest(path, motion.path_parameter, WINDOW, x, y)[0]
@@ -66,9 +67,14 @@ def progress(
     if left < math.inf:
         along = path.length - w if path.direction > 0.0 else w
         if along <= 1e-9 and left <= gains.path.end_radius:
-            return w, PathStatus.FINISHED.value, 0.0, left
+            if path.ending == PathEnding.LOOP:
+                return path.length - w, status, 0.0, math.inf, time
+            return w, _ended(path), 0.0, left, time
     if intent.paused or intent.stopped:
-        return w, status, idle, gap
+        return w, status, idle, gap, time
+    time -= gains.safety.control_period
+    if time <= 0.0:
+        return w, _ended(path), 0.0, gap, 0.0
     moving = math.hypot(motion.velocity[robot, 0], motion.velocity[robot, 1]) > (
         gains.stall.stall_fraction * gains.blending.cruise_speed
     )
@@ -82,7 +88,13 @@ def progress(
         idle += gains.safety.control_period / patience
     if idle >= gains.path.patience:
         status = PathStatus.BLOCKED.value
-    return w, status, idle, gap
+    return w, status, idle, gap, time
+
+
+@kernel
+def _ended(path: Path) -> int:
+    """Status (a `PathStatus`) of a path that is over."""
+    return PathStatus.HOLDING.value if path.ending == PathEnding.HOLD else PathStatus.FINISHED.value
 
 
 @kernel

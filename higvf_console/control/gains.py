@@ -48,6 +48,9 @@ class PerceptionGains(NamedTuple):
         50.0
     )
     target_margin: A[float, Q("", 1.0, 10.0, "", "Factor by which another fire must look larger to win.")] = 1.05
+    priority: A[float, Q("", 1.0, 1000.0, "", "Factor by which a robot values a fire more that it was pointed to.")] = (
+        8.0
+    )
     break_away: A[
         float, Q("rad", 0.0, INFINITE, "", "A fire that looks this large makes robots leave the human's path for it.")
     ] = INFINITE

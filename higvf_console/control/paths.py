@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline, make_splprep
 from higvf_console.arrays import Floats, floats
 from higvf_console.control.kernel import kernel
 from higvf_console.errors import PathError
-from higvf_console.state import Path, PathKind
+from higvf_console.state import NO_PATH, Path, PathKind
 
 SEGMENTS = 200  # of a spline path
 SHORTEST_PATH = 5.0  # [m]
@@ -24,8 +24,7 @@ _ENDS_PINNED = 1e3  # weight of a stroke's two ends: a smoothing spline falls sh
 
 def line_path(x: float, y: float, angle: float, direction: float = 1.0) -> Path:
     """The line through (x, y) [m] at `angle` [rad]; w = 0 at (x, y)."""
-    shape = floats([x, y, math.cos(angle), math.sin(angle)])
-    return Path(int(PathKind.LINE), shape, np.zeros((0, 8)), 1.0, math.inf, False, float(direction))
+    return _path(PathKind.LINE, math.inf, False, direction, shape=floats([x, y, math.cos(angle), math.sin(angle)]))
 
 
 def circle_path(x: float, y: float, radius: float, direction: float = 1.0) -> Path:
@@ -36,8 +35,7 @@ def circle_path(x: float, y: float, radius: float, direction: float = 1.0) -> Pa
     """
     if not radius > 0.0:
         raise PathError(f"a circle's radius must be positive, not {radius} m")
-    shape = floats([x, y, radius, 0.0])
-    return Path(int(PathKind.CIRCLE), shape, np.zeros((0, 8)), 1.0, 2.0 * math.pi * radius, True, float(direction))
+    return _path(PathKind.CIRCLE, 2.0 * math.pi * radius, True, direction, shape=floats([x, y, radius, 0.0]))
 
 
 def ellipse_path(x: float, y: float, a: float, b: float, angle: float = 0.0, direction: float = 1.0) -> Path:
@@ -143,9 +141,18 @@ def _by_arc_length(curve: Callable[[Floats], Floats], end: float, closed: bool, 
         through[-1] = through[0]
     cubic = CubicSpline(knots, through, bc_type="periodic" if closed else "natural")
     coefficients = floats(np.moveaxis(cubic.c[::-1], 0, 2).reshape(SEGMENTS, 8))
-    return Path(
-        int(PathKind.SPLINE), np.zeros(4), coefficients, length / SEGMENTS, length, bool(closed), float(direction)
-    )
+    return _path(PathKind.SPLINE, length, closed, direction, spline=coefficients, spacing=length / SEGMENTS)
+
+
+def _path(
+    kind: PathKind, length: float, closed: bool, direction: float, *, shape: Floats = NO_PATH.shape,
+    spline: Floats = NO_PATH.spline, spacing: float = 1.0,
+) -> Path:  # fmt: skip
+    """A path with the types that kernels are compiled for; released at its end, at full pace, without a time limit."""
+    return NO_PATH._replace(
+        kind=int(kind), shape=shape, spline=spline, spacing=spacing, length=length, closed=bool(closed),
+        direction=float(direction),
+    )  # fmt: skip
 
 
 @kernel

@@ -1,13 +1,12 @@
 """A random scene as a run, and as a scenario file that the console shows."""
 
-import yaml
-
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.control.gains import Gains
 from higvf_console.control.paths import sketch_path
 from higvf_console.control.world import edges, make_world
 from higvf_console.lab.scenes import TIME_LIMIT, Scene
-from higvf_console.sim.operator import follow
+from higvf_console.session.reading import yaml_text
+from higvf_console.sim.path_commands import follow
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import initial_state
 from higvf_console.viewport import Arena
@@ -58,7 +57,7 @@ def scene_yaml(scene: Scene) -> str:
         "path": {"sketch": {"points_m": scene.stroke.tolist(), "closed": False}},
         "duration_s": TIME_LIMIT,
     }
-    return yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120)
+    return yaml_text(content)
 
 
 def _walls(arena: Arena) -> Floats:

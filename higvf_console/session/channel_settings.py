@@ -33,6 +33,19 @@ def read_inputs(node: Node) -> tuple[dict[str, dict[str, object]], dict[str, Lim
     return settings, limits
 
 
+def written_inputs(
+    settings: Mapping[str, Mapping[str, object]], limits: Mapping[str, Limits]
+) -> dict[str, dict[str, object]]:
+    """The section that `read_inputs` reads as these settings and limits."""
+    return {name: {**settings[name], **_differing(limits[name], default_limits(name))} for name in settings}
+
+
+def _differing(limits: Limits, default: Limits) -> dict[str, object]:
+    if limits == default:
+        return {}
+    return {"stale": limits.stale, "lost": limits.lost, "on_lost": limits.on_lost.value}
+
+
 def _limits(section: Node, values: Mapping[str, object], default: Limits) -> Limits:
     given = {key: Node(values[key], section.source, f"{section.place}.{key}") for key in _KEYS if key in values}
     stale = given["stale"].number(_SILENCE) if "stale" in given else default.stale

@@ -3,7 +3,7 @@
     velocity = own target + human + neighbours + so far        lambda C/|v_s| times the shares of v_s    [15]-[19]
              + formation                                       (1 - lambda) v_f                          [14], [18]
              + way round                                       composite step                            [7], [8]
-             + hold                                            speed limit; or a pause, or STOP
+             + hold                                            speed limit; or a pause, the end of a path, STOP
              + safety                                          what the filter corrects                  [25], [28]
 
 The shares of v_s are those of the semi-implicit update: with W = w0 + w1 + w3 psi + sum w2 g, the new v_s is
@@ -15,12 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.arrays import Floats, Ints, floats
+from higvf_console.arrays import Bools, Floats, Ints, floats
 from higvf_console.control.disturbances import SENDING, chance
 from higvf_console.control.following import following
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains, controlled
-from higvf_console.state import Motion, SimState, Trace
+from higvf_console.state import Motion, PathKind, PathStatus, SimState, Trace
 
 
 class Part(IntEnum):
@@ -94,20 +94,31 @@ def explain(moved: Moved, gains: Gains, robots: Ints) -> Explanation:
     floor = 0.0 if gains.forms.speed == PRINTED else gains.blending.intention_floor
     parts = np.zeros((len(robots), len(Part), 2))
     with np.errstate(invalid="ignore", divide="ignore"):
-        drive = (weight * gains.blending.cruise_speed / np.maximum(np.hypot(v_s[:, 0], v_s[:, 1]), floor))[:, None]
+        led, held = _component(moved, robots, PathStatus.FOLLOWING), _component(moved, robots, PathStatus.HOLDING)
+        pace = np.where(led, intent.path.pace, 1.0)
+        drive = pace * weight * gains.blending.cruise_speed / np.maximum(np.hypot(v_s[:, 0], v_s[:, 1]), floor)
+        drive = drive[:, None]
         pulls = _pulls(moved, gains, robots)
         shares = _shares(moved, gains, robots, pulls)
         settled = drive[..., None] * pulls.pull / pulls.weight[:, None, None]
         parts[:, : Part.FORMATION] = drive[..., None] * shares
-        parts[:, Part.FORMATION] = (1.0 - weight)[:, None] * trace.formation[robots]
+        parts[:, Part.FORMATION] = (pace * (1.0 - weight))[:, None] * trace.formation[robots]
         blended, nominal = trace.blended[robots], trace.nominal[robots]
         if intent.paused or intent.stopped:
             parts[:, Part.HOLD] = nominal - blended
         else:
             parts[:, Part.HOLD] = _taken_by_the_limit(blended, nominal, controlled(gains).safety.speed_limit)
+            parts[held, Part.HOLD] = (nominal - blended)[held]
             parts[:, Part.ROUND] = nominal - blended - parts[:, Part.HOLD]
         parts[:, Part.SAFETY] = moved.after.velocity[robots] - nominal
     return Explanation(_finite(parts), _say(_finite(parts), _finite(settled)))
+
+
+def _component(moved: Moved, robots: Ints, status: PathStatus) -> Bools:
+    """Which of robots (R,) are of the influenced robot's component while the path has that status."""
+    intent, component = moved.before.intent, moved.trace.component
+    on_path = intent.path.kind != PathKind.NONE and moved.after.path_status == status
+    return (component[robots] == component[intent.influenced]) & on_path
 
 
 def _pulls(moved: Moved, gains: Gains, robots: Ints) -> _Pulls:

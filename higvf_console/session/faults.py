@@ -1,7 +1,7 @@
 """Faults put on a channel on purpose: what it says is held back, lost or late, and its silence is judged as a real one.
 
-A replay under a fault goes on with the session clock, as an operator goes on who does not know of it. STOP, and what
-takes a channel back into service, pass every fault.
+A replay under a fault goes on with the session clock, as an operator goes on who does not know of it. STOP, what takes
+a channel back into service, and who steers pass every fault.
 """
 
 from collections import deque
@@ -12,6 +12,7 @@ from higvf_console.commands import (
     ChannelHealth,
     ChannelState,
     FaultKind,
+    HandOver,
     InjectFault,
     OperatorCommand,
     Stop,
@@ -49,7 +50,7 @@ class Line:
         given: list[OperatorCommand] = []
         fault = self._active(now)
         for command in commands:
-            if isinstance(command, Stop | Acknowledge | InjectFault) or (fault is None and not self._held):
+            if isinstance(command, Stop | Acknowledge | InjectFault | HandOver) or (fault is None and not self._held):
                 given.append(command)
             elif fault is None or fault.kind != FaultKind.DROP:
                 self._held.append((self._due(fault, now), command))

@@ -27,7 +27,6 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
     """
     dt = session.setup.gains.safety.control_period
     duration = session.scenario.duration if duration is None else duration
-    fires = len(session.setup.world.fire_position)
     digest, tick_ms, done = TrajectoryDigest(), list[float](), 0
     for _ in range(math.ceil(duration / dt - 1e-9)):
         session.tick()
@@ -35,7 +34,8 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
             done = session.ticks
             digest.add(session.snapshot.state.motion)
             tick_ms.append(session.snapshot.tick_ms)
-        if fires and len(session.snapshot.extinguished) == fires:
+        burning = session.snapshot.state.motion.fire_burning
+        if len(burning) and not burning.any():
             break
     inputs = session.input_reports
     return {

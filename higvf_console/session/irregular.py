@@ -11,6 +11,7 @@ from higvf_console.quantity import Quantity
 from higvf_console.session.masks import MaskPlace, read_grey, trace
 from higvf_console.session.polygons import MOST_EDGES, crossing, edges, oriented, signed_area, without_repeats
 from higvf_console.session.reading import Node
+from higvf_console.sim.outline import enclosed
 
 LEAST_AREA = 1.0  # of a polygon [m^2]
 
@@ -22,24 +23,49 @@ _MASK_KEYS = ("image", "at_m", "metres_per_pixel", "threshold", "obstacle", "tol
 
 
 def read_polygons(node: Node) -> tuple[Floats, ...]:
-    """The section `polygons`, each counter-clockwise."""
-    return tuple(_polygon(item.section(("points_m",), ("points_m",))["points_m"]) for item in node.items())
+    """The section `polygons`: each counter-clockwise, followed by its free areas, clockwise."""
+    return tuple(chain for item in node.items() for chain in _polygon(item))
 
 
-def _polygon(node: Node) -> Floats:
-    points = without_repeats(node.points())
+def _polygon(node: Node) -> tuple[Floats, ...]:
+    entries = node.section(("points_m", "free_m"), ("points_m",))
+    outline = _outline(entries["points_m"])
+    areas = entries["free_m"].items() if "free_m" in entries else []
+    free = [oriented(_outline(area), clockwise=True) for area in areas]
+    for area, chain in zip(areas, free, strict=True):
+        if not enclosed(outline, chain).all():
+            raise area.error("a free area lies inside the polygon; a point of this one does not")
+    if free and crossing([outline, *free]) is not None:
+        raise entries["free_m"].error("free areas neither touch each other nor the edge of their polygon")
+    return (outline, *free)
+
+
+def _outline(node: Node) -> Floats:
+    try:
+        return closed_outline(node.points())
+    except ScenarioError as error:
+        raise node.error(str(error)) from error
+
+
+def closed_outline(corners: Floats) -> Floats:
+    """The outline of an obstacle, counter-clockwise, of corners (n, 2) [m].
+
+    Raises:
+        ScenarioError: too few or too many corners, edges that cross or touch, or hardly an area.
+    """
+    points = without_repeats(corners)
     distinct = len(np.unique(points, axis=0))
     if distinct < 3:
-        raise node.error(f"a polygon needs at least 3 distinct points; this one has {distinct}")
+        raise ScenarioError(f"a polygon needs at least 3 distinct points; this one has {distinct}")
     if len(points) > MOST_EDGES:
-        raise node.error(f"the polygon has {len(points)} edges; at most {MOST_EDGES} are possible")
+        raise ScenarioError(f"the polygon has {len(points)} edges; at most {MOST_EDGES} are possible")
     pair = crossing([points])
     if pair is not None:
         first, second = (_edge(points, k) for k in pair)
-        raise node.error(f"the polygon crosses or touches itself: {first} and {second}")
+        raise ScenarioError(f"the polygon crosses or touches itself: {first} and {second}")
     area = abs(signed_area(points))
     if area < LEAST_AREA:
-        raise node.error(f"the polygon has an area of {area:.3g} m^2; give it at least {LEAST_AREA:g} m^2")
+        raise ScenarioError(f"the polygon has an area of {area:.3g} m^2; give it at least {LEAST_AREA:g} m^2")
     return oriented(points)
 
 

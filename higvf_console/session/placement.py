@@ -20,7 +20,9 @@ from higvf_console.session.polygons import obstacles_of, segment_distance, signe
 from higvf_console.session.sections import Obstacles
 from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
 from higvf_console.state import World
+from higvf_console.viewport import Arena
 
+ROUNDING = 1e-6  # [m] by which a start may miss a clearance: a team that is written down may stand right at it
 PRINTED_RADIUS = 0.9  # spectral radius to which the printed intention update is scaled
 _WEIGHTS = ("decay", "robot_weight", "neighbour_weight", "human_weight")
 
@@ -43,8 +45,8 @@ def check_start(
     """
     body, point = gains.safety, controlled(gains).safety
     _check_pairs(position, point.robot_clearance, _clearance("robot", body.robot_clearance, gains), place)
-    least = point.obstacle_clearance
-    for what, gap in chain(_obstacle_gaps(position, obstacles), _other_gaps(position, fire_radius, world)):
+    least = point.obstacle_clearance - ROUNDING
+    for what, gap in chain(obstacle_gaps(position, obstacles), _other_gaps(position, fire_radius, world)):
         robot = int(np.argmin(gap))
         if gap[robot] < least:
             x, y = position[robot]
@@ -68,13 +70,13 @@ def _clearance(kind: str, clearance: float, gains: Gains) -> str:
 def _check_pairs(position: Floats, least: float, clearance: str, place: str) -> None:
     pairs = KDTree(position).query_pairs(least, output_type="ndarray")
     gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
-    if (gap < least).any():
+    if (gap < least - ROUNDING).any():
         nearest = int(np.argmin(gap))
         first, second = pairs[nearest] + 1
         raise ScenarioError(f"{place}: robots {first} and {second} start {gap[nearest]:.2f} m apart; {clearance}")
 
 
-def _obstacle_gaps(points: Floats, obstacles: Obstacles) -> Iterator[tuple[str, Floats]]:
+def obstacle_gaps(points: Floats, obstacles: Obstacles) -> Iterator[tuple[str, Floats]]:
     """Every obstacle by name, with the distance (N,) of each point (N, 2) from its surface [m], negative inside."""
     for number, (x, y, radius) in enumerate(obstacles.circles, 1):
         yield f"circle {number}", np.hypot(*(points - (x, y)).T) - radius
@@ -92,11 +94,17 @@ def _other_gaps(position: Floats, fire_radius: Floats, world: World) -> Iterator
         yield "the arena's wall", position @ np.array([normal_x, normal_y]) - offset
 
 
+def wall_gaps(points: Floats, arena: Arena) -> tuple[Floats, ...]:
+    """Distance (N,) of each point (N, 2) from the four sides of the arena [m], negative outside."""
+    x, y = points.T
+    return x - arena.x_min, arena.x_max - x, y - arena.y_min, arena.y_max - y
+
+
 def buried_fires(fire_position: Floats, fire_radius: Floats, obstacles: Obstacles) -> tuple[str, ...]:
     """A warning for each fire that lies inside an obstacle, where no robot can see it."""
     return tuple(
         f"fire {fire + 1} lies inside {what}; no robot sees it before it has grown out of there"
-        for what, gap in _obstacle_gaps(fire_position, obstacles)
+        for what, gap in obstacle_gaps(fire_position, obstacles)
         for fire in np.flatnonzero(gap <= -fire_radius)
     )
 

@@ -9,7 +9,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from higvf_console.arrays import Bools, Floats, floats
+from higvf_console.sim.outline import enclosed
 
+_AT_ONCE = 2000  # points whose distances from all edges are found together
 MOST_EDGES = 500  # of all irregular obstacles together: each is a barrier of every robot near it
 
 
@@ -97,10 +99,20 @@ def signed_distance(chains: Sequence[Floats], points: Floats) -> Floats:
         chains: its outline, and the outlines of the free areas in it; inside is what an odd number of them encloses.
         points: (N, 2) [m].
     """
-    x, y = points.T
-    nearest, inside = np.full(len(points), np.inf), np.zeros(len(points), np.bool_)
-    for ax, ay, bx, by in edges(chains):
-        nearest = np.minimum(nearest, segment_distance(points, floats([ax, ay]), floats([bx, by])))
-        if ay != by:
-            inside ^= ((ay > y) != (by > y)) & (x < ax + (y - ay) * (bx - ax) / (by - ay))
+    inside = np.zeros(len(points), np.bool_)
+    for chain in chains:
+        inside ^= enclosed(chain, points)
+    spines = edges(chains)
+    nearest = np.sqrt(
+        np.concatenate([_nearest_square(part, spines) for part in np.array_split(points, len(points) // _AT_ONCE + 1)])
+    )
     return np.where(inside, -nearest, nearest)
+
+
+def _nearest_square(points: Floats, spines: Floats) -> Floats:
+    """Square of the distance (n,) [m^2] of points (n, 2) from the nearest of segments (E, 4)."""
+    ax, ay, bx, by = spines.T
+    along_x, along_y = bx - ax, by - ay
+    dx, dy = points[:, :1] - ax, points[:, 1:] - ay
+    share = np.clip((dx * along_x + dy * along_y) / np.maximum(along_x**2 + along_y**2, 1e-12), 0.0, 1.0)
+    return ((dx - share * along_x) ** 2 + (dy - share * along_y) ** 2).min(axis=1)

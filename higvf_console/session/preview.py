@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Bools, Floats, floats
-from higvf_console.commands import Confirm, OperatorCommand, StrokeEnd
+from higvf_console.commands import Confirm, OperatorCommand, StrokeEnd, StrokeUse
 from higvf_console.control.paths import path_points
 from higvf_console.session.polygons import obstacles_of, segment_distance, signed_distance
 from higvf_console.sim.operator import apply_command, waiting
@@ -75,27 +75,29 @@ class Preview(NamedTuple):
     repulsive: Floats
 
 
-def wish(state: SimState, setup: Setup, smoothing: float | None = None) -> SimState | None:
+def wish(state: SimState, setup: Setup, end: StrokeEnd | None = None) -> SimState | None:
     """The state as it would be if the growing stroke ended now, or if what waits were confirmed now.
 
     Args:
         state: now.
         setup: of the run.
-        smoothing: as the growing stroke's end will have it, see `StrokeEnd`.
+        end: how the growing stroke will end; None = as an ordinary path.
 
     Returns:
-        None when there is no such thing, or when it would be refused.
+        None when there is no such thing, when it would be refused, and for the outline of an obstacle: that is no wish
+        of the team but another world.
     """
     command: OperatorCommand
     if state.drawing.stroke_source:
-        command = StrokeEnd(smoothing=smoothing)
+        command = StrokeEnd() if end is None else end
+        if command.use == StrokeUse.OBSTACLE:
+            return None
     elif waiting(state.drawing, state.motion.tick * setup.gains.safety.control_period):
         command = Confirm()
     else:
         return None
     wished = apply_command(state, command, setup)[0]
-    same = wished.intent.path is state.intent.path and wished.intent.influenced == state.intent.influenced
-    return None if same else wished
+    return None if wished.intent is state.intent else wished
 
 
 def foresee(
@@ -120,7 +122,8 @@ def foresee(
     otherwise = None if ahead is None else _rolled(_going_on(state), setup, ticks, unwanted)
     if ahead is None or otherwise is None:
         return None
-    status = ahead.path_status
+    led = start.motion.path_status in (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY)  # else it is over already
+    status = np.where(led, ahead.path_status, PathStatus.NONE)
     return Preview(
         start=start,
         resumed=state.intent.paused or state.intent.stopped,
@@ -132,7 +135,7 @@ def foresee(
         deadlock=_first(ahead.deadlocked, period),
         infeasible=_first(ahead.infeasible, period),
         given_up=_first(status == PathStatus.BLOCKED, period),
-        finish=_first(status == PathStatus.FINISHED, period),
+        finish=_first((status == PathStatus.FINISHED) | (status == PathStatus.HOLDING), period),
         repulsive=repulsive_pieces(start.intent.path, state.motion, setup),
     )
 

@@ -8,6 +8,7 @@ from threading import Thread
 from typing import Any, NamedTuple
 
 from higvf_console.arrays import floats
+from higvf_console.commands import StrokeEnd, StrokeUse
 from higvf_console.session.preview import USUAL, Preview, foresee, wish
 from higvf_console.session.sections import FilterKind
 from higvf_console.session.session import Session
@@ -24,11 +25,19 @@ class Choice(NamedTuple):
 
     Attributes:
         horizon: how far to look ahead [s].
-        smoothing: of a stroke that the pointer draws [m]; None = the scenario's.
+        smoothing: of a stroke that the pointer draws, as all that follows [m]; None = the scenario's.
+        use: what it is drawn for, a `StrokeUse` or its word.
+        ending: see `StrokeEnd`.
+        pace: likewise.
+        duration: likewise [s].
     """
 
     horizon: float = USUAL
     smoothing: float | None = None
+    use: str = StrokeUse.PATH
+    ending: str = "release"
+    pace: float = 1.0
+    duration: float = 0.0
 
 
 class Previewer:
@@ -45,6 +54,7 @@ class Previewer:
         self.count = 0
         self._session, self._choice = session, choice
         self._known: tuple[Any, ...] = ()
+        self._chosen: Choice | None = None
         self._tick = -1
         self._pause, self._started = 0.0, 0.0
         self._stopping = Signal()
@@ -59,8 +69,8 @@ class Previewer:
         """Looks ahead until `close`."""
         if self.available:
             rehearse(self._session.setup)
-            self._thread = Thread(target=self._run, name="preview", daemon=True)
-            self._thread.start()
+        self._thread = Thread(target=self._run, name="preview", daemon=True)  # another scenario may have another filter
+        self._thread.start()
 
     def close(self) -> None:
         """Ends the thread; may be called twice."""
@@ -80,20 +90,24 @@ class Previewer:
 
     def look(self) -> None:
         """Makes a new preview if the wish has changed, or if the last one is old and the team has moved on."""
-        state, choice = self._session.snapshot.state, self._choice()
-        matter = _matter(state, choice)
+        if not self.available:
+            self.latest = None
+            return
+        snapshot, choice = self._session.snapshot, self._choice()
+        setup, state = snapshot.setup, snapshot.state
+        matter = _matter(setup, state)
         changed = len(matter) != len(self._known) or any(a is not b for a, b in zip(matter, self._known, strict=True))
+        changed = changed or choice != self._chosen
         old = state.motion.tick != self._tick and time.perf_counter() - self._started > self._pause
         if not (changed or old):
             return
-        self._known, self._tick = matter, state.motion.tick
+        self._known, self._chosen, self._tick = matter, choice, state.motion.tick
         self._started = time.perf_counter()
-        smoothing = choice.smoothing if state.drawing.stroke_source == "mouse" else None
-        wished = wish(state, self._session.setup, smoothing)
+        wished = wish(state, setup, _end(choice) if state.drawing.stroke_source == "mouse" else None)
         if wished is None:
             self.latest = None
             return
-        found = foresee(state, wished, self._session.setup, choice.horizon, lambda: self._overtaken(state))
+        found = foresee(state, wished, setup, choice.horizon, lambda: self._overtaken(state))
         self._pause = max(RENEWED, 2.0 * (time.perf_counter() - self._started))  # half a core at most
         if found is not None and not self._overtaken(state):
             self.latest, self.count = found, self.count + 1
@@ -119,8 +133,14 @@ def rehearse(setup: Setup) -> None:
         foresee(state, wished, setup, 0.0)
 
 
-def _matter(state: SimState, choice: Choice) -> tuple[Any, ...]:
-    """What a preview depends on besides the motion, compared by identity."""
+def _end(choice: Choice) -> StrokeEnd:
+    return StrokeEnd(
+        smoothing=choice.smoothing, use=choice.use, ending=choice.ending, pace=choice.pace, duration=choice.duration
+    )
+
+
+def _matter(setup: Setup, state: SimState) -> tuple[Any, ...]:
+    """What a preview depends on besides the motion and the choice, compared by identity."""
     drawing, intent = state.drawing, state.intent
-    return (drawing.stroke, drawing.pending, drawing.stroke_source, drawing.proposed, intent.path, intent.influenced,
-            intent.paused, choice.horizon, choice.smoothing)  # fmt: skip
+    return (setup, drawing.stroke, drawing.pending, drawing.stroke_source, drawing.proposed, intent.path,
+            intent.influenced, intent.paused, intent.priority)  # fmt: skip

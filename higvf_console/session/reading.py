@@ -1,11 +1,11 @@
-"""Strict YAML: every value knows its place in the file, so that an error can say where it stands and what was wanted.
+"""Strict YAML, read and written: every value knows its place in the file, so that an error can say where it stands.
 
 The types are those of YAML 1.2: `on`, `no` and `12:30` are text, `1e3` is a number. A key given twice is an error.
 """
 
 import difflib
 import re
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import yaml
@@ -146,12 +146,37 @@ def read_yaml(text: str, source: str) -> Node:
     """The root of a YAML document.
 
     Raises:
-        ScenarioError: not YAML, or a key given twice; the message gives the line.
+        ScenarioError: nothing in it, not YAML, or a key given twice; the message gives the line.
     """
     try:
-        return Node(yaml.load(text, _StrictLoader), source)
+        content = yaml.load(text, _StrictLoader)
     except yaml.MarkedYAMLError as error:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
         raise ScenarioError(f"{source}: {line}{error.problem}") from error
     except yaml.YAMLError as error:
         raise ScenarioError(f"{source}: {str(error).splitlines()[0]}") from error
+    if content is None:
+        raise ScenarioError(f"{source}: the file is empty")
+    return Node(content, source)
+
+
+class _StrictDumper(yaml.SafeDumper):
+    """A safe dumper that quotes whatever any YAML would not read as text."""
+
+    yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {  # noqa: RUF012 (PyYAML reads it off the class)
+        letter: [
+            *yaml.SafeDumper.yaml_implicit_resolvers.get(letter, ()),
+            *_StrictLoader.yaml_implicit_resolvers.get(letter, ()),
+        ]
+        for letter in {*yaml.SafeDumper.yaml_implicit_resolvers, *_StrictLoader.yaml_implicit_resolvers}
+    }
+
+    def ignore_aliases(self, data: Any) -> bool:  # noqa: ARG002 (written out as often as it occurs)
+        return True
+
+
+def yaml_text(content: Mapping[str, Any]) -> str:
+    """YAML that `read_yaml` reads as the same; numbers keep every bit."""
+    return yaml.dump(
+        content, Dumper=_StrictDumper, sort_keys=False, default_flow_style=None, width=120, allow_unicode=True
+    )

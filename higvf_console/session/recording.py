@@ -1,15 +1,18 @@
 """Recordings: the scenario's text, the seed and every command with its tick are enough to run a session again.
 
-The polygons that the scenario's masks came to are kept as well, so that a replay needs no image.
+The polygons that the scenario's masks came to are kept as well, also those of a scenario that is loaded on the way, so
+that a replay needs no image.
 
 JSON lines: a header; `{"tick": 120, "command": "Pick", ...}` for each command; `{"mark": 150, "digest": ...}` each
-second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`. The header
+second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`. Numbers that
+JSON does not have are written as {"number": "inf"}; null in an array is NaN. The header
 has the calibration of each input that has one; `{"tick": 90, "calibration": "gaze", ...}` tells of a new one. A replay
 needs neither: the commands are on the ground already.
 """
 
 import dataclasses
 import json
+import math
 import platform
 import time
 from collections.abc import Mapping
@@ -20,7 +23,7 @@ from typing import Any, NamedTuple, get_args
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import Command, OperatorCommand
+from higvf_console.commands import Command, LoadScenario, OperatorCommand
 from higvf_console.control.forms import WORDS, Forms
 from higvf_console.errors import InputError
 from higvf_console.reports import CalibrationReport
@@ -32,7 +35,9 @@ FORMAT = 1
 NONE_MEASURED: Mapping[str, CalibrationReport] = {}
 _FLUSH_EVERY = 1.0  # [s] of wall clock: what a crash can lose
 _KINDS: dict[str, type[Command]] = {kind.__name__: kind for kind in get_args(OperatorCommand)}
-_ARRAYS = {"points": (-1, 2), "point": (2,)}  # command fields that hold arrays, with their shapes
+_ARRAYS = {"points": (-1, 2), "point": (2,), "grip": (2,), "sides": (4,)}  # fields that hold arrays, and their shapes
+_CHAINS = ("outlines", "polygons")  # fields that hold tuples of arrays (n, 2)
+_NUMBER = "number"
 
 
 class Recorder:
@@ -67,8 +72,18 @@ class Recorder:
         self._write({**header, "forms": forms, "versions": versions(), "calibrations": measured,
                      "text": scenario.text, "polygons": polygons})  # fmt: skip
 
-    def command(self, command: OperatorCommand) -> None:
-        """A command was applied before the next tick."""
+    def command(self, command: OperatorCommand, scenario: Scenario | None = None) -> None:
+        """A command was applied before the next tick.
+
+        Args:
+            command: what was applied.
+            scenario: in force from then on; it keeps what the images of a loaded one came to. A LoadScenario that it
+                does not follow from was refused: nothing has changed, and nothing is written.
+        """
+        if isinstance(command, LoadScenario) and scenario is not None:
+            if scenario.text != command.text:
+                return
+            command = dataclasses.replace(command, polygons=scenario.obstacles.polygons)
         fields = {field.name: _plain(getattr(command, field.name)) for field in dataclasses.fields(command)}
         self._write({"tick": self._ticks, "command": type(command).__name__, **fields})
 
@@ -103,10 +118,39 @@ def versions() -> dict[str, str]:
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        array: Floats = value
-        return [None if np.isnan(number) else number for number in array.ravel().tolist()]
-    return value.item() if isinstance(value, np.generic) else value
+    """A field's value as JSON has it."""
+    match value:
+        case np.ndarray():
+            array: Floats = value
+            return [None if np.isnan(number) else _plain(number) for number in array.ravel().tolist()]
+        case tuple() | list():
+            return [_plain(item) for item in value]
+        case Mapping():
+            return {name: _plain(item) for name, item in value.items()}
+        case np.generic():
+            return _plain(value.item())
+        case float() if not math.isfinite(value):
+            return {_NUMBER: str(value)}
+        case _:
+            return value
+
+
+def _given(name: str, value: Any) -> Any:
+    """The value of a field as it was given."""
+    value = _numbers(value)
+    if name in _ARRAYS:
+        return floats(value, *_ARRAYS[name])
+    if name in _CHAINS and value is not None:
+        return tuple(floats(chain, -1, 2) for chain in value)
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _numbers(value: Any) -> Any:
+    """The same, with the numbers that JSON does not have."""
+    if isinstance(value, dict):
+        content: dict[str, Any] = value
+        return float(content[_NUMBER]) if set(content) == {_NUMBER} else {k: _numbers(v) for k, v in content.items()}
+    return [_numbers(item) for item in value] if isinstance(value, list) else value
 
 
 class Mark(NamedTuple):
@@ -200,11 +244,9 @@ def _parsed(line: str) -> dict[str, Any] | None:
 
 
 def _command(entry: dict[str, Any], place: str) -> OperatorCommand:
-    fields = {name: value for name, value in entry.items() if name not in ("tick", "command")}
     try:
         kind = _KINDS[entry["command"]]
-        for name in _ARRAYS.keys() & fields.keys():
-            fields[name] = floats(fields[name], *_ARRAYS[name])
+        fields = {name: _given(name, value) for name, value in entry.items() if name not in ("tick", "command")}
         return kind(**fields)  # pyright: ignore[reportReturnType] (the members of the union)
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{place}: not a command that this console knows: {error}") from error
@@ -212,7 +254,7 @@ def _command(entry: dict[str, Any], place: str) -> OperatorCommand:
 
 def replay(recording: Recording) -> Replay:
     """Runs a recording again, as far as it goes, and compares the digests."""
-    run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter)
+    run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter, recording.scenario)
     digest = TrajectoryDigest()
     expected = {mark.ticks: mark.digest for mark in recording.marks}
     last = max([*expected, *recording.commands, 0])

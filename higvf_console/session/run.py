@@ -8,15 +8,19 @@ import struct
 from collections.abc import Callable
 from typing import TypeAlias
 
-from higvf_console.commands import OperatorCommand, ResetRun
+from higvf_console.commands import OperatorCommand, Redo, ResetRun, Undo
 from higvf_console.control.coupled_filter import CoupledFilter
+from higvf_console.control.gains import Gains
+from higvf_console.errors import ScenarioError
+from higvf_console.session.doing import done
 from higvf_console.session.explain import Moved
+from higvf_console.session.history import History, Moment, Tally
+from higvf_console.session.scenario import Scenario
 from higvf_console.session.sections import FilterKind
 from higvf_console.sim import simulation
-from higvf_console.sim.certificates import Worst, watched
+from higvf_console.sim.certificates import watched
 from higvf_console.sim.events import events_between
-from higvf_console.sim.operator import apply_command
-from higvf_console.sim.setup import Event, Setup
+from higvf_console.sim.setup import Event, Setup, Severity
 from higvf_console.state import Motion, SimState, Trace
 
 Advance: TypeAlias = Callable[[SimState], tuple[SimState, Trace]]
@@ -26,34 +30,44 @@ class Run:
     """State, trace and tally of a run.
 
     Attributes:
-        setup: what the run started from.
         state: now.
-        last: the last control period; at the start of a run, the first one to come.
+        last: the last control period; at the start of a run and after an edit, the first one to come.
         ticks: control periods done; a reset of the run does not set it back.
-        extinguished: fire indices in the order in which they went out.
-        min_clearance: smallest clearance so far [m].
-        infeasible_ticks: control periods in which a robot could not meet all barrier rows.
-        deadlock_ticks: control periods in which a robot was deadlocked.
-        worst: what the certificates of single ticks came to.
+        tally: what it has come to so far.
+        filter: the safety filter that runs.
+        scenario: where it comes from; None for a run that no scenario file describes.
+        history: what was done, to be undone.
     """
 
-    def __init__(self, setup: Setup, filter_kind: FilterKind = FilterKind.DISTRIBUTED) -> None:
+    def __init__(
+        self, setup: Setup, filter_kind: FilterKind = FilterKind.DISTRIBUTED, scenario: Scenario | None = None
+    ) -> None:
         """Starts at tick 0, and computes the first trace ahead."""
-        self.setup = setup
         self.state = setup.start
         self.ticks = 0
-        self._advance = _advance_by(filter_kind, setup)
-        self._forget()
+        self.tally = Tally()
+        self.filter = filter_kind
+        self.scenario = scenario
+        self.history = History()
+        self._take(setup)
 
-    def _forget(self) -> None:
-        ahead, trace = self._advance(self.setup.start)
-        self.last = Moved(self.setup.start, ahead.motion, trace)
+    def _take(self, setup: Setup) -> None:
+        """Goes on in another world, or in the same one from another state."""
+        self._setup = setup
+        self._advance = _advance_by(self.filter, setup)
+        ahead, trace = self._advance(self.state)
+        self.last = Moved(self.state, ahead.motion, trace)
         self._trace_before: Trace | None = None
-        self.extinguished: tuple[int, ...] = ()
-        self.min_clearance = float("inf")
-        self.infeasible_ticks = 0
-        self.deadlock_ticks = 0
-        self.worst = Worst()
+
+    @property
+    def setup(self) -> Setup:
+        """World and gains in force, and what a reset starts from."""
+        return self._setup
+
+    @property
+    def moment(self) -> Moment:
+        """The run as it is now."""
+        return Moment(self._setup, self.state, self.tally, self.filter, self.scenario)
 
     @property
     def trace(self) -> Trace:
@@ -63,34 +77,45 @@ class Run:
     @property
     def time(self) -> float:
         """Session time [s]: control periods since the start, or since the run was reset."""
-        return self.state.motion.tick * self.setup.gains.safety.control_period
+        return self.state.motion.tick * self._setup.gains.safety.control_period
 
     def apply(self, command: OperatorCommand) -> tuple[Event, ...]:
-        """Gives a command its meaning; a refused one leaves the state as it was and says so."""
-        self.state, events = apply_command(self.state, command, self.setup)
-        if isinstance(command, ResetRun):
-            self._forget()
+        """Gives a command its meaning; a refused one leaves everything as it was and says so."""
+        try:
+            moment, history, events = done(self.moment, self.history, command)
+        except ScenarioError as error:
+            return (Event(self.time, Severity.WARNING, "refused", f"Not done: {error}."),)
+        again = moment.setup is not self._setup or isinstance(command, ResetRun | Undo | Redo)
+        self.state, self.tally, self.history = moment.state, moment.tally, history
+        self.filter, self.scenario = moment.filter, moment.scenario
+        if again:
+            self._take(moment.setup)
         return events
 
     def step(self) -> tuple[Event, ...]:
         """Advances by one control period."""
         before = self.state
         self.state, trace = self._advance(before)
-        events = events_between(before, self.state, self._trace_before, trace, self.setup.gains)
+        events = events_between(before, self.state, self._trace_before, trace, self._setup.gains)
         self.last = Moved(before, self.state.motion, trace)
         self._trace_before = trace
         self.ticks += 1
-        self._count(before.motion, trace)
+        self.tally = _counted(self.tally, before.motion, self.state.motion, trace, self._setup.gains)
         return events
 
-    def _count(self, before: Motion, trace: Trace) -> None:
-        was, burns = before.fire_burning, self.state.motion.fire_burning
-        if was.tobytes() != burns.tobytes():
-            self.extinguished += tuple(int(fire) for fire in (was & ~burns).nonzero()[0])
-        self.min_clearance = min(self.min_clearance, float(trace.clearance.min()))
-        self.infeasible_ticks += bool(trace.infeasible.any())
-        self.deadlock_ticks += bool(trace.deadlocked.any())
-        self.worst = watched(self.worst, self.state.motion, trace, self.setup.gains)
+
+def _counted(tally: Tally, before: Motion, after: Motion, trace: Trace, gains: Gains) -> Tally:
+    """The tally after one control period."""
+    extinguished, was, burns = tally.extinguished, before.fire_burning, after.fire_burning
+    if was.tobytes() != burns.tobytes():
+        extinguished += tuple(int(fire) for fire in (was & ~burns).nonzero()[0])
+    return Tally(
+        extinguished,
+        min(tally.min_clearance, float(trace.clearance.min())),
+        tally.infeasible_ticks + bool(trace.infeasible.any()),
+        tally.deadlock_ticks + bool(trace.deadlocked.any()),
+        watched(tally.worst, after, trace, gains),
+    )
 
 
 def _advance_by(filter_kind: FilterKind, setup: Setup) -> Advance:

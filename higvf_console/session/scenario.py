@@ -2,7 +2,8 @@
 
     version: 1                               # these three are required
     arena: {size_m: [1200, 700]}             # or x_min, y_min, x_max, y_max; walls: false opens it
-    robots: {start_m: [[700, 300], ...]}     # or count, spacing_m, centre_m; jitter_m, as the seed decides; heading_deg
+    robots: {start_m: [[700, 300], ...]}     # or count, spacing_m, centre_m; jitter_m, as the seed decides;
+        # heading_deg of unicycles: one for all, or a list
     title, description, name: text           # the name defaults to the file's
     links: [[1, 2], ...]                     # else the communication range decides
     formation_m: [[0, 0], ...]               # the shape to keep, else the start positions
@@ -10,10 +11,12 @@
     obstacles:
       circles: [{at_m: ..., radius_m: 20}]
       bars: [{from_m: ..., to_m: ..., half_width_m: 6}]
-      polygons: [{points_m: [[0, 0], [90, 0], [0, 60]]}]               # of any shape that does not cross itself
+      polygons: [{points_m: [[0, 0], [90, 0], [0, 60]]}]               # of any shape that does not cross itself;
+          # free_m: [[...], ...], outlines of the free areas in it
       masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2}]    # dark pixels; at_m is its lower left corner;
           # threshold: 128, obstacle: dark | bright, tolerance_m, least_area_m2; beside this file, or shipped
-    path: {circle: {at_m: ..., radius_m: 250}, direction: forward}     # or line, ellipse, sketch
+    path: {circle: {at_m: ..., radius_m: 250}, direction: forward}     # or line, ellipse, sketch (points_m, closed,
+        # smoothing_m); ending: release | hold | loop, pace, duration_s
     influenced: 1                            # robots and fires count from 1
     strokes: [{name: Round the bar, robot: 1, points_m: [...]}]        # "show me" buttons
     parameters: {safety: {robot_clearance: 25}}                        # groups and names of `control.gains`
@@ -27,22 +30,19 @@ A key that is not known, a number out of range or a start that is not safe raise
 key path, the value and the choices.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
-import numpy as np
-
 from higvf_console.arrays import Floats, floats, ints
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import Gains, controlled
-from higvf_console.control.world import NO_LINKS, make_world
+from higvf_console.control.gains import Gains
 from higvf_console.errors import ScenarioError
 from higvf_console.quantity import Quantity
 from higvf_console.session.channel_settings import read_inputs
 from higvf_console.session.channel_state import Limits
 from higvf_console.session.channels import unknown_settings
+from higvf_console.session.editing.layout import Layout, world_of
 from higvf_console.session.placement import (
     Network,
     buried_fires,
@@ -54,7 +54,6 @@ from higvf_console.session.placement import (
     convergent,
     intention_radius,
     late_stand_off,
-    link_table,
     robot_warnings,
     start_network,
 )
@@ -76,7 +75,7 @@ from higvf_console.session.sections import (
     read_robots,
     read_strokes,
 )
-from higvf_console.sim.operator import follow
+from higvf_console.sim.path_commands import follow
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import initial_state
 from higvf_console.state import NO_PATH, Path, World
@@ -149,15 +148,15 @@ class Scenario:
         Raises:
             ScenarioError: the seed's jitter puts a robot where it would violate a safety barrier.
         """
-        position = self.robots.positions(seed)
-        if self.gains.robots.look_ahead > 0.0:
-            ahead = np.array([math.cos(self.robots.heading), math.sin(self.robots.heading)])
-            position = position + self.gains.robots.look_ahead * ahead
+        position = self.robots.controlled(seed, self.gains.robots.look_ahead)
         world = self._world(position)
         fire_radius = floats([fire.radius for fire in self.fires], -1)
         check_start(position, fire_radius, world, self.obstacles, self.gains, f"{self.source}: robots")
-        start = initial_state(position, fire_radius, world, self.robots.heading)
-        start = start._replace(intent=start.intent._replace(influenced=self.influenced))
+        start = initial_state(position, fire_radius, world)
+        start = start._replace(
+            motion=start.motion._replace(heading=self.robots.heading),
+            intent=start.intent._replace(influenced=self.influenced),
+        )
         gains = self.gains._replace(robots=self.gains.robots._replace(seed=float(seed % _SEEDS)))
         return Setup(self.arena, world, gains, follow(start, self.path), self.obstacles.polygons)
 
@@ -168,15 +167,12 @@ class Scenario:
         return replace(self, gains=gains, warnings=self.warnings + warnings)
 
     def _world(self, position: Floats) -> World:
-        sides = [(1, 0, self.arena.x_min), (-1, 0, -self.arena.x_max)]
-        sides += [(0, 1, self.arena.y_min), (0, -1, -self.arena.y_max)]
-        return make_world(
-            self.obstacles.circles, self.obstacles.bars, floats(sides if self.walls else [], -1, 3),
-            floats([fire.position for fire in self.fires], -1, 2), floats([fire.growth for fire in self.fires], -1),
-            ints([fire.needs for fire in self.fires], -1), position if self.formation is None else self.formation,
-            controlled(self.gains).safety.obstacle_clearance,
-            NO_LINKS if self.links is None else link_table(self.links, len(position)),
-            self.obstacles.polygons,
+        return world_of(
+            Layout(
+                self.arena, self.walls, self.obstacles, floats([fire.position for fire in self.fires], -1, 2),
+                floats([fire.growth for fire in self.fires], -1), ints([fire.needs for fire in self.fires], -1),
+                position if self.formation is None else self.formation, self.links, self.gains,
+            )
         )  # fmt: skip
 
 

@@ -4,18 +4,20 @@ import math
 from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path as FilePath
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
+from higvf_console.commands import ShapePath
 from higvf_console.control.forms import FORMS, WORDS, Forms
-from higvf_console.control.gains import Gains
+from higvf_console.control.gains import Gains, PathGains
 from higvf_console.control.paths import circle_path, ellipse_path, line_path, sketch_path
 from higvf_console.errors import PathError
 from higvf_console.quantity import Quantity, quantities, with_values
 from higvf_console.session.irregular import check_edges, read_masks, read_polygons
 from higvf_console.session.reading import COORDINATE, Node
+from higvf_console.sim.path_commands import ENDINGS, FASTEST, SLOWEST, shaped
 from higvf_console.state import Path
 from higvf_console.viewport import Arena
 
@@ -26,6 +28,9 @@ _LENGTH = Quantity("m", 0.001, 1e6, "", "A length.")
 _JITTER = Quantity("m", 0.0, 1000.0, "", "Largest shift of a robot along x and along y.")
 _GROWTH = Quantity("m/s", 0.0, 100.0, "", "How fast a fire's radius grows.")
 _ANGLE = Quantity("deg", -360.0, 360.0, "", "An angle.")
+_PACE = Quantity("", SLOWEST, FASTEST, "", "Share of their velocity that those who are led take.")
+_DURATION = Quantity("s", 0.0, 1e6, "", "How long a path is followed; 0 = as long as it takes.")
+_SMOOTHING = quantities(PathGains)["stroke_smoothing"]
 
 
 class FilterKind(StrEnum):
@@ -71,18 +76,35 @@ class Robots(NamedTuple):
     Attributes:
         points: (N, 2) centres [m].
         jitter: by how much each is shifted at most along x and along y, as the seed decides [m].
-        heading: of all unicycles [rad].
+        heading: (N,) of unicycles [rad].
     """
 
     points: Floats
     jitter: float
-    heading: float
+    heading: Floats
 
     def positions(self, seed: int) -> Floats:
         """Centres (N, 2) [m] at the start; the same seed gives the same bytes."""
         if self.jitter == 0.0:
             return floats(self.points)
         return self.points + np.random.default_rng(seed).uniform(-self.jitter, self.jitter, self.points.shape)
+
+    def controlled(self, seed: int, look_ahead: float) -> Floats:
+        """Controlled points (N, 2) [m] at the start: the centres, or points so far [m] ahead of them."""
+        if look_ahead == 0.0:
+            return self.positions(seed)
+        ahead = [(math.cos(angle), math.sin(angle)) for angle in self.heading.tolist()]
+        return floats(self.positions(seed) + look_ahead * np.array(ahead))
+
+    def written(self) -> dict[str, Any]:
+        """The section that `read_robots` reads as these robots."""
+        section: dict[str, Any] = {"start_m": self.points.tolist()}
+        if self.jitter > 0.0:
+            section["jitter_m"] = self.jitter
+        degrees = np.degrees(self.heading)
+        if degrees.any():
+            section["heading_deg"] = float(degrees[0]) if (degrees == degrees[0]).all() else degrees.tolist()
+        return section
 
 
 class ShownStroke(NamedTuple):
@@ -117,19 +139,33 @@ def read_arena(node: Node) -> tuple[Arena, bool]:
 
 
 def read_robots(node: Node, arena: Arena) -> Robots:
-    """Given start points, or a square grid round a centre."""
+    """Given start points, or a square grid round a centre; one heading for all unicycles, or one for each."""
     entries = node.section(("start_m", "count", "spacing_m", "centre_m", "jitter_m", "heading_deg"))
     jitter = entries["jitter_m"].number(_JITTER) if "jitter_m" in entries else 0.0
-    heading = math.radians(entries["heading_deg"].number(_ANGLE)) if "heading_deg" in entries else 0.0
     if "start_m" in entries:
         if {"count", "spacing_m", "centre_m"} & set(entries):
             raise node.error("give start_m, or count and spacing_m, not both")
-        return Robots(entries["start_m"].points(least=1), jitter, heading)
+        points = entries["start_m"].points(least=1)
+        return Robots(points, jitter, _headings(entries, len(points)))
     entries = node.section(tuple(entries), ("count", "spacing_m"))
     count = entries["count"].integer(1, MOST_ROBOTS, "a number of robots")
     centre = ((arena.x_min + arena.x_max) / 2, (arena.y_min + arena.y_max) / 2)
     centre = entries["centre_m"].point() if "centre_m" in entries else centre
-    return Robots(_grid(count, entries["spacing_m"].number(_LENGTH), centre), jitter, heading)
+    grid = _grid(count, entries["spacing_m"].number(_LENGTH), centre)
+    return Robots(grid, jitter, _headings(entries, count))
+
+
+def _headings(entries: dict[str, Node], robots: int) -> Floats:
+    """Headings (N,) [rad]."""
+    node = entries.get("heading_deg")
+    if node is None:
+        return np.zeros(robots)
+    if not isinstance(node.value, list):
+        return np.full(robots, math.radians(node.number(_ANGLE)))
+    given = [math.radians(item.number(_ANGLE)) for item in node.items()]
+    if len(given) != robots:
+        raise node.error(f"{len(given)} headings for {robots} robots; give one for all, or one a robot")
+    return floats(given)
 
 
 def _grid(count: int, spacing: float, centre: tuple[float, float]) -> Floats:
@@ -214,7 +250,7 @@ def read_path(node: Node, smoothing: float) -> Path:
         smoothing: standard deviation by which a path may leave its sketch [m].
     """
     kinds = ("line", "circle", "ellipse", "sketch")
-    entries = node.section((*kinds, "direction"))
+    entries = node.section((*kinds, "direction", "ending", "pace", "duration_s"))
     backward = "direction" in entries and entries["direction"].choice(("forward", "backward")) == "backward"
     direction = -1.0 if backward else 1.0
     given = [name for name in kinds if name in entries]
@@ -222,9 +258,15 @@ def read_path(node: Node, smoothing: float) -> Path:
         raise node.error(f"give exactly one of: {', '.join(kinds)}")
     shape = entries[given[0]]
     try:
-        return _PATHS[given[0]](shape, direction, smoothing)
+        path = _PATHS[given[0]](shape, direction, smoothing)
     except PathError as error:
         raise shape.error(str(error)) from error
+    way = ShapePath(
+        ending=entries["ending"].choice(tuple(ENDINGS)) if "ending" in entries else None,
+        pace=entries["pace"].number(_PACE) if "pace" in entries else None,
+        duration=entries["duration_s"].number(_DURATION) if "duration_s" in entries else None,
+    )
+    return shaped(path, way)
 
 
 def _line(node: Node, direction: float, _: float) -> Path:
@@ -244,8 +286,9 @@ def _ellipse(node: Node, direction: float, _: float) -> Path:
 
 
 def _sketch(node: Node, direction: float, smoothing: float) -> Path:
-    entries = node.section(("points_m", "closed"), ("points_m",))
+    entries = node.section(("points_m", "closed", "smoothing_m"), ("points_m",))
     closed = entries["closed"].flag() if "closed" in entries else None
+    smoothing = entries["smoothing_m"].number(_SMOOTHING) if "smoothing_m" in entries else smoothing
     return sketch_path(entries["points_m"].points(least=3), smoothing, closed, direction)
 
 

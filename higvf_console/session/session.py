@@ -33,6 +33,7 @@ from higvf_console.session.baseline import Baseline, compute_baseline
 from higvf_console.session.channels import Channels
 from higvf_console.session.explain import Moved
 from higvf_console.session.failsafe import failure_event, halted
+from higvf_console.session.history import History
 from higvf_console.session.input_reports import InputReports, Reporter, calibration_event
 from higvf_console.session.marker_outlet import MarkerOutlet
 from higvf_console.session.recording import Recorder
@@ -72,6 +73,7 @@ class Snapshot(NamedTuple):
         deadlock_s: time in which a robot was deadlocked [s].
         worst: what the certificates of single ticks came to so far.
         extinguished: fire indices in the order in which they went out.
+        history: what was done and may be undone.
         channels: how each interface is.
         events: what happened, oldest first; the last `EVENTS_KEPT`.
         inputs: what the interfaces tell of themselves: attention, decoding, calibration.
@@ -91,6 +93,7 @@ class Snapshot(NamedTuple):
     deadlock_s: float
     worst: Worst
     extinguished: tuple[int, ...]
+    history: History
     channels: tuple[tuple[str, ChannelHealth], ...]
     events: tuple[Event, ...]
     inputs: InputReports = InputReports()
@@ -107,7 +110,6 @@ class Session:
     """A scenario, its operator's interfaces and the clock.
 
     Attributes:
-        scenario: what is run.
         seed: of the start positions.
         snapshot: the latest moment.
         baseline: loss area without an operator; None until it is known.
@@ -137,13 +139,12 @@ class Session:
             ScenarioError: the start is not safe with this seed.
             InputError: two interfaces have the same name.
         """
-        self.scenario = scenario
         self.seed = seed
         self.baseline: Baseline | None = None
         self.viewport: Viewport | None = None
         self.commands: list[AppliedCommand] = []
         self.error: Exception | None = None
-        self._run = Run(scenario.setup(seed), scenario.filter)
+        self._run = Run(scenario.setup(seed), scenario.filter, scenario)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.gains.safety.control_period)
@@ -166,6 +167,11 @@ class Session:
         if not hasattr(mouse, "push"):
             raise InputError("the session has no interface 'mouse' that commands can be pushed to")
         return cast(PointerSink, mouse)
+
+    @property
+    def scenario(self) -> Scenario:
+        """What is run."""
+        return cast(Scenario, self._run.scenario)
 
     @property
     def calibrated(self) -> Calibrated | None:
@@ -239,7 +245,7 @@ class Session:
         intent, motion = self._run.state.intent, self._run.state.motion
         context = OperatorContext(
             self._run.time, "operator", self.viewport, self._run.state.drawing.clutch, intent.paused,
-            intent.influenced, self._run.extinguished, len(motion.position),
+            intent.influenced, self._run.tally.extinguished, len(motion.position),
             Targets(self._run.setup.world.fire_position, motion.fire_radius, motion.position),
         )  # fmt: skip
         said, failures = self._supervisor.poll(context)
@@ -270,7 +276,7 @@ class Session:
             if self._markers is not None:
                 self._markers.command(self._run.time, command)
         if self._recorder is not None:
-            self._record(self._recorder.command, command)
+            self._record(self._recorder.command, command, self._run.scenario)
 
     def _set_clock(self, command: OperatorCommand) -> None:
         match command:
@@ -329,12 +335,13 @@ class Session:
             frozen=self._frozen,
             speed=self._speed,
             loss_area=loss_area(run.state.motion),
-            min_clearance=run.min_clearance,
+            min_clearance=run.tally.min_clearance,
             tick_ms=1e3 * (perf_counter() - started),
-            infeasible_ticks=run.infeasible_ticks,
-            deadlock_s=run.deadlock_ticks * self.setup.gains.safety.control_period,
-            worst=run.worst,
-            extinguished=run.extinguished,
+            infeasible_ticks=run.tally.infeasible_ticks,
+            deadlock_s=run.tally.deadlock_ticks * self.setup.gains.safety.control_period,
+            worst=run.tally.worst,
+            extinguished=run.tally.extinguished,
+            history=run.history,
             channels=self._supervisor.health,
             events=self._events,
             inputs=inputs,

@@ -1,10 +1,11 @@
 """The session's watch over its channels: who may command, who has gone silent, and what is done about it.
 
 A channel that is lost, or back and not yet acknowledged, may stop and pause the team and move the cursor, nothing else.
-If it was steering when it was lost, commands of the session end that: they are recorded like any other, so that a
-replay agrees. After `NextTask` v_h = 0, and the shared intention, dv_s/dt = w1 v_t - (w0 + w1) v_s + neighbours, leaves
-the human's for the robots' own with time constant 1 / (w0 + w1), 0.13 s by default, and no velocity jumps. A team that
-has no task of its own, and one that is to hold, stands from the next control period on.
+If it was steering when it, or the page that had control, was lost, commands of the session end that: they are recorded
+like any other, so that a replay agrees. After `NextTask` v_h = 0, and the shared intention,
+dv_s/dt = w1 v_t - (w0 + w1) v_s + neighbours, leaves the human's for the robots' own with time constant 1 / (w0 + w1),
+0.13 s by default, and no velocity jumps. A team that has no task of its own, and one that is to hold, stands from the
+next control period on.
 """
 
 from collections.abc import Mapping
@@ -16,7 +17,9 @@ from higvf_console.commands import (
     ChannelState,
     ClearPath,
     Clutch,
+    ControlChange,
     Cursor,
+    HandOver,
     InjectFault,
     NextTask,
     OperatorCommand,
@@ -107,9 +110,11 @@ class Supervisor:
                 return self._take_back([name for name in self._states if name != channel], time)
             case ResetRun():
                 self._forget()
+            case HandOver(how=ControlChange.LOST):
+                self._deserted = channel
             case _:
                 pass
-        if channel == _CONSOLE and not isinstance(command, Cursor | Stop | Pause):
+        if channel == _CONSOLE and not isinstance(command, Cursor | Stop | Pause | HandOver):
             return self._take_back([channel], time)
         return ()
 
@@ -124,12 +129,13 @@ class Supervisor:
             here = judged(seen, now, self._limits[name])
             self._states[name] = become = here if was is None else observed(was, here)
             health.append((name, seen._replace(state=become, detail=self._detail(name, seen, now))))
+            lost = was is not None and was is not become and become is ChannelState.LOST
+            done = self._end_steering(name, now, state) if state and (lost or name == self._deserted) else []
+            commands += done
             if was is None or was is become:
                 continue
-            done = self._end_steering(name, now, state) if become is ChannelState.LOST and state else []
-            commands += done
             events += self._tell(name, was, become, seen, now, bool(done))
-        self.health = tuple(health)
+        self.health, self._deserted = tuple(health), ""
         return commands, tuple(events)
 
     def _forget(self) -> None:
@@ -139,12 +145,13 @@ class Supervisor:
         self._withheld: dict[str, int] = {}
         self._path_by = ""
         self._clutch_by = ""
+        self._deserted = ""  # the channel of which the page that had control is lost
 
     def _may(self, name: str, command: OperatorCommand) -> bool:
         if self._states.get(name) not in OUT_OF_SERVICE:
             return True
         by_hand = name == _CONSOLE and self._states[name] is ChannelState.RECOVERED
-        return by_hand or isinstance(command, Stop | Pause | Cursor | Acknowledge | InjectFault)
+        return by_hand or isinstance(command, Stop | Pause | Cursor | Acknowledge | InjectFault | HandOver)
 
     def _end_steering(self, name: str, now: float, state: SimState) -> list[OperatorCommand]:
         """What ends the steering of a channel that is lost; nothing where it was not steering."""

@@ -62,6 +62,8 @@ def _path_event(before: int, status: int, influenced: int, time: float) -> list[
         return [Event(time, Severity.INFO, "break-away", "The team returns to its path.")]
     if status == PathStatus.FINISHED:
         return [Event(time, Severity.GOOD, "path", f"Robot {influenced + 1} has finished its path.")]
+    if status == PathStatus.HOLDING:
+        return [Event(time, Severity.GOOD, "path", f"Robot {influenced + 1} has finished its path; the team waits.")]
     if status == PathStatus.BREAK_AWAY:
         return [Event(time, Severity.INFO, "break-away", "The team leaves its path for a fire that it has found.")]
     if status == PathStatus.BLOCKED:

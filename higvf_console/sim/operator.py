@@ -1,7 +1,8 @@
 """What each operator command means: pure, from state to state, with the events that a person should read.
 
-A command that cannot be carried out changes nothing and says why. Those for the clock (Freeze, Step, SetSpeed) and the
-channels (Acknowledge, InjectFault) belong to the session and pass through.
+A command that cannot be carried out changes nothing and says why. Those for the clock (Freeze, Step, SetSpeed), the
+channels (Acknowledge, InjectFault), the history and the world (LoadScenario, Undo, Redo, edits) belong to the session
+and pass through; HandOver is but told.
 """
 
 import math
@@ -13,37 +14,52 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.commands import (
     Acknowledge,
     AskReset,
+    BendPath,
     ClearPath,
     Clutch,
     Confirm,
+    ControlChange,
     Cursor,
     Discard,
+    ForgetPath,
     Freeze,
+    HandOver,
     InjectFault,
+    LoadScenario,
     NextTask,
     OperatorCommand,
     Pause,
     Pick,
+    Prioritise,
     ProposePick,
+    Redo,
     ResetRun,
     ResetStop,
     Resume,
     ReversePath,
     SetSpeed,
+    ShapePath,
     Step,
     Stop,
     StrokeBegin,
     StrokeCancel,
     StrokeEnd,
     StrokePoints,
+    StrokeUse,
+    TakeUpPath,
+    Undo,
 )
-from higvf_console.control.paths import sketch_path, start_parameter
+from higvf_console.control.paths import sketch_path
+from higvf_console.edits import Edit
 from higvf_console.errors import PathError
+from higvf_console.sim.outcome import Outcome, no_robot, path_dropped, proposal_dropped, refuse, say, with_drawing
+from higvf_console.sim.path_commands import PATHS_KEPT, finish, follow, forget, repaired, reverse, shaped, take_up
+from higvf_console.sim.path_edits import amended, bent
+from higvf_console.sim.priority import prioritise, prioritise_inside
 from higvf_console.sim.setup import Event, Setup, Severity
-from higvf_console.state import NO_PATH, NOBODY, Drawing, Path, PathKind, PathStatus, SimState
+from higvf_console.state import NO_PATH, NOBODY, Drawing, Path, PathKind, SimState
 from higvf_console.viewport import Arena
 
-Outcome = tuple[SimState, tuple[Event, ...]]
 _NO_STROKE = np.zeros((0, 2))
 
 
@@ -52,19 +68,19 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
     time = state.motion.tick * setup.gains.safety.control_period
     match command:
         case StrokeBegin():
-            return _drawing(_path_dropped(state), stroke=_NO_STROKE, stroke_source=command.source), ()
+            return with_drawing(path_dropped(state), stroke=_NO_STROKE, stroke_source=command.source), ()
         case StrokePoints(points=points):
             return _grow(state, command.source, points), ()
         case StrokeCancel():
-            return _drawing(state, stroke=_NO_STROKE, stroke_source=""), ()
+            return with_drawing(state, stroke=_NO_STROKE, stroke_source=""), ()
         case StrokeEnd():
             return _end_stroke(state, command, setup, time)
         case Cursor(point=point):
-            return _drawing(state, cursor=floats(point, 2)), ()
+            return with_drawing(state, cursor=floats(point, 2)), ()
         case Clutch(closed=closed):
-            return _drawing(state, clutch=bool(closed)), ()
+            return with_drawing(state, clutch=bool(closed)), ()
         case Pick(robot=robot):
-            return _pick(_proposal_dropped(state), robot, time)
+            return _pick(proposal_dropped(state), robot, time)
         case ProposePick():
             return _propose(state, command, time)
         case Confirm():
@@ -72,45 +88,46 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
         case Discard():
             return _discard(state, time)
         case Pause():
-            return _pause(state, True), _say(time, "paused", "Paused: the team holds and still yields.")
+            return _pause(state, True), say(time, "paused", "Paused: the team holds and still yields.")
         case Resume() if state.intent.stopped:
-            return state, _refuse(time, "The team is stopped: reset the STOP first.")
+            return state, refuse(time, "The team is stopped: reset the STOP first.")
         case Resume():
-            return _pause(state, False), _say(time, "resumed", "The team goes on.")
+            return _pause(state, False), say(time, "resumed", "The team goes on.")
         case Stop():
             return _stop(state, True), (Event(time, Severity.ALARM, "stop", "STOP: all robots stand still."),)
         case AskReset():
-            return _drawing(state, ask_reset=state.intent.stopped), ()
+            return with_drawing(state, ask_reset=state.intent.stopped), ()
         case ResetStop() if not state.drawing.ask_reset:
-            return state, _refuse(time, "A STOP is reset in two steps: ask for the reset first.")
+            return state, refuse(time, "A STOP is reset in two steps: ask for the reset first.")
         case ResetStop():
-            return _stop(state, False), _say(time, "stop", "STOP is reset; the team stays paused until you resume.")
+            return _stop(state, False), say(time, "stop", "STOP is reset; the team stays paused until you resume.")
         case ClearPath():
-            return follow(state, NO_PATH), _say(time, "path", "The path is cleared.")
+            return follow(state, NO_PATH), say(time, "path", "The path is cleared.")
         case ReversePath():
-            return _reverse(state, time)
+            return reverse(state, time)
+        case ShapePath():
+            return repaired(state, time, lambda path: shaped(path, command), anew=command.duration is not None)
+        case BendPath(grip=grip, point=point):
+            place = clipped(floats(point, 1, 2), setup.arena)[0][0]
+            return repaired(state, time, lambda path: bent(path, floats(grip, 2), place))
+        case TakeUpPath(number=number):
+            return take_up(state, number, time)
+        case ForgetPath(number=number):
+            return forget(state, number, time)
+        case Prioritise():
+            return prioritise(state, command, setup, time)
         case NextTask():
-            return _finish(state, time)
+            return finish(state, time)
         case ResetRun():
-            return setup.start, _say(0.0, "reset", "The run starts again.")
+            return setup.start, say(0.0, "reset", "The run starts again.")
         case Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
             return state, ()
+        case LoadScenario() | Undo() | Redo() | Edit():
+            return state, ()
+        case HandOver():
+            return state, _handed(command, time)
         case _:
             assert_never(command)
-
-
-def follow(state: SimState, path: Path) -> SimState:
-    """The same state with `path` as the human intention, joined from where the influenced robot is."""
-    intent, motion = state.intent, state.motion
-    if path.kind == PathKind.NONE:
-        status, w = PathStatus.NONE, 0.0
-    else:
-        x, y = motion.position[intent.influenced]
-        status, w = PathStatus.FOLLOWING, start_parameter(path, float(x), float(y))
-    motion = motion._replace(
-        path_parameter=w, path_status=int(status), path_idle=0.0, path_gap=math.inf, rung=np.zeros_like(motion.rung)
-    )
-    return state._replace(motion=motion, intent=intent._replace(path=path))
 
 
 def clipped(points: Floats, arena: Arena) -> tuple[Floats, bool]:
@@ -132,11 +149,15 @@ def waiting(drawing: Drawing, time: float) -> bool:
 def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) -> Outcome:
     points, left = clipped(state.drawing.stroke, setup.arena)
     smoothing = setup.gains.path.stroke_smoothing if command.smoothing is None else command.smoothing
-    state = _drawing(state, stroke=_NO_STROKE, stroke_source="")
+    state = with_drawing(state, stroke=_NO_STROKE, stroke_source="")
+    if command.use == StrokeUse.PRIORITY:
+        return prioritise_inside(state, points, setup, time)
+    if command.use == StrokeUse.AMEND:
+        return repaired(state, time, lambda path: amended(path, points, smoothing))
     try:
-        path = sketch_path(points, smoothing)
+        path = shaped(sketch_path(points, smoothing), command)
     except PathError as error:
-        return state, _refuse(time, f"No path: {error}.")
+        return state, refuse(time, f"No path: {error}.")
     robot = NOBODY if command.robot is None else int(command.robot)
     ended, events = (_wait if command.preview else _commit)(state, path, robot, time)
     if left:
@@ -147,37 +168,39 @@ def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) 
 def _wait(state: SimState, path: Path, robot: int, time: float) -> Outcome:
     robots = len(state.motion.position)
     if robot != NOBODY and not 0 <= robot < robots:
-        return state, _no_robot(robot, robots, time)
-    said = _say(time, "pending", f"A path of {path.length:.0f} m waits to be committed.")
-    return _drawing(state, pending=path, pending_robot=robot), said
+        return state, no_robot(robot, robots, time)
+    said = say(time, "pending", f"A path of {path.length:.0f} m waits to be committed.")
+    return with_drawing(state, pending=path, pending_robot=robot), said
 
 
 def _commit(state: SimState, path: Path, robot: int, time: float) -> Outcome:
-    state, events = _path_dropped(state), ()
+    state, events = path_dropped(state), ()
     if robot != NOBODY:
         state, events = _pick(state, robot, time)
     kind = "closed" if path.closed else "open"
     text = f"Robot {state.intent.influenced + 1} follows a new {kind} path of {path.length:.0f} m."
-    return follow(state, path), events + _say(time, "path", text)
+    drawn = tuple(old for old in state.drawing.paths if old is not path)
+    state = with_drawing(state, paths=(*drawn, path)[-PATHS_KEPT:])
+    return follow(state, path), events + say(time, "path", text)
 
 
 def _propose(state: SimState, command: ProposePick, time: float) -> Outcome:
     robots, robot = len(state.motion.position), int(command.robot)
     if not 0 <= robot < robots:
-        return state, _no_robot(robot, robots, time)
+        return state, no_robot(robot, robots, time)
     if robot == state.intent.influenced:
-        return _proposal_dropped(state), ()
+        return proposal_dropped(state), ()
     trust = "" if command.confidence is None else f" (confidence {command.confidence:.2f})"
-    said = _say(time, "proposed", f"Robot {robot + 1} is proposed{trust}: confirm it within {command.within:g} s.")
-    return _drawing(state, proposed=robot, proposed_until=time + float(command.within)), said
+    said = say(time, "proposed", f"Robot {robot + 1} is proposed{trust}: confirm it within {command.within:g} s.")
+    return with_drawing(state, proposed=robot, proposed_until=time + float(command.within)), said
 
 
 def _confirm(state: SimState, time: float) -> Outcome:
     """The proposed robot first, so that a pending path is that robot's."""
     drawing = state.drawing
     if not waiting(drawing, time):
-        return state, _refuse(time, "There is nothing to confirm.")
-    state, events, robot = _proposal_dropped(state), (), proposal(drawing, time)
+        return state, refuse(time, "There is nothing to confirm.")
+    state, events, robot = proposal_dropped(state), (), proposal(drawing, time)
     if robot != NOBODY:
         state, events = _pick(state, robot, time)
     if drawing.pending.kind == PathKind.NONE:
@@ -187,55 +210,45 @@ def _confirm(state: SimState, time: float) -> Outcome:
 
 
 def _discard(state: SimState, time: float) -> Outcome:
-    dropped = _path_dropped(_proposal_dropped(state))
-    return dropped, _say(time, "discarded", "What waited is discarded.") if waiting(state.drawing, time) else ()
+    dropped = path_dropped(proposal_dropped(state))
+    return dropped, say(time, "discarded", "What waited is discarded.") if waiting(state.drawing, time) else ()
 
 
 def _pick(state: SimState, robot: int, time: float) -> Outcome:
     robots, robot = len(state.motion.position), int(robot)
     if not 0 <= robot < robots:
-        return state, _no_robot(robot, robots, time)
+        return state, no_robot(robot, robots, time)
     if robot == state.intent.influenced:
         return state, ()
     motion = state.motion._replace(path_idle=0.0, path_gap=math.inf)
     picked = state._replace(motion=motion, intent=state.intent._replace(influenced=robot))
-    return picked, _say(time, "picked", f"Robot {robot + 1} feels the human intention.")
-
-
-def _reverse(state: SimState, time: float) -> Outcome:
-    path = state.intent.path
-    if path.kind == PathKind.NONE:
-        return state, _refuse(time, "There is no path to reverse.")
-    motion = state.motion._replace(path_status=int(PathStatus.FOLLOWING), path_idle=0.0, path_gap=math.inf)
-    reversed_path = state.intent._replace(path=path._replace(direction=-path.direction))
-    return state._replace(motion=motion, intent=reversed_path), _say(time, "path", "The path is followed in reverse.")
-
-
-def _finish(state: SimState, time: float) -> Outcome:
-    if state.motion.path_status not in (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY):
-        return state, ()
-    motion = state.motion._replace(path_status=int(PathStatus.FINISHED))
-    return state._replace(motion=motion), _say(time, "path", "The team goes on with its own task.")
+    return picked, say(time, "picked", f"Robot {robot + 1} feels the human intention.")
 
 
 def _grow(state: SimState, source: str, points: Floats) -> SimState:
     """The stroke belongs to the interface that began it; points of any other are not part of it."""
     if state.drawing.stroke_source != source:
         return state
-    return _drawing(state, stroke=np.vstack([state.drawing.stroke, floats(points, -1, 2)]))
+    return with_drawing(state, stroke=np.vstack([state.drawing.stroke, floats(points, -1, 2)]))
 
 
-def _drawing(state: SimState, **changes: object) -> SimState:
-    drawing: Drawing = state.drawing._replace(**changes)  # pyright: ignore[reportArgumentType]
-    return state._replace(drawing=drawing)
-
-
-def _path_dropped(state: SimState) -> SimState:
-    return _drawing(state, pending=NO_PATH, pending_robot=NOBODY)
-
-
-def _proposal_dropped(state: SimState) -> SimState:
-    return _drawing(state, proposed=NOBODY, proposed_until=math.inf)
+def _handed(command: HandOver, time: float) -> tuple[Event, ...]:
+    by, page = command.operator, command.page
+    steers = f"{page} steers" if page else "nobody steers"
+    texts: dict[str, str] = {
+        ControlChange.FIRST: f"{page} steers.",
+        ControlChange.ASKED: f"{page} asks for control.",
+        ControlChange.REFUSED: f"{by} refuses control to {page}.",
+        ControlChange.GRANTED: f"{by} grants control to {page}.",
+        ControlChange.TAKEN: f"{page} takes over control.",
+        ControlChange.RELEASED: f"{by} releases control: {steers}.",
+        ControlChange.LOST: f"{by}, which steered, is lost: {steers}.",
+    }
+    if command.how not in texts:
+        return refuse(time, f"{command.how!r} is no change of control; choose {', '.join(ControlChange)}.")
+    stands_out = command.how in (ControlChange.TAKEN, ControlChange.LOST)
+    severity = Severity.WARNING if stands_out else Severity.INFO
+    return (Event(time, severity, "control", texts[command.how]),)
 
 
 def _pause(state: SimState, paused: bool) -> SimState:
@@ -243,17 +256,5 @@ def _pause(state: SimState, paused: bool) -> SimState:
 
 
 def _stop(state: SimState, stopped: bool) -> SimState:
-    state = _drawing(_path_dropped(_proposal_dropped(state)), ask_reset=False)
+    state = with_drawing(path_dropped(proposal_dropped(state)), ask_reset=False)
     return state._replace(intent=state.intent._replace(stopped=stopped, paused=True))
-
-
-def _say(time: float, kind: str, text: str) -> tuple[Event, ...]:
-    return (Event(time, Severity.INFO, kind, text),)
-
-
-def _no_robot(robot: int, robots: int, time: float) -> tuple[Event, ...]:
-    return _refuse(time, f"There is no robot {robot + 1}: the team has robots 1 to {robots}.")
-
-
-def _refuse(time: float, text: str) -> tuple[Event, ...]:
-    return (Event(time, Severity.WARNING, "refused", text),)

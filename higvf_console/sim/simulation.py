@@ -23,7 +23,18 @@ from higvf_console.control.safety_filter import filter_velocities
 from higvf_console.sim.fires import burn, crews, growth_rates
 from higvf_console.sim.metrics import clearances, stalls
 from higvf_console.sim.unicycle import body_centres, headings_after
-from higvf_console.state import NO_PATH, NOBODY, Drawing, Intent, Motion, PathStatus, SimState, Trace, World
+from higvf_console.state import (
+    NO_PATH,
+    NO_PRIORITY,
+    NOBODY,
+    Drawing,
+    Intent,
+    Motion,
+    PathStatus,
+    SimState,
+    Trace,
+    World,
+)
 
 
 class Rollout(NamedTuple):
@@ -76,10 +87,11 @@ def initial_state(position: Floats, fire_radius: Floats, world: World, heading: 
         path_status=int(PathStatus.NONE),
         path_idle=0.0,
         path_gap=math.inf,
+        path_left=math.inf,
         robot_peak=0.0,
         human_peak=0.0,
     )
-    intent = Intent(NO_PATH, 0, False, False)
+    intent = Intent(NO_PATH, 0, False, False, NO_PRIORITY)
     return SimState(motion, intent, Drawing(np.full(2, np.nan), np.zeros((0, 2)), "", False, False))
 
 
@@ -150,6 +162,7 @@ def settle(
         headings_after(motion.heading, velocity, look_ahead, period), velocity, plan.intention, plan.target,
         plan.target_value, plan.side, stalls(motion, plan, velocity, active_rows, crew, world, gains), plan.rung,
         radius, fire_progress, burning, plan.path_parameter, plan.path_status, plan.path_idle, plan.path_gap,
+        plan.path_left,
         max(motion.robot_peak, _largest(plan.robot_intention)), max(motion.human_peak, _largest(plan.human_intention)),
     )  # fmt: skip
     body = body_centres(moved.position, moved.heading, look_ahead)

@@ -4,7 +4,7 @@ import viser
 
 from higvf_console.reports import Calibrated, CaptureReport
 from higvf_console.ui import page
-from higvf_console.ui.theme import DARK
+from higvf_console.ui.theme import CSS
 
 _PROGRESS_STEP = 0.05  # smaller ones are not sent
 
@@ -21,7 +21,7 @@ class Calibration:
         """
         self._server = server
         self._shown: object = None
-        colours = {"ground": DARK.surround, "faint": DARK.border, "colour": DARK.stroke, "text": DARK.axis_text}
+        colours = {"ground": CSS.surround, "faint": CSS.border, "colour": CSS.stroke, "text": CSS.axis_text}
 
         def cancel(_client_id: int, body: page.Body) -> None:
             if body.get("cancel") is not True:

@@ -13,8 +13,8 @@ from higvf_console.ui import page
 from higvf_console.viewport import Arena
 
 FIELD_OF_VIEW = math.radians(10.0)  # vertical
-# Kept free round the arena when it is fitted [CSS px]: axis labels, and the STOP button below.
-PADDING = {"left": 44, "right": 28, "top": 28, "bottom": 104}
+# Kept free round the arena when it is fitted [CSS px]: axis labels, and the tools above, the STOP button below.
+PADDING = {"left": 44, "right": 28, "top": 52, "bottom": 104}
 _ASPECT = 1.5  # of a page that is not known yet
 
 

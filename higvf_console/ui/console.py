@@ -1,159 +1,61 @@
 """The console: what the operator sees and touches, between a session and the browser.
 
     session thread    ->  session.snapshot  ->  view thread: scene, panels  ->  viser  ->  pages
-    session.pointer  <-  commands            <-  viser's event loop: keys, pointer, widgets
+    session.pointer  <-  roles  <-  commands <-  viser's event loop: keys, pointer, widgets
 
 The view thread alone changes what is shown, and never the state; callbacks push commands and return. So neither a slow
 browser nor a slow panel is ever felt by the robots.
 """
 
 import logging
-import math
 import threading
 import time
 from collections.abc import Callable, Coroutine
 from typing import TYPE_CHECKING
 
-import numpy as np
 import viser
 
-from higvf_console.arrays import Floats
-from higvf_console.commands import (
-    AskReset,
-    ClearPath,
-    Confirm,
-    Discard,
-    Freeze,
-    OperatorCommand,
-    Pause,
-    Pick,
-    ResetStop,
-    Resume,
-    ReversePath,
-    Step,
-    Stop,
-    StrokeBegin,
-    StrokeCancel,
-    StrokeEnd,
-    StrokePoints,
-)
+from higvf_console.session.channel_state import default_limits
+from higvf_console.session.history import History
 from higvf_console.session.previewer import Choice, Previewer
-from higvf_console.sim.unicycle import body_centres
-from higvf_console.ui import camera, keys, page, pointer, theme
+from higvf_console.ui import camera, hints, keys, page, pointer, theme, tools
 from higvf_console.ui.calibration import Calibration
+from higvf_console.ui.hand import Hand
+from higvf_console.ui.panels.edit import EditPanel
 from higvf_console.ui.panels.fires import FiresPanel
-from higvf_console.ui.panels.html import SPACER
+from higvf_console.ui.panels.history import HistoryPanel
+from higvf_console.ui.panels.html import SPACER, style_html
 from higvf_console.ui.panels.inputs import InputsPanel
 from higvf_console.ui.panels.log import LogPanel
 from higvf_console.ui.panels.preview import PreviewPanel
 from higvf_console.ui.panels.run import RunPanel
 from higvf_console.ui.panels.status import StatusPanel
 from higvf_console.ui.panels.steer import SteerPanel
-from higvf_console.ui.panels.view import ViewPanel, next_field
+from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.panels.why import WhyPanel
+from higvf_console.ui.roles import Roles
 from higvf_console.ui.scene import Scene, View
-from higvf_console.viewport import Viewport
 
 if TYPE_CHECKING:
     from higvf_console.session.session import Session, Snapshot
 
 FRAME = 1 / 30  # [s]
+# Between two frames, at least [s]: viser looks 60 times a second whether there is anything to send, and sends nothing
+# while a frame is being shown. Frames without a gap between them would starve the pages.
+REST = 1 / 50
 FRAMES_PER_PANEL = 6  # panels are renewed five times a second
-PICK_RADIUS_PX = 26.0  # a click this close to a robot picks it, at one device pixel a CSS pixel
 
 _log = logging.getLogger(__name__)
 
 
-class Hand:
-    """Turns what a page's pointer and keys do into commands; called on viser's event loop."""
-
-    def __init__(self, session: "Session", view: View, steer: SteerPanel) -> None:
-        """Starts with nobody drawing."""
-        self._session, self._view, self._steer = session, view, steer
-        self._drawing: int | None = None
-        self._viewports: dict[int, Viewport] = {}
-
-    def stroke(self, client_id: int, phase: pointer.Phase, points: Floats) -> None:
-        """A stroke begins, grows and ends; of two pages that draw at once, the later one has the pen."""
-        if phase == "start":
-            self._drawing = client_id
-            self._push(StrokeBegin())
-        elif client_id != self._drawing:
-            return
-        if phase == "cancel":
-            self._push(StrokeCancel())
-        elif len(points):
-            self._push(StrokePoints(points=points))
-        if phase == "end":
-            self._push(StrokeEnd(smoothing=self._steer.smoothing, preview=not self._view.commit_at_once))
-        if phase in ("cancel", "end"):
-            self._drawing = None
-
-    def click(self, client_id: int, point: Floats) -> None:
-        """Picks the robot at a ground point (2,) [m]; a second click shows or hides why it moves."""
-        viewport = self._viewports.get(client_id)
-        reach = PICK_RADIUS_PX * viewport.metres_per_px if viewport else math.inf
-        motion, look_ahead = self._session.snapshot.state.motion, self._session.setup.gains.robots.look_ahead
-        robot = robot_near(body_centres(motion.position, motion.heading, look_ahead), point, reach)
-        if robot is None:
-            return
-        if robot == self._session.snapshot.state.intent.influenced:
-            self._view.explained, self._view.reasons = None, not self._view.reasons
-        self._push(Pick(robot))
-
-    def viewport(self, client_id: int, viewport: Viewport) -> None:
-        """How a page lies over the ground; gaze is mapped through that of the page that told last."""
-        self._viewports[client_id] = self._session.viewport = viewport
-
-    def leave(self, client_id: int) -> None:
-        """A page has gone."""
-        self._viewports.pop(client_id, None)
-
-    def key(self, _client_id: int, name: str) -> None:
-        """A key of `keys.KEYMAP`, or the same action out of the command palette."""
-        if name == "stop":  # first, and on its own: nothing may come between
-            self._push(Stop())
-            return
-        snapshot = self._session.snapshot
-        commands: dict[str, OperatorCommand] = {
-            "ask_reset": AskReset(),
-            "reset_stop": ResetStop(),
-            "pause": Resume() if snapshot.state.intent.paused else Pause(),
-            "confirm": Confirm(),
-            "discard": Discard(),
-            "clear_path": ClearPath(),
-            "reverse_path": ReversePath(),
-            "freeze": Freeze(not snapshot.frozen),
-            "step": Step(),
-        }
-        if name == "field_arrows":
-            self._view.field = next_field(self._view.field)
-        elif name in commands:
-            self._push(commands[name])
-        elif name.startswith("pick_"):
-            robot = int(name.removeprefix("pick_")) - 1
-            if 0 <= robot < len(snapshot.state.motion.position):
-                self._push(Pick(robot))
-
-    def _push(self, command: OperatorCommand) -> None:
-        self._session.pointer.push(command)
-
-
-def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
-    """Index of the robot, among (N, 2) [m], that is nearest to a point (2,) and within `reach` [m] of it."""
-    if not len(position):
-        return None
-    gap = np.hypot(position[:, 0] - point[0], position[:, 1] - point[1])
-    nearest = int(np.argmin(gap))
-    return nearest if gap[nearest] <= reach else None
-
-
-def add_commands(gui: viser.GuiApi, hand: Hand) -> None:
-    """Offers what the keys do in the command palette (Ctrl+K) too."""
+def add_commands(gui: viser.GuiApi, hand: Hand, roles: Roles) -> None:
+    """Offers what the keys do in the command palette (Ctrl+K) too; STOP to every page."""
     for binding in keys.KEYMAP:
         if binding.name in keys.NAMES:
             command = gui.add_command(binding.text, description=f"Key {binding.key}")
             command.on_trigger(_trigger(hand, binding.name))
+            if binding.name == "stop":
+                roles.allow(page.uuid_of(command))
 
 
 def _trigger(hand: Hand, name: str) -> Callable[[viser.CommandEvent], Coroutine[None, None, None]]:
@@ -174,22 +76,29 @@ class Console:
         self._view = View()
         self._previewer = Previewer(session, self._choice)
         self._stopped: bool | None = None
+        self._history: History | None = None
         self._frames = 0
         self._failures: set[str] = set()
         theme.dress(server, session.scenario.title)
         self._scene = Scene(server, session.setup, self._view)
+        limits = session.scenario.limits.get("mouse", default_limits("mouse"))
+        self._roles = Roles(server, session.pointer, limits.lost)
         self._build_panels()
         camera.install(server, self._scene.camera_arena)
-        hand = Hand(session, self._view, self._steer)
-        pointer.install(server, hand, theme.DARK.stroke)
+        hand = Hand(session, self._view, self._steer, self._roles, self._show_tool)
+        pointer.install(server, hand, theme.CSS.stroke)
+        keys.install(server, hand.key)
+        tools.install(server, hand.tool, hand.key)
+        hints.install(server)
         self._calibration = Calibration(server, session.calibrated)
-        keys.install(server, hand.key, session.pointer.beat)
         page.on_leave(server, hand.leave)
-        add_commands(server.gui, hand)
+        add_commands(server.gui, hand, self._roles)
+        self._roles.install(hand.hand_over)
 
     def _build_panels(self) -> None:
-        gui, session, sink = self._server.gui, self._session, self._session.pointer
-        status = StatusPanel(gui, session.setup.gains.safety.control_period, sink)
+        gui, session, sink = self._server.gui, self._session, self._roles
+        self._style = gui.add_html(style_html(self._view.look))
+        status = StatusPanel(gui, session.setup.gains.safety.control_period, sink, self._view)
         run = RunPanel(gui, sink)
         gui.add_html(SPACER)
         tabs = gui.add_tab_group()
@@ -200,13 +109,19 @@ class Console:
             fires = FiresPanel(gui, session)
         with tabs.add_tab("Why"):
             why = WhyPanel(gui, session, self._view)
+        with tabs.add_tab("Edit"):
+            edit = EditPanel(gui, sink, self._view)
+            history = HistoryPanel(gui, sink)
         with tabs.add_tab("Inputs"):
             inputs = InputsPanel(gui, session, sink)
         with tabs.add_tab("View"):
             view = ViewPanel(gui, self._view)
         with tabs.add_tab("Log"):
-            log = LogPanel(self._server)
-        self._panels = (status, run, self._steer, preview, fires, why, inputs, view, log)
+            log = LogPanel(self._server, self._view)
+        self._panels = (status, run, self._steer, preview, fires, why, edit, history, inputs, view, log)
+
+    def _show_tool(self, tool: tools.Tool, client_id: int) -> None:
+        tools.show(self._server, tool, client_id)
 
     def _choice(self) -> Choice:
         return Choice(self._view.horizon, self._steer.smoothing)
@@ -218,12 +133,13 @@ class Console:
         self._thread.start()
 
     def run(self, stopping: threading.Event) -> None:
-        """Shows the latest snapshot 30 times a second until `stopping` is set."""
+        """Shows the latest snapshot 30 times a second, on a busy machine less often, until `stopping` is set."""
         due = time.perf_counter()
         while not stopping.is_set():
             self.show(self._session.snapshot)
-            due = max(due + FRAME, time.perf_counter())
-            stopping.wait(due - time.perf_counter())
+            now = time.perf_counter()
+            due = max(due + FRAME, now + REST)
+            stopping.wait(due - now)
 
     def show(self, snapshot: "Snapshot") -> None:
         """Shows one snapshot. A part that fails is logged once and does not keep the others from showing."""
@@ -233,15 +149,27 @@ class Console:
             if self._frames % FRAMES_PER_PANEL == 0:
                 for panel in self._panels:
                     self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))
+                self._try("roles", self._roles.update)
         self._frames += 1
+        if snapshot.history is not self._history:
+            self._history = snapshot.history
+            done, undone = self._history
+            tools.show_history(self._server, done[-1].text if done else "", undone[0].text if undone else "")
         if snapshot.state.intent.stopped != self._stopped:
             self._stopped = snapshot.state.intent.stopped
             keys.show_stopped(self._server, self._stopped)
 
     def _show_scene(self, snapshot: "Snapshot") -> None:
-        if self._scene.setup is not snapshot.setup:
+        look = self._view.look
+        if self._scene.setup is not snapshot.setup or self._scene.look != look:
+            if self._scene.look != look:
+                theme.wear(self._server, look.palette)
+                self._style.content = style_html(look)
+            arena = self._scene.camera_arena
             self._scene.clear()
             self._scene = Scene(self._server, snapshot.setup, self._view)
+            if self._scene.camera_arena != arena:
+                camera.install(self._server, self._scene.camera_arena)
         self._scene.update(snapshot, self._previewer.latest)
 
     def _try(self, part: str, update: Callable[[], None]) -> None:

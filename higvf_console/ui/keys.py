@@ -11,6 +11,7 @@ from typing import NamedTuple
 import viser
 
 from higvf_console.ui import page
+from higvf_console.ui.tools import TOOLS
 
 
 class KeyBinding(NamedTuple):
@@ -37,6 +38,11 @@ KEYMAP: tuple[KeyBinding, ...] = (
     KeyBinding("Esc", "discard", "Cancel the stroke that is being drawn, or discard what waits"),
     KeyBinding("C", "clear_path", "Clear the path"),
     KeyBinding("R", "reverse_path", "Reverse the path"),
+    KeyBinding("Ctrl Z", "undo", "Undo what was done last"),
+    KeyBinding("Ctrl Y", "redo", "Do again what was undone"),
+    KeyBinding("Del", "delete", "Delete what is chosen for editing"),
+    *(KeyBinding(look.key, f"tool_{tool}", f"{look.title}. {look.text}") for tool, look in TOOLS.items()),
+    KeyBinding("H", "clear_priority", "Clear the priority of the chosen robot"),
     KeyBinding("Z", "freeze", "Freeze or run the simulation clock"),
     KeyBinding("X", "step", "One step while the clock is frozen"),
     KeyBinding("V", "field_arrows", "Show the next vector field"),
@@ -56,7 +62,7 @@ NOTE = (
 
 _PICKS = {str(number): f"pick_{number}" for number in range(1, 10)}
 _LETTERS = {binding.key.lower(): binding.name for binding in KEYMAP if len(binding.key) == 1}
-_WORDS = {"enter": "confirm", "escape": "discard"}  # by what the browser calls the key
+_WORDS = {"enter": "confirm", "escape": "discard", "delete": "delete"}  # by what the browser calls the key
 # Everything that `on_key` may be called with.
 NAMES = frozenset(
     {binding.name for binding in KEYMAP if not binding.in_page and binding.name != "pick"}
@@ -65,16 +71,13 @@ NAMES = frozenset(
 )
 
 
-def install(
-    server: viser.ViserServer, on_key: Callable[[int, str], None], on_beat: Callable[[], None] = lambda: None
-) -> None:
+def install(server: viser.ViserServer, on_key: Callable[[int, str], None]) -> None:
     """Gives every page the keys of `KEYMAP`, the STOP button and the key list.
 
     Args:
         server: whose pages get them.
         on_key: called as `on_key(client_id, name)`, name in `NAMES`, on viser's event loop: it must return at once.
             STOP counts as acknowledged when it has returned, so it must not raise.
-        on_beat: called once a second for every page that is there.
     """
     last_stop: dict[int, int] = {}
 
@@ -92,7 +95,6 @@ def install(
         page.call(server, "keys", "acknowledged", number, client_id)
 
     def answer(client_id: int, _body: page.Body) -> None:
-        on_beat()
         page.call(server, "keys", "alive", None, client_id)
 
     def forget(client_id: int) -> None:

@@ -5,6 +5,7 @@ viser has no public way to do either, so this module alone uses its message clas
     install(server, "camera", {...})        runs browser_js/camera.js in every page, now and after each reconnect
     call(server, "keys", "stopped", True)   calls a method of an installed script
     listen(server, "key", callback)         hears what a script sent with `page.send("key", {...})`
+    gate(server, allows)                    keeps out what a page may not do
 
 viser replays scripts whenever a page reconnects; `browser_js/page.js` keeps one instance of each.
 """
@@ -22,6 +23,13 @@ from viser import _messages
 from viser.infra import WebsockClientConnection, WebsockServer
 
 Body: TypeAlias = dict[str, Any]
+WIDGET = "widget"  # topic under which `gate` asks about viser's own widgets, palette and scene
+# Of viser's messages, those that tell of the page itself and change nothing.
+_HARMLESS = (
+    _messages.GetRenderResponseMessage,
+    _messages.LocalStorageGetItemResponseMessage,
+    _messages.ViewerCameraMessage,
+)
 _log = logging.getLogger(__name__)
 
 
@@ -96,6 +104,35 @@ def listen(server: viser.ViserServer, topic: str, callback: Callable[[int, Body]
     _sockets(server).register_handler(PageMessage, handle)
 
 
+def gate(server: viser.ViserServer, allows: Callable[[int, str, Body], bool]) -> None:
+    """Drops what a page may not do; a widget that it touched shows its true value there again.
+
+    Args:
+        server: whose pages are meant; their camera and the like are never asked about.
+        allows: asked as `allows(client_id, topic, body)` on viser's event loop; for viser's own messages the topic is
+            `WIDGET` and the body has the "uuid" of the widget or palette command, where there is one.
+    """
+    sockets = _sockets(server)
+    handle = sockets._handle_incoming_message  # pyright: ignore[reportPrivateUsage]
+
+    async def handle_allowed(client_id: Any, message: Any) -> None:
+        if isinstance(message, PageMessage):
+            topic, body = message.topic, message.body
+        else:
+            topic, body = WIDGET, {"uuid": getattr(message, "uuid", None)}
+        if isinstance(message, _HARMLESS) or allows(client_id, topic, body):
+            await handle(client_id, message)
+        elif isinstance(message, _messages.GuiUpdateMessage):
+            _show_true_value(server, message.uuid, client_id)
+
+    sockets._handle_incoming_message = handle_allowed  # pyright: ignore[reportPrivateUsage]
+
+
+def uuid_of(command: viser.CommandHandle) -> str:
+    """By what the palette names a command."""
+    return command._impl.uuid  # pyright: ignore[reportPrivateUsage]
+
+
 def on_leave(server: viser.ViserServer, callback: Callable[[int], None]) -> None:
     """Calls `callback(client_id)` on viser's event loop when a page has gone; a reload is a new page."""
 
@@ -103,6 +140,13 @@ def on_leave(server: viser.ViserServer, callback: Callable[[int], None]) -> None
         callback(connection.client_id)
 
     _sockets(server).on_client_disconnect(left)
+
+
+def _show_true_value(server: viser.ViserServer, uuid: str, client_id: int) -> None:
+    widget = server.gui._gui_input_handle_from_uuid.get(uuid)  # pyright: ignore[reportPrivateUsage]
+    client = _sockets(server)._client_state_from_id.get(client_id)  # pyright: ignore[reportArgumentType, reportPrivateUsage, reportCallIssue]
+    if widget is not None and client is not None and not widget._impl.is_button:  # pyright: ignore[reportPrivateUsage]
+        client.message_buffer.push(_messages.GuiUpdateMessage(uuid, {"value": widget.value}))
 
 
 def _sockets(server: viser.ViserServer) -> WebsockServer:

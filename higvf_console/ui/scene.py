@@ -7,13 +7,17 @@ Everything changes by assignment to a few nodes; nothing here knows threads or c
 """
 
 from dataclasses import dataclass
+from dataclasses import field as attribute
 from typing import TYPE_CHECKING
 
 import viser
 
 from higvf_console.control.field import FieldKind
+from higvf_console.session.editing.things import Place
 from higvf_console.session.preview import USUAL
-from higvf_console.sim.setup import Setup
+from higvf_console.sim.setup import Event, Setup
+from higvf_console.ui.grips import Drag
+from higvf_console.ui.scene_edit import EditLayer
 from higvf_console.ui.scene_field import FieldLayer
 from higvf_console.ui.scene_fires import Fires
 from higvf_console.ui.scene_gaze import DwellLayer, HeatLayer
@@ -23,6 +27,7 @@ from higvf_console.ui.scene_parts import Canvas
 from higvf_console.ui.scene_path import PathLayer
 from higvf_console.ui.scene_reasons import ReasonLayer, SightLayer
 from higvf_console.ui.scene_team import Team
+from higvf_console.ui.theme import USUAL_LOOK, Look
 from higvf_console.viewport import Arena
 
 if TYPE_CHECKING:
@@ -47,6 +52,11 @@ class View:
         explained: the robot whose velocity is explained; None = the one that is steered.
         reasons: its velocity as a chain of arrows.
         sights: which fires it sees, and what hides the others.
+        editing: whether the hand edits things.
+        selected: the thing that is chosen for editing.
+        drag: what the hand holds.
+        look: colours and size of text, on every page.
+        alarms: those that nobody has acknowledged, oldest first.
         heat: where the operator has looked.
     """
 
@@ -61,6 +71,11 @@ class View:
     explained: int | None = None
     reasons: bool = False
     sights: bool = False
+    editing: bool = False
+    selected: Place | None = None
+    drag: Drag | None = None
+    look: Look = USUAL_LOOK
+    alarms: list[Event] = attribute(default_factory=list[Event])
     heat: bool = False
 
     def robot(self, snapshot: "Snapshot") -> int:
@@ -78,14 +93,18 @@ class Scene:
 
     Attributes:
         setup: what is shown; an edited one needs a new scene.
+        editing: whether the hand edits things.
+        selected: the thing that is chosen for editing.
+        drag: what the hand holds.
+        look: its colours and size of text; another one needs a new scene, too.
         camera_arena: what the camera must show.
     """
 
     def __init__(self, server: viser.ViserServer, setup: Setup, view: View) -> None:
         """Draws what stands still."""
-        self.setup = setup
-        self._canvas = canvas = Canvas(server, setup.arena)
-        self.camera_arena: Arena = with_margin(setup.arena, canvas.px)
+        self.setup, self.look = setup, view.look
+        self._canvas = canvas = Canvas(server, setup.arena, self.look)
+        self.camera_arena: Arena = with_margin(setup.arena, max(self.look.text, 1.0) * canvas.px)
         self._view = view
         self._ground = Ground(canvas, setup)
         self._fires = Fires(canvas, setup)
@@ -95,6 +114,7 @@ class Scene:
         self._field = FieldLayer(canvas, setup)
         self._reasons = ReasonLayer(canvas, setup)
         self._sights = SightLayer(canvas, setup)
+        self._edit = EditLayer(canvas, setup)
         self._heat = HeatLayer(canvas)
         self._dwell = DwellLayer(canvas)
 
@@ -109,6 +129,7 @@ class Scene:
         robot = view.robot(snapshot)
         self._reasons.update(snapshot.last, robot if view.reasons else None)
         self._sights.update(snapshot.last, robot if view.sights else None)
+        self._edit.update(state, view.selected if view.editing else None, view.drag)
         self._heat.update(snapshot.inputs.attention, view.heat)
         self._dwell.update(snapshot.inputs.dwell, state.drawing.cursor)
         self._ground.show_boundaries(view.boundaries)

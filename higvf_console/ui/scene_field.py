@@ -10,7 +10,7 @@ from higvf_console.sim.setup import Setup
 from higvf_console.state import SimState
 from higvf_console.ui import shapes
 from higvf_console.ui.scene_parts import Canvas, Layer
-from higvf_console.ui.theme import DARK, NOMINAL
+from higvf_console.ui.theme import NOMINAL
 from higvf_console.viewport import Arena
 
 PERIOD = 0.2  # between two updates of the arrows [s]
@@ -24,7 +24,7 @@ class FieldLayer:
         self._setup = setup
         self._points = field_grid(canvas.arena, NOMINAL.field_spacing * canvas.px)
         self._length = 0.78 * NOMINAL.field_spacing * canvas.px
-        self._arrows = canvas.lines(Layer.FIELD, "/field", DARK.field, 1.4)
+        self._arrows = canvas.lines(Layer.FIELD, "/field", canvas.palette.field, 1.4)
         self._shown: tuple[FieldKind | None, SimState | None] = (None, None)
         self._next = 0.0
         field_at(FieldKind.PATH, self._points, setup.start, setup.world, setup.gains)

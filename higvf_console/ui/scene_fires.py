@@ -11,7 +11,7 @@ from higvf_console.ui import shapes
 from higvf_console.ui.glyphs import Triangles, lettering, merged
 from higvf_console.ui.scene_ground import joined
 from higvf_console.ui.scene_parts import Canvas, Layer
-from higvf_console.ui.theme import DARK, NOMINAL, cap_height
+from higvf_console.ui.theme import NOMINAL, Nominal, cap_height
 
 _RIM = 0.07  # of the radius
 _DIGIT = 16.0  # height of a fire's number [px]
@@ -49,21 +49,19 @@ class Fires:
 
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """One instance a fire."""
-        self._canvas, self._setup = canvas, setup
+        self._canvas, self._setup, ink = canvas, setup, canvas.palette
         count = len(setup.world.fire_position)
         disc = shapes.filled(shapes.circle(0, 0, 1, 96))
-        self._zone = canvas.marks(
-            Layer.FIRE_ZONE, "/fires/zone", disc, count=count, colour=DARK.fire_zone, opacity=0.13
-        )
-        self._disc = canvas.marks(Layer.FIRE, "/fires/disc", disc, count=count, colour=DARK.fire)
+        self._zone = canvas.marks(Layer.FIRE_ZONE, "/fires/zone", disc, count=count, colour=ink.fire_zone, opacity=0.13)
+        self._disc = canvas.marks(Layer.FIRE, "/fires/disc", disc, count=count, colour=ink.fire)
         rim = shapes.annulus(1 - _RIM, 1, 96)
-        self._rim = canvas.marks(Layer.FIRE_EDGE, "/fires/rim", rim, count=count, colour=DARK.fire_edge)
-        self._progress = canvas.lines(Layer.FIRE_TEXT, "/fires/progress", DARK.progress, 4.0)
-        self._numbers = canvas.mesh(Layer.FIRE_TEXT, "/fires/numbers", merged([]), DARK.fire_text)
-        self._scorched = canvas.mesh(Layer.FIRE, "/fires/scorched", merged([]), DARK.scorched)
-        self._scorched_edge = canvas.lines(Layer.FIRE_EDGE, "/fires/scorched_edge", DARK.scorched_edge, NOMINAL.outline)
-        self._ashes = canvas.mesh(Layer.FIRE_TEXT, "/fires/ashes", merged([]), DARK.scorched_text)
-        self._outside = canvas.mesh(Layer.FIRE_TEXT, "/fires/outside", merged([]), DARK.fire_edge)
+        self._rim = canvas.marks(Layer.FIRE_EDGE, "/fires/rim", rim, count=count, colour=ink.fire_edge)
+        self._progress = canvas.lines(Layer.FIRE_TEXT, "/fires/progress", ink.progress, 4.0)
+        self._numbers = canvas.mesh(Layer.FIRE_TEXT, "/fires/numbers", merged([]), ink.fire_text)
+        self._scorched = canvas.mesh(Layer.FIRE, "/fires/scorched", merged([]), ink.scorched)
+        self._scorched_edge = canvas.lines(Layer.FIRE_EDGE, "/fires/scorched_edge", ink.scorched_edge, NOMINAL.outline)
+        self._ashes = canvas.mesh(Layer.FIRE_TEXT, "/fires/ashes", merged([]), ink.scorched_text)
+        self._outside = canvas.mesh(Layer.FIRE_TEXT, "/fires/outside", merged([]), ink.fire_edge)
         self._look: FireLook | None = None
         self._roomy = np.zeros(count, np.bool_)
 
@@ -80,15 +78,15 @@ class Fires:
         self._zone.place(at, scale=np.where(look.burning, radius + self._setup.gains.fires.stand_off, 0.0))
         self._progress.draw(progress_arcs(at, radius, look, 3 * self._canvas.px))
         if before is None or not np.array_equal(before.fought, look.fought):
-            self._rim.highlight(DARK.fire_edge, look.fought, DARK.progress)
-        roomy = radius > _ROOM * self._canvas.px
+            self._rim.highlight(self._canvas.palette.fire_edge, look.fought, self._canvas.palette.progress)
+        roomy = radius > _ROOM * self._canvas.sizes.text / NOMINAL.text * self._canvas.px
         same = before is not None and np.array_equal(before.burning, look.burning)
         if not same or not np.array_equal(roomy, self._roomy):
             self._roomy = roomy
             self._letter(at, radius, look.burning, loss_area)
 
     def _letter(self, at: Floats, radius: Floats, burning: Bools, loss_area: Floats) -> None:
-        numbers, outside, ashes = fire_lettering(at, radius, burning, loss_area, self._canvas.px)
+        numbers, outside, ashes = fire_lettering(at, radius, burning, loss_area, self._canvas.px, self._canvas.sizes)
         self._numbers.reshape(numbers)
         self._outside.reshape(outside)
         self._ashes.reshape(ashes)
@@ -108,19 +106,20 @@ def progress_arcs(at: Floats, radius: Floats, look: FireLook, gap: float) -> Flo
 
 
 def fire_lettering(
-    at: Floats, radius: Floats, burning: Bools, loss_area: Floats, px: float
+    at: Floats, radius: Floats, burning: Bools, loss_area: Floats, px: float, sizes: Nominal = NOMINAL
 ) -> tuple[Triangles, Triangles, Triangles]:
     """The numbers of burning fires, those of small ones below them, and numbers and losses of those that are out."""
-    height, small = _DIGIT * px, cap_height(NOMINAL.axis_text) * px
+    larger = sizes.text / NOMINAL.text
+    height, small = larger * _DIGIT * px, cap_height(sizes.axis_text) * px
     inside: list[Triangles] = []
     outside: list[Triangles] = []
     ashes: list[Triangles] = []
     for fire, (x, y) in enumerate(at):
-        below = y - radius[fire] - 10 * px
-        roomy = radius[fire] > _ROOM * px
+        below = y - radius[fire] - 10 * larger * px
+        roomy = radius[fire] > larger * _ROOM * px
         if not burning[fire]:
             ashes.append(lettering(f"{loss_area[fire]:.0f} m²", x, below, small))
-            below -= 14 * px
+            below -= 14 * larger * px
         texts = ashes if not burning[fire] else inside if roomy else outside
         texts.append(lettering(str(fire + 1), x, y if roomy else below - 3 * px, height))
     return merged(inside), merged(outside), merged(ashes)

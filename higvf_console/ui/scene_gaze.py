@@ -8,7 +8,6 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.reports import AttentionReport, DwellReport
 from higvf_console.ui import shapes
 from higvf_console.ui.scene_parts import Canvas, Layer
-from higvf_console.ui.theme import DARK
 
 _FAINT = 0.04  # share of the peak below which the ground is clear
 _OPACITY = 0.8  # of the peak
@@ -53,8 +52,8 @@ class DwellLayer:
     def __init__(self, canvas: Canvas) -> None:
         """Starts without a button."""
         self._radius = _RING * canvas.px
-        self._outline = canvas.lines(Layer.STROKE, "/gaze/button", DARK.operator, 1.5)
-        self._ring = canvas.lines(Layer.CURSOR, "/gaze/dwell", DARK.operator, 4.0)
+        self._outline = canvas.lines(Layer.STROKE, "/gaze/button", canvas.palette.operator, 1.5)
+        self._ring = canvas.lines(Layer.CURSOR, "/gaze/dwell", canvas.palette.operator, 4.0)
         self._shown: Floats | None = None
 
     def update(self, report: DwellReport | None, cursor: Floats) -> None:

@@ -12,7 +12,7 @@ from higvf_console.state import NO_PATH, NOBODY, Path, SimState
 from higvf_console.ui import shapes
 from higvf_console.ui.scene_parts import Canvas, Layer
 from higvf_console.ui.scene_path import path_outline
-from higvf_console.ui.theme import DARK, NOMINAL, mixed
+from higvf_console.ui.theme import NOMINAL, mixed
 
 if TYPE_CHECKING:
     from higvf_console.session.preview import Preview
@@ -29,16 +29,16 @@ class Ghosts:
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Starts with nothing foreseen."""
         self._canvas, self._setup = canvas, setup
-        px, robots = canvas.px, len(setup.start.motion.position)
-        faint_team, faint_chosen = (mixed(colour, DARK.floor, _FAINT) for colour in (DARK.robot, DARK.operator))
+        ink, px, robots = canvas.palette, canvas.px, len(setup.start.motion.position)
+        faint_team, faint_chosen = (mixed(colour, ink.floor, _FAINT) for colour in (ink.robot, ink.operator))
         self._team = canvas.lines(Layer.GHOST, "/ghost/team", faint_team, _TRACK)
         self._chosen = canvas.lines(Layer.GHOST, "/ghost/chosen", faint_chosen, _TRACK)
         end = shapes.annulus(4.5 * px, 6.0 * px, 24)
-        self._ends = canvas.marks(Layer.GHOST, "/ghost/ends", end, count=robots, colour=DARK.robot, opacity=0.7)
-        self._warning = canvas.lines(Layer.GHOST, "/ghost/repulsive", mixed(DARK.fire_zone, DARK.floor, 0.25), _WARNING)
-        self._path = canvas.lines(Layer.STROKE, "/ghost/path", DARK.operator, NOMINAL.path)
+        self._ends = canvas.marks(Layer.GHOST, "/ghost/ends", end, count=robots, colour=ink.robot, opacity=0.7)
+        self._warning = canvas.lines(Layer.GHOST, "/ghost/repulsive", mixed(ink.fire_zone, ink.floor, 0.25), _WARNING)
+        self._path = canvas.lines(Layer.STROKE, "/ghost/path", ink.operator, NOMINAL.path)
         ring = shapes.annulus(1.15 * NOMINAL.robot * px, 1.15 * NOMINAL.robot * px + 2.2 * px)
-        self._proposed = canvas.marks(Layer.HALO, "/ghost/proposed", ring, count=1, colour=DARK.operator, opacity=0.55)
+        self._proposed = canvas.marks(Layer.HALO, "/ghost/proposed", ring, count=1, colour=ink.operator, opacity=0.55)
         self._proposed.show(False)
         self._shown: Preview | None = None
         self._pending: Path = NO_PATH
@@ -60,11 +60,12 @@ class Ghosts:
             for lines in (self._team, self._chosen, self._warning):
                 lines.draw(floats([], 0, 2, 2))
             return
+        ink = self._canvas.palette
         chosen = np.arange(len(preview.tracks)) == preview.start.intent.influenced
         self._team.draw(track_segments(preview.tracks[~chosen]))
         self._chosen.draw(track_segments(preview.tracks[chosen]))
         self._warning.draw(preview.repulsive)
-        self._ends.highlight(DARK.robot, chosen, DARK.operator)
+        self._ends.highlight(ink.robot, chosen, ink.operator)
         self._ends.place(preview.tracks[:, -1])
 
     def _propose(self, state: SimState) -> None:

@@ -10,7 +10,7 @@ from higvf_console.sim.setup import Setup
 from higvf_console.ui import shapes
 from higvf_console.ui.glyphs import Triangles, lettering, merged
 from higvf_console.ui.scene_parts import Canvas, Layer, Lines
-from higvf_console.ui.theme import DARK, NOMINAL, cap_height
+from higvf_console.ui.theme import NOMINAL, cap_height
 from higvf_console.viewport import Arena
 
 MARGIN_PX = (34.0, 30.0, 14.0, 14.0)  # for the lettering: left, bottom, right, top
@@ -22,16 +22,17 @@ class Ground:
 
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Draws everything."""
-        arena, px = canvas.arena, canvas.px
+        arena, px, ink = canvas.arena, canvas.px, canvas.palette
         floor = shapes.rectangle(*arena)
-        canvas.mesh(Layer.FLOOR, "/ground/floor", shapes.filled(floor), DARK.floor)
+        canvas.mesh(Layer.FLOOR, "/ground/floor", shapes.filled(floor), ink.floor)
         spacing = shapes.tick_spacing(max(arena.width, arena.height), 13)
-        canvas.lines(Layer.GRID, "/ground/grid", DARK.grid, 1.0).draw(grid(arena, spacing))
-        canvas.lines(Layer.GRID, "/ground/border", DARK.border, 1.5).draw(shapes.segments(floor))
-        canvas.mesh(Layer.GRID, "/ground/axes", axis_lettering(arena, spacing, px), DARK.axis_text)
-        canvas.lines(Layer.GRID, "/ground/scale", DARK.axis_text, 1.5).draw(scale_bar(arena, spacing, px))
-        canvas.mesh(Layer.OBSTACLE, "/ground/obstacles", obstacle_bodies(setup), DARK.obstacle)
-        canvas.lines(Layer.OBSTACLE, "/ground/obstacle_edges", DARK.obstacle_edge, NOMINAL.outline).draw(
+        canvas.lines(Layer.GRID, "/ground/grid", ink.grid, 1.0).draw(grid(arena, spacing))
+        canvas.lines(Layer.GRID, "/ground/border", ink.border, 1.5).draw(shapes.segments(floor))
+        letters = axis_lettering(arena, spacing, px, canvas.sizes.axis_text)
+        canvas.mesh(Layer.GRID, "/ground/axes", letters, ink.axis_text)
+        canvas.lines(Layer.GRID, "/ground/scale", ink.axis_text, 1.5).draw(scale_bar(arena, spacing, px))
+        canvas.mesh(Layer.OBSTACLE, "/ground/obstacles", obstacle_bodies(setup), ink.obstacle)
+        canvas.lines(Layer.OBSTACLE, "/ground/obstacle_edges", ink.obstacle_edge, NOMINAL.outline).draw(
             joined([shapes.segments(surface) for surface in obstacle_surfaces(setup)])
         )
         self._boundaries = boundaries(canvas, setup)
@@ -44,12 +45,12 @@ class Ground:
 
 def boundaries(canvas: Canvas, setup: Setup) -> list[Lines]:
     """Reactive boundary R dashed, repulsive boundary Q drawn through."""
-    rings, seen = setup.gains.rings, setup.arena
-    reactive = canvas.lines(Layer.BOUNDARY, "/ground/reactive", DARK.boundary, NOMINAL.boundary)
+    rings, seen, colour = setup.gains.rings, setup.arena, canvas.palette.boundary
+    reactive = canvas.lines(Layer.BOUNDARY, "/ground/reactive", colour, NOMINAL.boundary)
     dash = 5 * canvas.px
     dashes = joined([shapes.dashed(o, dash, dash) for o in obstacle_outlines(setup, rings.reactive_margin)])
     reactive.draw(shapes.clipped(dashes, *seen))
-    repulsive = canvas.lines(Layer.BOUNDARY, "/ground/repulsive", DARK.boundary, NOMINAL.boundary)
+    repulsive = canvas.lines(Layer.BOUNDARY, "/ground/repulsive", colour, NOMINAL.boundary)
     lines = joined([shapes.segments(o) for o in obstacle_outlines(setup, rings.repulsive_margin)])
     repulsive.draw(shapes.clipped(lines, *seen))
     return [reactive, repulsive]
@@ -103,9 +104,9 @@ def grid(arena: Arena, spacing: float) -> Floats:
     return floats(upright + level, -1, 2, 2)
 
 
-def axis_lettering(arena: Arena, spacing: float, px: float) -> Triangles:
+def axis_lettering(arena: Arena, spacing: float, px: float, text: float = NOMINAL.axis_text) -> Triangles:
     """The numbers along both axes, the last with its unit, and the scale bar's length."""
-    size, gap = cap_height(NOMINAL.axis_text) * px, 8 * px
+    size, gap = cap_height(text) * px, 8 * px
     below, beside = arena.y_min - gap - size / 2, arena.x_min - gap
     xs, ys = shapes.ticks(arena.x_min, arena.x_max, spacing), shapes.ticks(arena.y_min, arena.y_max, spacing)
     texts = [lettering(_number(x) + _unit(x, xs), x, below, size) for x in xs]

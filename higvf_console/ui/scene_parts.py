@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from higvf_console.arrays import Floats
 from higvf_console.ui.glyphs import Triangles
-from higvf_console.ui.theme import NOMINAL_SCREEN_PX, batch_rgb, line_rgb, mesh_rgb
+from higvf_console.ui.theme import NOMINAL, NOMINAL_SCREEN_PX, USUAL_LOOK, Look, batch_rgb, line_rgb, mesh_rgb
 from higvf_console.viewport import Arena
 
 Node = TypeVar("Node", bound=viser.SceneNodeHandle)
@@ -52,13 +52,14 @@ class Layer(IntEnum):
 
 
 class Canvas:
-    """Where the layers are drawn, and how many metres a nominal pixel is."""
+    """Where the layers are drawn, in which colours and sizes, and how many metres a nominal pixel is."""
 
-    def __init__(self, server: viser.ViserServer, arena: Arena) -> None:
+    def __init__(self, server: viser.ViserServer, arena: Arena, look: Look = USUAL_LOOK) -> None:
         """Measures the arena."""
         self._scene = server.scene
         self._nodes: list[viser.SceneNodeHandle] = []
         self.arena = arena
+        self.palette, self.sizes = look.palette, NOMINAL.lettered(look.text)
         self.px = max(arena.width / NOMINAL_SCREEN_PX[0], arena.height / NOMINAL_SCREEN_PX[1])  # [m]
 
     def add(self, make: Callable[[viser.SceneApi], Node]) -> Node:

@@ -8,7 +8,7 @@ from higvf_console.state import Drawing, Path, PathKind, SimState
 from higvf_console.ui import shapes
 from higvf_console.ui.glyphs import Triangles, merged
 from higvf_console.ui.scene_parts import Canvas, Layer
-from higvf_console.ui.theme import DARK, NOMINAL, mixed
+from higvf_console.ui.theme import NOMINAL, mixed
 from higvf_console.viewport import Arena
 
 _CORNERS = 320  # of a drawn path
@@ -23,16 +23,16 @@ class PathLayer:
 
     def __init__(self, canvas: Canvas) -> None:
         """Starts without a path."""
-        self._canvas = canvas
-        self._ahead = canvas.lines(Layer.PATH, "/hand/ahead", DARK.operator, NOMINAL.path)
-        done = mixed(DARK.operator, DARK.floor, 0.72)
+        self._canvas, ink = canvas, canvas.palette
+        self._ahead = canvas.lines(Layer.PATH, "/hand/ahead", ink.operator, NOMINAL.path)
+        done = mixed(ink.operator, ink.floor, 0.72)
         self._done = canvas.lines(Layer.PATH, "/hand/done", done, NOMINAL.path)
-        self._chevrons = canvas.mesh(Layer.CHEVRON, "/hand/chevrons", merged([]), DARK.operator)
-        self._stroke = canvas.lines(Layer.STROKE, "/hand/stroke", DARK.stroke, 2.5)
+        self._chevrons = canvas.mesh(Layer.CHEVRON, "/hand/chevrons", merged([]), ink.operator)
+        self._stroke = canvas.lines(Layer.STROKE, "/hand/stroke", ink.stroke, 2.5)
         self._stroke_shown: Floats | None = None
-        self._cursor = canvas.marks(Layer.CURSOR, "/hand/cursor", cursor_shape(canvas.px), count=1, colour=DARK.gaze)
+        self._cursor = canvas.marks(Layer.CURSOR, "/hand/cursor", cursor_shape(canvas.px), count=1, colour=ink.gaze)
         pupil = shapes.filled(shapes.circle(0, 0, 5 * canvas.px))
-        self._clutch = canvas.marks(Layer.CURSOR, "/hand/clutch", pupil, count=1, colour=DARK.operator)
+        self._clutch = canvas.marks(Layer.CURSOR, "/hand/clutch", pupil, count=1, colour=ink.operator)
         self._path: Path | None = None
         self._outline = floats([], 0, 2)
         self._arc = floats([])

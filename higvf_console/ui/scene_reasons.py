@@ -11,22 +11,26 @@ from higvf_console.sim.setup import Setup
 from higvf_console.ui import shapes
 from higvf_console.ui.scene_ground import joined
 from higvf_console.ui.scene_parts import Canvas, Layer
-from higvf_console.ui.theme import DARK, mixed, vertex_rgb
+from higvf_console.ui.theme import DARK, Palette, mixed, vertex_rgb
 
-PART_COLOUR = {
-    Part.TARGET: DARK.own_target,
-    Part.HUMAN: DARK.operator,
-    Part.NEIGHBOURS: DARK.neighbours,
-    Part.SO_FAR: DARK.so_far,
-    Part.FORMATION: DARK.formation,
-    Part.ROUND: DARK.way_round,
-    Part.HOLD: DARK.hold,
-    Part.SAFETY: DARK.safety,
-}
 LONGEST = 150.0  # arrow of the speed limit [px]
 _LEAST = 3.0  # shorter arrows are not drawn [px]
 _BARB = 7.0  # [px]
 _DASH = 6.0  # of the line of sight to a fire that is hidden [px]
+
+
+def part_colours(palette: Palette) -> dict[Part, str]:
+    """The colour of each part of a velocity."""
+    return {
+        Part.TARGET: palette.own_target,
+        Part.HUMAN: palette.operator,
+        Part.NEIGHBOURS: palette.neighbours,
+        Part.SO_FAR: palette.so_far,
+        Part.FORMATION: palette.formation,
+        Part.ROUND: palette.way_round,
+        Part.HOLD: palette.hold,
+        Part.SAFETY: palette.safety,
+    }
 
 
 class ReasonLayer:
@@ -34,9 +38,9 @@ class ReasonLayer:
 
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Starts without arrows."""
-        self._px, self._gains = canvas.px, setup.gains
+        self._px, self._gains, self._palette = canvas.px, setup.gains, canvas.palette
         self._scale = LONGEST * canvas.px / controlled(setup.gains).safety.speed_limit
-        self._whole = canvas.lines(Layer.VELOCITY, "/why/velocity", DARK.velocity, 7.0)
+        self._whole = canvas.lines(Layer.VELOCITY, "/why/velocity", canvas.palette.velocity, 7.0)
         self._chain = canvas.lines(Layer.REASON, "/why/parts", None, 3.0)
 
     def update(self, moved: Moved, robot: int | None) -> None:
@@ -47,7 +51,7 @@ class ReasonLayer:
             return
         parts = explain(moved, self._gains, ints([robot])).parts[0]
         at = moved.after.position[robot]
-        segments, colours = chain(at, self._scale * parts, self._px)
+        segments, colours = chain(at, self._scale * parts, self._px, self._palette)
         self._chain.draw(segments, colours)
         self._whole.draw(arrow(at, at + self._scale * moved.after.velocity[robot], _LEAST * self._px, 0.0))
 
@@ -58,9 +62,9 @@ class SightLayer:
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Starts without lines."""
         self._px, self._setup = canvas.px, setup
-        calm = mixed(DARK.fire_edge, DARK.floor, 0.35)
+        calm = mixed(canvas.palette.fire_edge, canvas.palette.floor, 0.35)
         self._seen = canvas.lines(Layer.SIGHT, "/why/seen", calm, 1.5)
-        self._unseen = canvas.lines(Layer.SIGHT, "/why/unseen", DARK.scorched_text, 1.5)
+        self._unseen = canvas.lines(Layer.SIGHT, "/why/unseen", canvas.palette.scorched_text, 1.5)
         self._hiders = canvas.lines(Layer.SIGHT, "/why/hiders", calm, 2.5)
 
     def update(self, moved: Moved, robot: int | None) -> None:
@@ -74,7 +78,7 @@ class SightLayer:
         self._hiders.draw(joined([shapes.segments(part_outline(part, self._setup)) for part in hiders]))
 
 
-def chain(at: Floats, vectors: Floats, px: float) -> tuple[Floats, NDArray[np.uint8]]:
+def chain(at: Floats, vectors: Floats, px: float, palette: Palette = DARK) -> tuple[Floats, NDArray[np.uint8]]:
     """Vectors (8, 2) [m] by `Part` as arrows head to tail from a point (2,).
 
     Returns:
@@ -82,10 +86,11 @@ def chain(at: Floats, vectors: Floats, px: float) -> tuple[Floats, NDArray[np.ui
     """
     segments: list[Floats] = []
     colours: list[NDArray[np.uint8]] = []
+    paint = {part: vertex_rgb(colour) for part, colour in part_colours(palette).items()}
     for part, vector in zip(Part, vectors, strict=True):
         drawn = arrow(at, at + vector, _LEAST * px, _BARB * px)
         segments.append(drawn)
-        colours.append(np.full((len(drawn), 2, 3), vertex_rgb(PART_COLOUR[part]), np.uint8))
+        colours.append(np.full((len(drawn), 2, 3), paint[part], np.uint8))
         at = at + vector
     return np.concatenate(segments), np.concatenate(colours)
 

@@ -14,7 +14,7 @@ from higvf_console.ui import shapes
 from higvf_console.ui.glyphs import DigitPlaces, Triangles, glyph, numbering
 from higvf_console.ui.scene_ground import joined
 from higvf_console.ui.scene_parts import Canvas, Layer, Marks
-from higvf_console.ui.theme import DARK, NOMINAL, cap_height, mixed, vertex_rgb
+from higvf_console.ui.theme import DARK, NOMINAL, Palette, cap_height, mixed, vertex_rgb
 
 MOST_LABELS = 50  # robots of a larger team are not numbered
 TRAIL_POINTS = 20
@@ -29,22 +29,22 @@ class Team:
 
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """One instance a robot."""
-        self._canvas, self._setup = canvas, setup
+        self._canvas, self._setup, ink = canvas, setup, canvas.palette
         self._count = count = len(setup.start.motion.position)
         clearance = setup.gains.safety.robot_clearance
         self._length = max(0.55 * NOMINAL.robot * canvas.px, min(NOMINAL.robot * canvas.px, 1.1 * clearance))
         self._heading = np.zeros(count)
         self._influenced: int | None = None
         self._robots = canvas.marks(
-            Layer.ROBOT, "/team/robots", shapes.dart(self._length), count=count, colour=DARK.robot
+            Layer.ROBOT, "/team/robots", shapes.dart(self._length), count=count, colour=ink.robot
         )
-        self._halo = canvas.marks(Layer.HALO, "/team/influenced", self._halo_shape(), count=1, colour=DARK.operator)
+        self._halo = canvas.marks(Layer.HALO, "/team/influenced", self._halo_shape(), count=1, colour=ink.operator)
         ring = shapes.annulus(clearance / 2 - 1.2 * canvas.px, clearance / 2, 40)
-        self._clearance = canvas.marks(Layer.CLEARANCE, "/team/clearance", ring, count=count, colour=DARK.clearance)
+        self._clearance = canvas.marks(Layer.CLEARANCE, "/team/clearance", ring, count=count, colour=ink.clearance)
         self._points = ControlledPoints(canvas, setup)
-        self._links = canvas.lines(Layer.LINK, "/team/links", DARK.link, NOMINAL.link)
-        self._infeasible = canvas.lines(Layer.HALO, "/team/infeasible", DARK.trouble, 2.5)
-        self._deadlocked = canvas.lines(Layer.HALO, "/team/deadlocked", DARK.trouble, 2.5)
+        self._links = canvas.lines(Layer.LINK, "/team/links", ink.link, NOMINAL.link)
+        self._infeasible = canvas.lines(Layer.HALO, "/team/infeasible", ink.trouble, 2.5)
+        self._deadlocked = canvas.lines(Layer.HALO, "/team/deadlocked", ink.trouble, 2.5)
         self._numbers = Numbers(canvas, count, self._length)
         self._trails = Trails(canvas, count)
 
@@ -80,7 +80,8 @@ class Team:
             self._influenced = influenced
             self._halo.show(known)
             chosen = np.arange(self._count) == influenced
-            self._robots.highlight(DARK.robot, chosen, DARK.operator)
+            ink = self._canvas.palette
+            self._robots.highlight(ink.robot, chosen, ink.operator)
             self._robots.resize(np.where(chosen, _CHOSEN, 1.0))
             self._numbers.highlight(influenced)
 
@@ -101,17 +102,18 @@ class ControlledPoints:
 
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """One point a robot, where there are unicycles."""
+        ink = canvas.palette
         body, point = setup.gains.safety.robot_clearance, controlled(setup.gains).safety.robot_clearance
         robots = len(setup.start.motion.position)
         ahead, apart = setup.gains.robots.look_ahead > 0.0, point > body
         dot = shapes.filled(shapes.circle(0.0, 0.0, 2.2 * canvas.px, 16))
         ring = shapes.annulus(point / 2 - 0.8 * canvas.px, point / 2, 40)
-        self._ties = canvas.lines(Layer.CLEARANCE, "/team/look_ahead_ties", DARK.robot_text, NOMINAL.link)
+        self._ties = canvas.lines(Layer.CLEARANCE, "/team/look_ahead_ties", ink.robot_text, NOMINAL.link)
         self._dots = canvas.marks(
-            Layer.ROBOT_TEXT, "/team/look_ahead", dot, count=robots * ahead, colour=DARK.robot_text
+            Layer.ROBOT_TEXT, "/team/look_ahead", dot, count=robots * ahead, colour=ink.robot_text
         )
         self._rings = canvas.marks(
-            Layer.CLEARANCE, "/team/enlarged", ring, count=robots * apart, colour=DARK.clearance, opacity=0.5
+            Layer.CLEARANCE, "/team/enlarged", ring, count=robots * apart, colour=ink.clearance, opacity=0.5
         )
 
     def place(self, centres: Floats, points: Floats) -> None:
@@ -131,14 +133,15 @@ class Numbers:
 
     def __init__(self, canvas: Canvas, count: int, length: float) -> None:
         """Letters a team of at most `MOST_LABELS`."""
-        self._height = cap_height(NOMINAL.text) * canvas.px
+        self._palette = canvas.palette
+        self._height = cap_height(canvas.sizes.text) * canvas.px
         self._below = 0.62 * length + 1.1 * self._height
         self._below_ring = 1.1 * length + 1.2 * self._height
         self._digits = [(places, self._marks(canvas, places)) for places in numbering(count, MOST_LABELS)]
 
     def _marks(self, canvas: Canvas, places: DigitPlaces) -> Marks:
         name, shape = f"/team/digit_{places.digit}", glyph(places.digit)
-        return canvas.marks(Layer.ROBOT_TEXT, name, shape, count=len(places.robot), colour=DARK.robot_text)
+        return canvas.marks(Layer.ROBOT_TEXT, name, shape, count=len(places.robot), colour=self._palette.robot_text)
 
     def place(self, at: Floats, ringed: Bools) -> None:
         """Moves the numbers along with the robots (N, 2) [m], farther from those that wear a ring (N,)."""
@@ -152,7 +155,7 @@ class Numbers:
     def highlight(self, robot: int) -> None:
         """Letters one robot in the operator's colour."""
         for places, marks in self._digits:
-            marks.highlight(DARK.robot_text, places.robot == robot, DARK.operator)
+            marks.highlight(self._palette.robot_text, places.robot == robot, self._palette.operator)
 
     def show(self, visible: bool) -> None:
         """Shows or hides them."""
@@ -165,6 +168,7 @@ class Trails:
 
     def __init__(self, canvas: Canvas, robots: int) -> None:
         """Starts without a past."""
+        self._palette = canvas.palette
         self._lines = canvas.lines(Layer.TRAIL, "/team/trails", None, NOMINAL.trail)
         self._drawn = 0 < robots <= TRAIL_ROBOTS
         self._past: deque[Floats] = deque(maxlen=TRAIL_POINTS)
@@ -180,17 +184,17 @@ class Trails:
         self._past.append(at)
         track = np.stack(self._past)
         steps = np.stack([track[:-1], track[1:]], axis=2)
-        self._lines.draw(steps.reshape(-1, 2, 2), faded(len(steps), len(at)))
+        self._lines.draw(steps.reshape(-1, 2, 2), faded(len(steps), len(at), self._palette))
 
     def show(self, visible: bool) -> None:
         """Shows or hides them."""
         self._lines.show(visible)
 
 
-def faded(steps: int, robots: int) -> NDArray[np.uint8]:
+def faded(steps: int, robots: int, palette: Palette = DARK) -> NDArray[np.uint8]:
     """Colours (steps * robots, 2, 3) from the floor's (oldest) to the trail's (newest)."""
     shares = np.linspace(0.0, 1.0, TRAIL_POINTS)[-steps - 1 :]
-    shades = np.array([vertex_rgb(mixed(DARK.floor, DARK.trail, share)) for share in shares], np.uint8)
+    shades = np.array([vertex_rgb(mixed(palette.floor, palette.trail, share)) for share in shares], np.uint8)
     return np.repeat(np.stack([shades[:-1], shades[1:]], axis=1), robots, axis=0)
 
 

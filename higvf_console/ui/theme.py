@@ -1,4 +1,4 @@
-"""One palette, one set of sizes, one look for viser's own chrome.
+"""Two palettes, three sizes of text, one look for viser's own chrome.
 
 viser shades the scene with the ACES film curve: a mesh or line painted #56b4e9 would not look like #56b4e9. Colours are
 therefore written here as they shall be seen (bright saturated ones come out paler), and `mesh_rgb`, `line_rgb`,
@@ -13,11 +13,15 @@ from numpy.typing import NDArray
 
 Rgb: TypeAlias = tuple[int, int, int]
 
+PANEL_WIDTH = 380  # [CSS px]
 LIGHT_GAIN = 2.0  # brightness of the one ambient light, relative to an unlit line
 
 
 class Palette(NamedTuple):
-    """Colours as they shall be seen: calm greys, and Okabe-Ito hues that colour-blind people tell apart."""
+    """Colours as they shall be seen: calm greys, and Okabe-Ito hues that colour-blind people tell apart.
+
+    The defaults are those of the dark theme.
+    """
 
     surround: str = "#141414"
     floor: str = "#1c2127"
@@ -34,7 +38,7 @@ class Palette(NamedTuple):
     fighting: str = "#009e73"
     progress: str = "#5ff0c0"
     scorched: str = "#2d3238"
-    scorched_edge: str = "#535c66"
+    scorched_edge: str = "#69747f"
     scorched_text: str = "#9aa5b1"
     robot: str = "#56b4e9"
     robot_text: str = "#b8dcf2"
@@ -54,9 +58,81 @@ class Palette(NamedTuple):
     hold: str = "#c9d1d9"
     safety: str = "#ff6b4a"
     velocity: str = "#515b67"
+    warning: str = "#e69f00"
+    alarm: str = "#ff6b6b"
+    panel: str = "#242424"
+    text: str = "#d5dbe2"
+    dim: str = "#9aa5b1"
+    badge_text: str = "#0d1117"
+    card: str = "#161b21"
+    card_rule: str = "#343c46"
+    key: str = "#2b323c"
+    brand: str = "#3a86b4"
 
 
 DARK = Palette()
+# The same hues, darkened until they stand out from a light floor as clearly as the others do from a dark one.
+LIGHT = Palette(
+    surround="#ffffff",
+    floor="#eff2f5",
+    grid="#dce1e7",
+    border="#9aa5b1",
+    axis_text="#56616d",
+    obstacle="#bcc5ce",
+    obstacle_edge="#717d8a",
+    boundary="#a3adb8",
+    fire="#d55e00",
+    fire_edge="#a34700",
+    fire_zone="#e69f00",
+    fire_text="#1a0d04",
+    fighting="#00805c",
+    progress="#007a57",
+    scorched="#d6dce2",
+    scorched_edge="#7f8a97",
+    scorched_text="#5a6572",
+    robot="#0072b2",
+    robot_text="#00466f",
+    trail="#8fbad6",
+    link="#86bba9",
+    clearance="#4a86aa",
+    operator="#5a148a",
+    stroke="#8f4fc4",
+    gaze="#1b1f24",
+    field="#9fb4c7",
+    trouble="#a8487f",
+    own_target="#b85000",
+    neighbours="#00805c",
+    so_far="#5f6b78",
+    formation="#0072b2",
+    way_round="#a8487f",
+    hold="#2d343c",
+    safety="#8c1414",
+    velocity="#b9c2cc",
+    warning="#8f5600",
+    alarm="#b3261e",
+    panel="#ffffff",
+    text="#1f262d",
+    dim="#5a6572",
+    badge_text="#ffffff",
+    card="#ffffff",
+    card_rule="#d3dae1",
+    key="#eef1f4",
+    brand="#00527f",
+)
+# Each colour by the name of its variable in the style sheet, where the palette in use gives it its value.
+CSS = Palette(*(f"var(--hg-{name})" for name in Palette._fields))
+THEMES: dict[str, Palette] = {"Dark": DARK, "Light": LIGHT}
+TEXT_SIZES: dict[str, float] = {"Small": 0.88, "Normal": 1.0, "Large": 1.18}
+
+
+class Look(NamedTuple):
+    """What the operator chose: colours, and the size of text relative to the usual one."""
+
+    palette: Palette = DARK
+    text: float = 1.0
+
+
+USUAL_LOOK = Look()
 
 
 class Nominal(NamedTuple):
@@ -71,6 +147,10 @@ class Nominal(NamedTuple):
     outline: float = 1.5
     boundary: float = 1.0
     field_spacing: float = 34.0
+
+    def lettered(self, scale: float) -> "Nominal":
+        """The same with text of another size."""
+        return self._replace(text=scale * self.text, axis_text=scale * self.axis_text)
 
 
 NOMINAL = Nominal()
@@ -142,15 +222,24 @@ def mixed(colour: str, other: str, share: float) -> str:
 
 
 def dress(server: viser.ViserServer, title: str) -> None:
-    """Gives viser's chrome the console's look: dark, docked right, no logo, no share button, flat light."""
-    server.gui.configure_theme(
-        dark_mode=True, control_width="medium", show_logo=False, show_share_button=False, brand_color=(58, 134, 180)
-    )
+    """Gives viser's chrome the console's look: docked right, no logo, no share button, flat light."""
+    wear(server, DARK)
     server.gui.set_panel_label(title)
     server.gui.main_panel.dock_right()
-    server.gui.main_panel.set_width(340)
+    server.gui.main_panel.set_width(PANEL_WIDTH)
     server.scene.world_axes.visible = False
     server.scene.set_up_direction("+z")
     server.scene.configure_default_lights(False)
     server.scene.configure_environment_map(None)
     server.scene.add_light_ambient("/light", intensity=np.pi * LIGHT_GAIN)
+
+
+def wear(server: viser.ViserServer, palette: Palette) -> None:
+    """Makes viser's chrome dark or light; callable at any time."""
+    server.gui.configure_theme(
+        dark_mode=palette is not LIGHT,
+        control_width="medium",
+        show_logo=False,
+        show_share_button=False,
+        brand_color=hex_rgb(palette.brand),
+    )

@@ -14,11 +14,13 @@ from higvf_console.commands import (
     OperatorCommand,
     Pause,
     Pick,
+    Redo,
     ResetRun,
     ResetStop,
     Resume,
     ReversePath,
     Stop,
+    Undo,
 )
 
 PLAIN: dict[str, Callable[[], OperatorCommand]] = {
@@ -34,6 +36,8 @@ PLAIN: dict[str, Callable[[], OperatorCommand]] = {
     "confirm": Confirm,
     "discard": Discard,
     "acknowledge": Acknowledge,
+    "undo": Undo,
+    "redo": Redo,
 }
 ACTIONS: dict[str, Callable[[], OperatorCommand]] = {
     **PLAIN,

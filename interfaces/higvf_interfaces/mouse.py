@@ -11,6 +11,7 @@ import numpy as np
 from higvf_console.commands import (
     ChannelHealth,
     ChannelState,
+    Command,
     Cursor,
     InputSpec,
     OperatorCommand,
@@ -70,7 +71,7 @@ class Mouse:
             taken, self._waiting = self._waiting, deque()
         if taken:
             self._last_used = context.time
-        return [self._stamp(command, context.time, context) for command in taken]
+        return [self._stamp(command, context.time, _by(command, context)) for command in taken]
 
     def health(self, now: float) -> ChannelHealth:
         """Heard when a page last told that it is there; a hand off the mouse is no fault."""
@@ -91,6 +92,11 @@ def open_mouse(spec: InputSpec) -> Mouse:
     """Entry point `mouse`; it has no options."""
     option_fields(spec, ())
     return Mouse(spec.channel)
+
+
+def _by(command: OperatorCommand, context: OperatorContext) -> OperatorContext:
+    """The context with the operator whom a command names already: of several pages, the one that gave it."""
+    return context if command.operator == Command.operator else context._replace(operator=command.operator)
 
 
 def _make_room(commands: Iterable[OperatorCommand], capacity: int) -> deque[OperatorCommand]:

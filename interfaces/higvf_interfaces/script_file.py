@@ -12,18 +12,20 @@ from pathlib import Path
 from typing import NamedTuple, cast
 
 from higvf_console.arrays import Floats
-from higvf_console.commands import Clutch, FaultKind, InjectFault, OperatorCommand, Pick
+from higvf_console.commands import Clutch, FaultKind, InjectFault, OperatorCommand, Pick, StrokeEnd, StrokeUse
 from higvf_console.errors import ScriptError
+from higvf_interfaces import script_edits
 from higvf_interfaces.actions import PLAIN
 from higvf_interfaces.fields import Fields, shown
 from higvf_interfaces.yaml_files import read_yaml
 
 EVENTS = ("extinguished", "extinguished_count")
 DETAILS: dict[str, tuple[str, ...]] = {
-    "stroke": ("points_m", "robot", "smoothing_m", "over_s", "preview"),
+    "stroke": ("points_m", "robot", "smoothing_m", "over_s", "preview", "use", "ending", "pace", "duration_s"),
     "pick": ("robot",),
     "clutch": ("closed",),
     **dict.fromkeys(PLAIN, ()),
+    **{name: action.keys for name, action in script_edits.ACTIONS.items()},
 }
 FAULT = ("channel", "kind", "for_s", "by_s")
 _TRIGGER = ("at_s", "when", "after_s", "do", "fault")
@@ -54,21 +56,17 @@ class Trigger(NamedTuple):
 
 
 class Stroke(NamedTuple):
-    """A path to draw.
+    """A stroke to draw.
 
     Attributes:
         points: (n, 2) [m].
-        robot: index of the robot that shall feel it; None = the one influenced then.
-        smoothing: standard deviation by which the path may leave the points [m]; None = the scenario's.
         duration: over which the points arrive [s].
-        preview: the path waits for the action `confirm`.
+        end: what it then becomes.
     """
 
     points: Floats
-    robot: int | None
-    smoothing: float | None
     duration: float
-    preview: bool = False
+    end: StrokeEnd
 
 
 class Entry(NamedTuple):
@@ -141,14 +139,26 @@ def _action(action: str, fields: Fields) -> Stroke | OperatorCommand:
         case "stroke":
             return Stroke(
                 points=fields.points("points_m"),
-                robot=fields.whole("robot", 1) - 1 if fields.has("robot") else None,
-                smoothing=fields.number("smoothing_m", None, 0.0, 1e6, "m") if fields.has("smoothing_m") else None,
                 duration=fields.number("over_s", 0.0, 0.0, _LONGEST, "s"),
-                preview=fields.flag("preview", False),
+                end=_stroke_end(fields),
             )
         case "pick":
             return Pick(fields.whole("robot", 1) - 1)
         case "clutch":
             return Clutch(fields.flag("closed"))
+        case _ if action in script_edits.ACTIONS:
+            return script_edits.ACTIONS[action].command(fields)
         case _:
             return PLAIN[action]()
+
+
+def _stroke_end(fields: Fields) -> StrokeEnd:
+    return StrokeEnd(
+        smoothing=fields.number("smoothing_m", None, 0.0, 1e6, "m") if fields.has("smoothing_m") else None,
+        robot=fields.whole("robot", 1) - 1 if fields.has("robot") else None,
+        preview=fields.flag("preview", False),
+        use=fields.choice("use", StrokeUse.PATH, tuple(StrokeUse)),
+        ending=fields.choice("ending", script_edits.ENDINGS[0], script_edits.ENDINGS),
+        pace=script_edits.pace(fields),
+        duration=script_edits.duration(fields),
+    )

@@ -13,11 +13,12 @@ from higvf_console.commands import (
     OperatorCommand,
     OperatorContext,
     Pick,
+    Prioritise,
     ResetRun,
     StrokeBegin,
-    StrokeEnd,
     StrokePoints,
 )
+from higvf_console.edits import AddThing, Thing
 from higvf_console.errors import ScriptError
 from higvf_interfaces.emulation import DELAYS, EmulatedInterface, error_model
 from higvf_interfaces.fields import option_fields
@@ -109,19 +110,27 @@ def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
     """
     errors = error_model(option_fields(spec, DELAYS))
     entries = read_script(Path(spec.source).expanduser())
+    added = sum(isinstance(entry.action, AddThing) and entry.action.thing == Thing.ROBOT for entry in entries)
     for entry in entries:
-        robot = entry.action.robot if isinstance(entry.action, Stroke | Pick) else None
-        if robot is not None and spec.robots is not None and robot >= spec.robots:
-            raise ScriptError(f"{entry.place}: robot: there is no robot {robot + 1}; give 1 to {spec.robots}")
+        robot = _robot(entry.action)
+        if robot is not None and spec.robots is not None and robot >= spec.robots + added:
+            raise ScriptError(f"{entry.place}: robot: there is no robot {robot + 1}; give 1 to {spec.robots + added}")
     player = ScriptPlayer(spec.channel, entries)
     return player if errors is None else EmulatedInterface(player, errors)
+
+
+def _robot(action: Stroke | OperatorCommand) -> int | None:
+    """Index of the robot that an action is for, where it names one."""
+    if isinstance(action, Stroke):
+        return action.end.robot
+    return action.robot if isinstance(action, Pick | Prioritise) else None
 
 
 def _schedule(stroke: Stroke, start: float) -> list[tuple[float, OperatorCommand]]:
     """A stroke's commands and their times, the points evenly over its duration."""
     end = start + stroke.duration
     begin = (start, StrokeBegin())
-    close = (end, StrokeEnd(smoothing=stroke.smoothing, robot=stroke.robot, preview=stroke.preview))
+    close = (end, stroke.end)
     if stroke.duration == 0:
         return [begin, (start, StrokePoints(stroke.points)), close]
     times = np.linspace(start, end, len(stroke.points))

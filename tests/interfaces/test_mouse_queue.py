@@ -49,6 +49,14 @@ def test_commands_come_out_in_order_stamped_with_time_source_and_a_running_numbe
     assert mouse.poll(at(3.0)) == []
 
 
+def test_a_command_keeps_the_operator_that_it_names(at: ContextAt) -> None:
+    mouse = Mouse()
+    mouse.push(Pause(operator="Browser 2"))
+    mouse.push(Pause())
+    context = at(0.0)._replace(operator="ada")
+    assert [command.operator for command in mouse.poll(context)] == ["Browser 2", "ada"]
+
+
 def test_a_full_queue_drops_old_cursors_before_anything_else(at: ContextAt) -> None:
     mouse = Mouse(capacity=4)
     for x in range(4):

@@ -20,12 +20,31 @@ from higvf_console.commands import (
     StrokeBegin,
     StrokeEnd,
     StrokePoints,
+    Undo,
 )
 from higvf_console.errors import InputError, ScriptError
 from higvf_interfaces.emulation import EmulatedInterface
 from higvf_interfaces.script_file import DETAILS
 from higvf_interfaces.scripted import ScriptPlayer, open_script
 
+WITH = {
+    "stroke": ", points_m: [[0, 0], [1, 1]]",
+    "pick": ", robot: 1",
+    "clutch": ", closed: true",
+    "add": ", thing: fire, at_m: [1, 2]",
+    "add_outline": ", points_m: [[0, 0], [9, 0], [0, 9]]",
+    "move": ", thing: bar, number: 2, at_m: [3, 4.5]",
+    "change": ", thing: bar, number: 1, name: half width, value: 7",
+    "delete": ", thing: polygon, number: 3",
+    "link": ", robots: [1, 3]",
+    "set_arena": ", sides_m: [0, -1, 10, 20]",
+    "set_parameters": ", parameters: {safety: {pair_rate: 9}, rings: {bump_in: 0.2, bump_out: 0.3}}",
+    "prioritise": ", fires: [2, 3], robot: 1, factor: 4",
+    "shape_path": ", ending: hold, duration_s: 3",
+    "bend_path": ", grip_m: [1, 2], to_m: [3, 4]",
+    "take_up_path": ", number: 1",
+    "forget_path": ", number: 2",
+}
 ContextAt = Callable[..., OperatorContext]
 Write = Callable[..., str]
 
@@ -114,14 +133,57 @@ def test_a_new_stroke_takes_the_place_of_an_unfinished_one(write: Write, at: Con
 
 
 def test_every_action_of_the_list_gives_its_command(write: Write, at: ContextAt) -> None:
-    details = {"stroke": ", points_m: [[0, 0], [1, 1]]", "pick": ", robot: 1", "clutch": ", closed: true"}
-    text = "".join(f"- {{at_s: 0, do: {action}{details.get(action, '')}}}\n" for action in DETAILS)
+    text = "".join(f"- {{at_s: 0, do: {action}{WITH.get(action, '')}}}\n" for action in DETAILS)
     given = script(write(text)).poll(at(0.0))
     assert [type(c).__name__ for c in given] == [
         "StrokeBegin", "StrokePoints", "StrokeEnd", "Pick", "Clutch", "Pause", "Resume", "Stop", "AskReset",
         "ResetStop", "ClearPath", "ReversePath", "NextTask", "ResetRun", "Confirm", "Discard", "Acknowledge",
+        "Undo", "Redo", "AddThing", "AddOutlines", "MoveThing", "ChangeThing", "DeleteThing", "ToggleLink",
+        "LinkByRange", "SetArena", "SetParameters", "Prioritise", "ShapePath", "BendPath", "TakeUpPath", "ForgetPath",
     ]  # fmt: skip
     assert [c.closed for c in given if isinstance(c, Clutch)] == [True]
+
+
+def given(write: Write, at: ContextAt, entry: str) -> dict[str, object]:
+    """The fields of the last command of an entry, without where it comes from."""
+    command = script(write(f"- {{at_s: 0, do: {entry}}}\n")).poll(at(0.0))[-1]
+    return {name: value for name, value in vars(command).items() if name not in vars(Undo())}
+
+
+def test_numbers_of_people_count_from_one_and_those_of_commands_from_zero(write: Write, at: ContextAt) -> None:
+    assert given(write, at, "delete" + WITH["delete"]) == {"thing": "polygon", "index": 2}
+    assert given(write, at, "link" + WITH["link"]) == {"first": 0, "second": 2}
+    assert given(write, at, "prioritise" + WITH["prioritise"]) == {"fires": (1, 2), "robot": 0, "factor": 4.0}
+    assert given(write, at, "prioritise") == {"fires": (), "robot": None, "factor": None}
+    assert given(write, at, "take_up_path" + WITH["take_up_path"]) == {"number": 0}
+    change = given(write, at, "change" + WITH["change"])
+    assert change == {"thing": "bar", "index": 0, "name": "half width", "value": 7.0}
+    moved = given(write, at, "move" + WITH["move"])
+    assert (moved["thing"], moved["index"]) == ("bar", 1)
+    np.testing.assert_array_equal(moved["point"], [3.0, 4.5])  # pyright: ignore[reportArgumentType]
+
+
+def test_parameters_are_given_as_in_a_scenario(write: Write, at: ContextAt) -> None:
+    values = {"safety.pair_rate": 9.0, "rings.bump_in": 0.2, "rings.bump_out": 0.3}
+    assert given(write, at, "set_parameters" + WITH["set_parameters"]) == {"values": values}
+
+
+def test_what_is_left_out_of_the_shape_of_a_path_stays_as_it_is(write: Write, at: ContextAt) -> None:
+    shape = given(write, at, "shape_path" + WITH["shape_path"])
+    assert shape == {"ending": "hold", "pace": None, "duration": 3.0, "closed": None}
+
+
+def test_a_stroke_says_what_it_is_for_and_how_its_path_is_followed(write: Write, at: ContextAt) -> None:
+    end = given(write, at, "stroke, points_m: [[0, 0], [1, 1]], use: amend, ending: loop, pace: 0.5, duration_s: 9")
+    assert (end["use"], end["ending"], end["pace"], end["duration"]) == ("amend", "loop", 0.5, 9.0)
+
+
+def test_a_script_may_use_the_robots_that_it_adds(write: Write) -> None:
+    file = write("- {at_s: 1, do: add, thing: robot, at_m: [0, 0]}\n- {at_s: 2, do: pick, robot: 4}\n")
+    open_script(InputSpec("script", file, robots=3))
+    file = write("- {at_s: 1, do: prioritise, fires: [1], robot: 4}\n")
+    with pytest.raises(ScriptError, match="there is no robot 4"):
+        open_script(InputSpec("script", file, robots=3))
 
 
 def test_a_run_that_starts_again_fires_again_but_not_the_scripts_own_reset(write: Write, at: ContextAt) -> None:
@@ -171,6 +233,21 @@ def test_a_robot_that_is_not_there_is_refused_when_the_script_is_opened(write: W
         ("- {at_s: 1, do: stroke, points_m: []}", "entry 1: points_m: [] is not a list of points"),
         ("- {at_s: 1, do: stroke, points_m: [[0, 0], [1]]}", "entry 1: points_m: point 2: [1] is not [x, y] in metres"),
         ("- {at_s: 1, do: stroke, points_m: [[0, .inf]]}", "entry 1: points_m: point 1: [0, inf] is not [x, y]"),
+        ("- {at_s: 1, do: add, at_m: [0, 0]}", "entry 1: thing is missing"),
+        ("- {at_s: 1, do: add, thing: polygon, at_m: [0, 0]}", "'polygon' is not one of robot, fire, circle, bar"),
+        ("- {at_s: 1, do: move, thing: lake, number: 1, at_m: [0, 0]}", "thing: 'lake' is not one of robot, fire"),
+        ("- {at_s: 1, do: move, thing: bar, number: 0, at_m: [0, 0]}", "number: 0 is not a whole number from 1 up"),
+        ("- {at_s: 1, do: move, thing: bar, number: 1, at_m: 3}", "at_m: 3 is not a list of 2 numbers"),
+        ("- {at_s: 1, do: link, robots: [1]}", "robots: [1] is not a pair of robots such as [1, 2]"),
+        ("- {at_s: 1, do: link, robots: [1, x]}", "robots: 'x' is not a whole number from 1 up"),
+        ("- {at_s: 1, do: prioritise, fires: 2}", "fires: 2 is not a list"),
+        ("- {at_s: 1, do: prioritise, factor: 0}", "factor: 0 is not a number from 1 to"),
+        ("- {at_s: 1, do: shape_path}", "give at least one of ending, pace, duration_s, closed"),
+        ("- {at_s: 1, do: shape_path, ending: stop}", "ending: 'stop' is not one of release, hold, loop"),
+        ("- {at_s: 1, do: set_parameters}", "parameters is missing; give {GROUP: {NAME: NUMBER}}"),
+        ("- {at_s: 1, do: set_parameters, parameters: {safety: 3}}", "parameters: safety: 3 is not a mapping"),
+        ("- {at_s: 1, do: set_parameters, parameters: {safety: {pair_rate: on}}}", "safety.pair_rate: True is not"),
+        ("- {at_s: 1, do: stroke, points_m: [[0, 0]], use: paint}", "use: 'paint' is not one of path, amend"),
         ("- {at_s: 1, do: [pause]}", "entry 1: do: ['pause'] is not an action"),
         ("- pause", "entry 1: 'pause' is not an entry"),
         ("at_s: 1", "a script is a list of entries"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from higvf_console.arrays import floats
-from higvf_console.commands import OperatorCommand, Pause, ResetRun, Stop
+from higvf_console.commands import OperatorCommand, Pause, Prioritise, ResetRun, ShapePath, Stop
 from higvf_console.control.forms import FORMS
 from higvf_console.control.gains import Gains, controlled
 from higvf_console.session.explain import Explanation, Moved, Part, Say, explain
@@ -15,6 +15,7 @@ from higvf_console.session.run import Run
 from higvf_console.session.sight import hider_names, sights
 from higvf_console.session.tight_rows import tight_rows
 from higvf_console.sim.setup import Setup
+from higvf_console.state import PathStatus
 from tests.teams import stroke, team
 
 PATH = ((150.0, 350.0), (400.0, 300.0), (700.0, 420.0), (1000.0, 350.0))
@@ -249,3 +250,30 @@ def test_a_reset_run_is_explained_by_its_first_period_again() -> None:
     run.apply(ResetRun())
     assert run.last.before.motion.tick == 0
     assert run.last.after.velocity == pytest.approx(first.after.velocity)
+
+
+@pytest.mark.parametrize("pace", [0.2, 1.5])
+def test_the_parts_sum_at_another_pace_too(pace: float) -> None:
+    commands = [*stroke(PATH, 4), ShapePath(pace=pace)]
+    moved = [period for seed in range(2) for period in periods(crowded(seed), commands)]
+    assert max(left_over(period, CROWD) for period in moved) < 1e-9
+
+
+@pytest.mark.parametrize("ending", ["hold", "loop", "release"])
+def test_the_parts_sum_when_a_path_is_over_and_the_wait_at_its_end_is_a_hold(ending: str) -> None:
+    setup = crowded(0)
+    commands = [*stroke(PATH, 4), ShapePath(ending=ending, duration=2.0)]
+    moved = periods(setup, commands, 300)
+    assert max(left_over(period, CROWD) for period in moved) < 1e-9
+    last = moved[-1]
+    held = last.after.path_status == PathStatus.HOLDING
+    assert held is (ending == "hold")
+    if held:
+        parts = everybody(last, CROWD).parts
+        led = last.trace.component == last.trace.component[4]
+        assert parts[led, Part.HOLD] == pytest.approx(-last.trace.blended[led])
+
+
+def test_the_parts_sum_under_a_priority() -> None:
+    moved = periods(crowded(0), [Prioritise(fires=(1,), robot=2)])
+    assert max(left_over(period, CROWD) for period in moved) < 1e-9

@@ -143,3 +143,69 @@ def test_inside_an_irregular_obstacle_the_distance_is_negative_and_an_extinguish
     assert surface_distance(points, setup.start.motion, setup).tolist() == [-100.0, -20.0, 20.0]
     out = setup.start.motion._replace(fire_burning=np.array([False]))
     assert surface_distance(points, out, setup)[1] > 100.0
+
+
+ROUND_FIRE_2 = [(650.0, 200.0), (750.0, 200.0), (750.0, 300.0), (650.0, 300.0)]
+OTHER_WAY = [(250.0, 400.0), (300.0, 470.0), (400.0, 480.0), (430.0, 370.0)]
+ENDS = [
+    (OTHER_WAY, StrokeEnd(use="amend")),
+    (ROUND_FIRE_2, StrokeEnd(use="priority")),
+    (OTHER_WAY, StrokeEnd(ending="hold", pace=0.6, duration=3.0)),
+    (OTHER_WAY, StrokeEnd(ending="loop", pace=1.4)),
+]
+
+
+@pytest.mark.parametrize(("points", "end"), ENDS, ids=["amend", "priority", "hold", "loop"])
+def test_whatever_a_stroke_is_drawn_for_what_is_foreseen_is_bit_for_bit_what_its_end_brings(
+    setup: Setup, points: list[tuple[float, float]], end: StrokeEnd
+) -> None:
+    state = run_on(setup, after(setup, [*DRAWING, StrokeEnd()]), 60)[-1]
+    state = after(setup, [StrokeBegin(), StrokePoints(floats(points))], state)
+    wished = wish(state, setup, end)
+    assert wished is not None
+    preview = foresee(state, wished, setup, 5.0)
+    assert preview is not None
+    assert_happens(preview, run_on(setup, after(setup, [end], state), 250))
+    assert preview.tracks.tobytes() != foreseen(setup, state).tracks.tobytes()
+
+
+def test_a_priority_changes_the_order_that_is_foreseen() -> None:
+    setup = team([(300.0, 430.0)], [(300.0, 300.0, 30.0), (300.0, 600.0, 15.0)], growth=0.0, needs=1)
+    state = after(setup, [StrokeBegin(), StrokePoints(floats([(250, 550), (350, 550), (350, 650), (250, 650)]))])
+    wished = wish(state, setup, StrokeEnd(use="priority"))
+    assert wished is not None
+    preview = foresee(state, wished, setup, 40.0)
+    assert preview is not None
+    assert [fire for fire, _ in preview.future.fires_out] == [1, 0]
+    assert [fire for fire, _ in preview.otherwise.fires_out] == [0, 1]
+
+
+def test_nothing_is_foreseen_of_a_part_drawn_beside_the_path_nor_of_an_obstacle(setup: Setup) -> None:
+    state = after(setup, [*DRAWING, StrokeEnd(), StrokeBegin(), StrokePoints(floats(ROUND_FIRE_2))])
+    assert wish(state, setup, StrokeEnd(use="amend")) is None
+    assert wish(state, setup, StrokeEnd(use="obstacle")) is None
+    elsewhere = after(setup, [StrokeBegin(), StrokePoints(floats(OTHER_WAY[:3]))])
+    assert wish(elsewhere, setup, StrokeEnd(use="priority")) is None
+
+
+def test_an_end_at_which_the_team_holds_is_foreseen_as_a_finish(setup: Setup) -> None:
+    state = after(setup, DRAWING)
+    wished = wish(state, setup, StrokeEnd(ending="hold"))
+    released = wish(state, setup, StrokeEnd())
+    assert wished is not None
+    assert released is not None
+    held, freed = foresee(state, wished, setup, 20.0), foresee(state, released, setup, 20.0)
+    assert held is not None
+    assert freed is not None
+    assert held.finish == freed.finish is not None
+
+
+def test_a_path_that_is_over_already_has_no_finish_to_foresee(setup: Setup) -> None:
+    state = after(setup, [*DRAWING, StrokeEnd(duration=0.1)])
+    state = run_on(setup, state, 20)[-1]
+    state = after(setup, [StrokeBegin(), StrokePoints(floats(ROUND_FIRE_2))], state)
+    wished = wish(state, setup, StrokeEnd(use="priority"))
+    assert wished is not None
+    preview = foresee(state, wished, setup, 2.0)
+    assert preview is not None
+    assert preview.finish is None

@@ -11,6 +11,7 @@ from higvf_console.arrays import floats
 from higvf_console.commands import (
     Confirm,
     Discard,
+    LoadScenario,
     OperatorCommand,
     Stop,
     StrokeBegin,
@@ -124,4 +125,24 @@ def test_the_thread_looks_ahead_by_itself_and_ends(desk: Desk) -> None:
 
 def test_with_the_centralised_filter_nothing_is_foreseen(team: Scenario) -> None:
     desk = Desk(dataclasses.replace(team, filter=FilterKind.CENTRALISED))
+    assert not desk.previewer.available
+
+
+def test_the_stroke_is_foreseen_as_the_operator_chose_to_end_it(desk: Desk) -> None:
+    plain = desk.give(*DRAWING)
+    desk.choice = Choice(horizon=4.0, ending="hold", pace=0.5, duration=2.0)
+    chosen = desk.give()
+    assert plain is not None
+    assert chosen is not None
+    path = chosen.start.intent.path
+    assert (path.pace, path.duration) == (0.5, 2.0)
+    assert path.ending != plain.start.intent.path.ending
+    desk.choice = Choice(horizon=4.0, use="obstacle")
+    assert desk.give() is None
+
+
+def test_a_scenario_with_the_centralised_filter_that_is_loaded_ends_the_looking_ahead(desk: Desk) -> None:
+    assert desk.give(*DRAWING) is not None
+    text = desk.session.scenario.text + "filter: centralised\n"
+    assert desk.give(LoadScenario(text=text, name="other.yaml"), *DRAWING) is None
     assert not desk.previewer.available

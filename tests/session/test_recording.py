@@ -1,34 +1,60 @@
 """A recording holds enough to run the session again, bit for bit, also when it was cut off."""
 
 import json
+import math
+from collections.abc import Mapping
 from pathlib import Path
+from typing import get_args, get_type_hints
 
+import cv2
 import numpy as np
 import pytest
 from fake_interfaces import FakeInterface
 
+from higvf_console.arrays import Floats, floats
+from higvf_console.command import Command
 from higvf_console.commands import (
+    BendPath,
     Clutch,
     Confirm,
+    ControlChange,
     Cursor,
     Discard,
     Freeze,
+    HandOver,
+    LoadScenario,
     OperatorCommand,
     Pause,
     Pick,
+    Prioritise,
     ProposePick,
+    Redo,
     ResetRun,
     Resume,
+    ShapePath,
     Step,
     StrokeBegin,
     StrokeEnd,
     StrokePoints,
+    Undo,
+)
+from higvf_console.edits import (
+    AddOutlines,
+    AddThing,
+    ChangeThing,
+    DeleteThing,
+    LinkByRange,
+    MoveThing,
+    SetArena,
+    SetParameters,
+    ToggleLink,
 )
 from higvf_console.errors import InputError
 from higvf_console.session.headless import run_headless
 from higvf_console.session.recording import Recorder, read_recording, replay
 from higvf_console.session.scenario import Scenario
 from higvf_console.session.session import Session
+from tests.teams import stroke
 
 STROKE = np.array([[650.1, 250.0], [500.0, 400.0], [400.0, 1.0 / 3.0], [300.0, 300.0]])
 PLAN: list[tuple[float, OperatorCommand]] = [
@@ -46,6 +72,7 @@ PLAN: list[tuple[float, OperatorCommand]] = [
     (1.0, StrokeEnd(smoothing=2.0, robot=1, source="gaze")),
     (1.5, Pause(source="emg")),
     (1.7, Resume(source="emg")),
+    (1.9, HandOver("Browser 2", ControlChange.TAKEN, operator="Browser 2")),
     (2.0, Pick(2, source="bci", operator="ada")),
 ]
 
@@ -181,3 +208,98 @@ def test_a_full_disk_ends_the_recording_and_not_the_run(
     assert session.ticks == 5
     alarms = [event.text for event in session.snapshot.events if event.kind == "recording"]
     assert alarms == ["The recording ends here: No space left on device."]
+
+
+OUTLINE = floats([[100.0, 500.0], [200.0, 500.0], [150.0, 600.0 + 1.0 / 3.0]])
+DEEDS: list[tuple[float, OperatorCommand]] = [
+    (0.2, AddThing("robot", floats([300.0, 600.0]), source="plan")),
+    (0.2, AddOutlines((OUTLINE, OUTLINE + 150.0), source="plan")),
+    (0.4, MoveThing("robot", 1, floats([900.0, 1.0 / 3.0 + 100.0]), source="plan")),
+    (0.6, ToggleLink(0, 1, source="plan")),
+    (0.6, SetParameters({"perception.perception_range": math.inf, "blending.cruise_speed": 70.1}, source="plan")),
+    (0.8, Prioritise(fires=(0,), robot=1, factor=3.0, source="plan")),
+    *((0.8, part) for part in stroke([(700.0, 300.0), (500.0, 450.0), (200.0, 500.0)])[:2]),
+    (0.8, StrokeEnd(ending="hold", pace=0.7, duration=math.inf)),
+    (1.2, BendPath(floats([500.0, 450.0]), floats([520.0, 480.0]))),
+    (1.4, Undo()),
+    (1.5, ShapePath(closed=True)),
+    (1.6, DeleteThing("robot", 0)),
+    (1.8, Undo()),
+    (1.8, Undo()),
+    (2.0, Redo()),
+    (2.0, SetArena(floats([-10.0, 0.0, 1300.0, 700.0]), walls=False)),
+    (2.2, LinkByRange()),
+    (2.4, ChangeThing("fire", 0, "radius", 40.0)),
+]
+
+
+def test_edits_undo_and_redo_replay_bit_for_bit_and_are_read_back_as_given(team: Scenario, tmp_path: Path) -> None:
+    digest = recorded(team, tmp_path / "run.jsonl", *DEEDS)
+    recording = read_recording(tmp_path / "run.jsonl")
+    result = replay(recording)
+    assert (result.digest, result.agrees) == (digest, True)
+    given = [command for _, command in DEEDS]
+    read = [command for tick in sorted(recording.commands) for command in recording.commands[tick]]
+    assert len(read) == len(given)
+    for one, other in zip(given, read, strict=True):
+        assert type(one) is type(other)
+        for name, value in vars(one).items():
+            np.testing.assert_equal(getattr(other, name), value)
+
+
+SAMPLES: dict[object, object] = {
+    str: "word", int: 1, float: 0.5, bool: True, Floats: floats([[1.0, 2.0], [math.nan, math.inf]]),
+    tuple[Floats, ...]: (OUTLINE,), tuple[int, ...]: (1, 0), Mapping[str, float]: {"a.b": math.inf},
+}  # fmt: skip
+SHAPED = {"point": floats([1.0, -math.inf]), "grip": floats([1.0, 2.0]), "sides": floats([0.0, 1.0, 2.0, 3.0])}
+
+
+def sample_of(kind: type[Command]) -> Command:
+    """A command of a kind, with something in each field."""
+    fields: dict[str, object] = {}
+    for name, hint in get_type_hints(kind).items():
+        wanted = get_args(hint)[0] if type(None) in get_args(hint) else hint
+        fields[name] = SHAPED.get(name, SAMPLES[wanted])
+    return kind(**fields)  # pyright: ignore[reportArgumentType]
+
+
+def test_every_command_can_be_recorded_and_read(team: Scenario, tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path / "run.jsonl", team, 0)
+    given = [sample_of(kind) for kind in get_args(OperatorCommand)]
+    for command in given:
+        recorder.command(command)
+    recorder.close()
+    for one, other in zip(given, read_recording(tmp_path / "run.jsonl").commands[0], strict=True):
+        assert type(one) is type(other)
+        for name, value in vars(one).items():
+            np.testing.assert_equal(getattr(other, name), value)
+
+
+MASKED = """
+version: 1
+name: masked
+arena: {size_m: [1200, 700]}
+robots: {start_m: [[150, 350], [105, 325], [105, 375]], jitter_m: 1}
+fires: [{at_m: [620, 580], radius_m: 20}]
+obstacles: {masks: [{image: plan.png, at_m: [300, 100], metres_per_pixel: 5}]}
+"""
+
+
+def test_a_loaded_scenario_replays_without_the_images_that_it_needed(team: Scenario, tmp_path: Path) -> None:
+    folder = tmp_path / "plans"
+    folder.mkdir()
+    picture = np.full((40, 60), 255, np.uint8)
+    picture[10:30, 20:40] = 0
+    cv2.imwrite(str(folder / "plan.png"), picture)
+    plan: list[tuple[float, OperatorCommand]] = [
+        (0.4, LoadScenario(text=MASKED, name=str(folder / "masked.yaml"))),
+        (0.6, LoadScenario(text=MASKED.replace("plan.png", "none.png"), name=str(folder / "none.yaml"))),
+        (1.0, AddThing("robot", floats([300.0, 600.0]))),
+        (2.0, Undo()),
+        (2.0, Undo()),
+        (3.0, Redo()),
+    ]
+    digest = recorded(team, tmp_path / "run.jsonl", *plan)
+    (folder / "plan.png").rename(folder / "none.png")
+    result = replay(read_recording(tmp_path / "run.jsonl"))
+    assert (result.digest, result.agrees) == (digest, True)

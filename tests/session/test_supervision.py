@@ -11,8 +11,10 @@ from higvf_console.commands import (
     ChannelHealth,
     ChannelState,
     Clutch,
+    ControlChange,
     Cursor,
     FaultKind,
+    HandOver,
     InjectFault,
     NextTask,
     OperatorCommand,
@@ -94,6 +96,28 @@ def test_or_in_a_hold_or_is_kept_as_the_scenario_says(team: Scenario) -> None:
     keep = run_to(Session(limited(team, "keep"), [Device(*at_once(*DRAWN))]), 3.3)
     assert keep.snapshot.state.motion.path_status == PathStatus.FOLLOWING
     assert not keep.snapshot.state.intent.paused
+
+
+@pytest.mark.parametrize(("how", "ends"), [(ControlChange.LOST, True), (ControlChange.TAKEN, False)])
+def test_the_path_ends_with_the_page_that_steered_though_another_keeps_the_channel_alive(
+    team: Scenario, how: ControlChange, ends: bool
+) -> None:
+    plan = [*at_once(StrokeBegin(), StrokePoints(STROKE), StrokeEnd()), (1.0, HandOver("Browser 2", how))]
+    session = run_to(Session(team, [FakeInterface("mouse", *plan)]), 0.9)
+    assert session.snapshot.state.motion.path_status == PathStatus.FOLLOWING
+    run_to(session, 2.0)
+    assert (session.snapshot.state.motion.path_status == PathStatus.FINISHED) is ends
+    assert given(session, NextTask) == ends
+
+
+def test_a_change_of_control_gets_through_a_lost_channel_and_a_fault_and_is_no_acknowledgement(team: Scenario) -> None:
+    told = HandOver("Browser 2", ControlChange.TAKEN, source="gaze")
+    session = run_to(Session(team, [Device((3.5, told), silent=0.5)]), 3.6)
+    assert state_of(session) is ChannelState.LOST
+    assert given(session, HandOver, "gaze") == 1
+    line = Line()
+    line.inject(InjectFault("gaze", FaultKind.DROP), 0.0)
+    assert line.carry([told], 0.5) == [told]
 
 
 def test_the_human_intention_fades_within_a_few_time_constants_and_without_a_jump(team: Scenario) -> None:

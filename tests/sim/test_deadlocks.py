@@ -9,7 +9,7 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.control.deadlock import ASK, OTHER_SIDE, passes
 from higvf_console.control.gains import Gains, PerceptionGains
 from higvf_console.control.paths import WINDOW, sketch_path
-from higvf_console.sim.operator import follow
+from higvf_console.sim.path_commands import follow
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
 from higvf_console.state import PathStatus, SimState, Trace

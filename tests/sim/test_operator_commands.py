@@ -12,8 +12,10 @@ from higvf_console.commands import (
     ClearPath,
     Clutch,
     Confirm,
+    ControlChange,
     Cursor,
     Discard,
+    HandOver,
     NextTask,
     OperatorCommand,
     Pause,
@@ -249,3 +251,22 @@ def test_a_reset_run_starts_from_the_scenarios_own_state(setup: Setup) -> None:
     for _ in range(20):
         state, _ = advance(state, setup.world, setup.gains)
     assert after(setup, [ResetRun()], state)[0] == setup.start
+
+
+@pytest.mark.parametrize("how", ControlChange)
+def test_a_change_of_control_is_told_with_its_page_and_moves_nothing(setup: Setup, how: ControlChange) -> None:
+    state, events = after(setup, [HandOver("Browser 2", how, operator="Browser 1")])
+    assert state is setup.start
+    assert [event.kind for event in events] == ["control"]
+    assert "Browser 2" in events[0].text
+
+
+def test_control_that_nobody_takes_over_is_told_to_be_nobody_s(setup: Setup) -> None:
+    _, events = after(setup, [HandOver("", how, operator="Browser 1") for how in ("released", "lost")])
+    assert all("Browser 1" in event.text and "nobody steers" in event.text for event in events)
+
+
+def test_a_change_of_control_that_there_is_not_is_refused(setup: Setup) -> None:
+    _, events = after(setup, [HandOver("Browser 2", "stolen")])
+    assert events[0].kind == "refused"
+    assert "'stolen'" in events[0].text

@@ -11,7 +11,8 @@ from higvf_console.control.coupled_filter import CoupledFilter
 from higvf_console.control.field import FieldKind, field_at
 from higvf_console.control.paths import circle_path
 from higvf_console.session.scenario import load_scenario
-from higvf_console.sim.operator import apply_command, follow
+from higvf_console.sim.operator import apply_command
+from higvf_console.sim.path_commands import follow
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance, advance_coupled, roll
 from higvf_console.state import NOBODY, PathStatus, SimState

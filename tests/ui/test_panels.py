@@ -133,6 +133,21 @@ def test_a_swarm_in_trouble_is_notified_once_but_every_fire_that_goes_out() -> N
     assert len(notifications.chosen(many, 9.2)) == MOST_AT_ONCE
 
 
+def test_an_alarm_is_notified_at_any_time_unless_one_of_its_kind_still_stands() -> None:
+    notifications = Notifications()
+    alarm, other = event("infeasible", Severity.ALARM), event("channel", Severity.ALARM)
+    assert notifications.chosen([alarm, alarm], 0.0) == [alarm]
+    assert notifications.chosen([alarm, other], 0.1, {"infeasible"}) == [other]
+    assert notifications.chosen([alarm], 0.2) == [alarm], "acknowledged: the next one is news again"
+
+
+def test_alarms_that_nobody_has_acknowledged_stand_out_in_the_log() -> None:
+    read, unread = event("stop", Severity.ALARM, "first"), event("stop", Severity.ALARM, "second")
+    html = log_html([read, unread], [unread])
+    assert "class=alarm>second" in html
+    assert "class=alarm>first" not in html
+
+
 def test_what_the_operator_has_just_done_is_logged_and_not_notified() -> None:
     assert Notifications().chosen([event("resumed"), event("path"), event("picked")], 0.0) == []
     assert len(Notifications().chosen([event("target"), event("path", Severity.GOOD)], 0.0)) == 2

@@ -15,10 +15,11 @@ from higvf_console.session.session import Session
 from higvf_console.sim.simulation import advance
 from higvf_console.state import NO_PATH, SimState
 from higvf_console.ui import shapes, theme
-from higvf_console.ui.console import Hand, robot_near
 from higvf_console.ui.glyphs import STROKES, WEIGHT, Triangles, glyph, lettering, numbering, width
+from higvf_console.ui.hand import Hand, robot_near
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.view import FIELDS, next_field
+from higvf_console.ui.roles import Roles
 from higvf_console.ui.scene import View
 from higvf_console.ui.scene_field import field_grid
 from higvf_console.ui.scene_fires import FireLook, fire_lettering, fire_look, progress_arcs
@@ -305,7 +306,7 @@ def test_a_click_picks_the_nearest_robot_within_reach_and_nobody_beyond() -> Non
 class _Drawn:
     """A canvas without a browser: what was placed or drawn last under each name."""
 
-    px = 1.0
+    px, palette, sizes = 1.0, theme.DARK, theme.NOMINAL
 
     def __init__(self) -> None:
         self.nodes: dict[str, _Node] = {}
@@ -374,11 +375,11 @@ def test_a_click_picks_a_unicycle_by_its_body_not_by_its_look_ahead_point() -> N
     given: list[OperatorCommand] = []
     session = SimpleNamespace(
         setup=setup,
-        snapshot=SimpleNamespace(state=setup.start._replace(motion=motion)),
-        pointer=SimpleNamespace(push=given.append),
+        snapshot=SimpleNamespace(setup=setup, state=setup.start._replace(motion=motion)),
         viewport=None,
     )
-    hand = Hand(cast(Session, session), View(), cast(SteerPanel, None))
+    roles = cast(Roles, SimpleNamespace(push=given.append, steers={0}.__contains__))
+    hand = Hand(cast(Session, session), View(), cast(SteerPanel, None), roles, lambda _tool, _client: None)
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.click(0, floats([100.0, 60.0]))
     hand.click(0, floats([100.0, 100.0]))

@@ -15,13 +15,14 @@ from higvf_console.session.session import Session, Snapshot
 from higvf_console.session.sight import sights
 from higvf_console.session.tight_rows import TightRow
 from higvf_console.sim.certificates import Certificate
-from higvf_console.ui.console import Hand
+from higvf_console.ui.hand import Hand
 from higvf_console.ui.panels.shares import SPAN, ShareHistory, bands_svg, legend_html
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.why_tables import MOST_ROWS, certificate_html, parts_html, rows_html, sight_html, signed
+from higvf_console.ui.roles import Roles
 from higvf_console.ui.scene import View
-from higvf_console.ui.scene_reasons import PART_COLOUR, arrow, chain, part_outline, sight_lines
-from higvf_console.ui.theme import vertex_rgb
+from higvf_console.ui.scene_reasons import arrow, chain, part_colours, part_outline, sight_lines
+from higvf_console.ui.theme import DARK, LIGHT, Palette, vertex_rgb
 from higvf_console.viewport import Viewport
 from tests.teams import team
 
@@ -40,8 +41,8 @@ def test_a_chain_of_arrows_starts_at_the_robot_and_ends_where_the_sum_does() -> 
     assert segments.shape == (6, 2, 2)
     assert segments[0] == pytest.approx(floats([[11, 20], [41, 20]]))
     assert segments[3] == pytest.approx(floats([[41, 20], [41, 60]]))
-    assert (colours[:3] == vertex_rgb(PART_COLOUR[Part.HUMAN])).all()
-    assert (colours[3:] == vertex_rgb(PART_COLOUR[Part.SAFETY])).all()
+    assert (colours[:3] == vertex_rgb(part_colours(DARK)[Part.HUMAN])).all()
+    assert (colours[3:] == vertex_rgb(part_colours(DARK)[Part.SAFETY])).all()
 
 
 def test_the_barbs_of_an_arrow_lie_behind_its_tip_and_shrink_with_it() -> None:
@@ -52,8 +53,9 @@ def test_the_barbs_of_an_arrow_lie_behind_its_tip_and_shrink_with_it() -> None:
     assert len(arrow(floats([0, 0]), floats([np.nan, 0]), 3.0, 7.0)) == 0
 
 
-def test_no_two_parts_have_the_same_colour() -> None:
-    assert len(set(PART_COLOUR.values())) == len(Part)
+@pytest.mark.parametrize("palette", [DARK, LIGHT])
+def test_no_two_parts_have_the_same_colour(palette: Palette) -> None:
+    assert len(set(part_colours(palette).values())) == len(Part)
 
 
 def test_lines_of_sight_run_through_to_fires_in_the_clear_and_are_dashed_to_hidden_ones() -> None:
@@ -139,12 +141,10 @@ def test_bands_fill_the_height_and_are_left_out_for_who_has_no_say() -> None:
 def test_a_click_on_the_steered_robot_shows_and_hides_its_reasons() -> None:
     setup = team([(100.0, 100.0), (300.0, 100.0)])
     given: list[OperatorCommand] = []
-    session = SimpleNamespace(
-        setup=setup, snapshot=SimpleNamespace(state=setup.start), viewport=None,
-        pointer=SimpleNamespace(push=given.append),
-    )  # fmt: skip
+    session = SimpleNamespace(setup=setup, snapshot=SimpleNamespace(setup=setup, state=setup.start), viewport=None)
+    roles = cast(Roles, SimpleNamespace(push=given.append, steers={0}.__contains__))
     view = View(explained=1)
-    hand = Hand(cast(Session, session), view, cast(SteerPanel, None))
+    hand = Hand(cast(Session, session), view, cast(SteerPanel, None), roles, lambda _tool, _client: None)
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.click(0, floats([300.0, 100.0]))
     assert not view.reasons

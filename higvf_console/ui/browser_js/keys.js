@@ -15,12 +15,12 @@
 
   const overlay = page.overlay(
     `<style>
-      :host { font: 14px/1.45 system-ui, "Segoe UI", sans-serif; }
+      :host { font: 14px/1.45 var(--mantine-font-family, sans-serif); }
       * { box-sizing: border-box; }
       .bar { position: absolute; display: flex; gap: 10px; align-items: flex-end; }
       button { pointer-events: auto; cursor: pointer; font: inherit; border: 0; touch-action: manipulation;
         user-select: none; -webkit-user-select: none; -webkit-tap-highlight-color: transparent; }
-      button:focus-visible { outline: 3px solid #fff; outline-offset: 2px; }
+      button:focus-visible { outline: 3px solid var(--hg-text, #fff); outline-offset: 2px; }
       .stop { width: 196px; min-height: 68px; padding: 8px 10px; border-radius: 12px; color: #fff; background: #c81e1e;
         box-shadow: 0 0 0 2px rgba(255, 255, 255, 0.85), 0 4px 16px rgba(0, 0, 0, 0.45); line-height: 1.2; }
       .stop:hover { background: #dc2626; }
@@ -33,26 +33,30 @@
         box-shadow: 0 0 0 4px #dc2626, 0 4px 16px rgba(0, 0, 0, 0.45); }
       .stop.asked { color: #7c2d12; background: #fde68a; }
       .stop.offline { background: #3f1d1d; box-shadow: 0 0 0 3px #f59e0b, 0 4px 16px rgba(0, 0, 0, 0.45); }
-      .ask { width: 34px; height: 34px; border-radius: 50%; color: #cbd5e1; background: rgba(24, 28, 34, 0.8);
-        font-size: 16px; font-weight: 600; box-shadow: 0 0 0 1px rgba(148, 163, 184, 0.45); }
-      .ask:hover { color: #fff; background: rgba(45, 52, 62, 0.95); }
+      .ask { width: 34px; height: 34px; border-radius: 50%; color: var(--hg-text, #cbd5e1);
+        background: var(--hg-card, #161b21); font-size: 16px; font-weight: 600;
+        box-shadow: 0 0 0 1px var(--hg-border, #4b5563); }
+      .ask:hover { background: var(--hg-key, #2b323c); }
       .veil { position: absolute; inset: 0; display: none; pointer-events: auto; align-items: center;
         justify-content: center; background: rgba(0, 0, 0, 0.35); }
       .veil.open { display: flex; }
-      .card { width: min(520px, 92vw); max-height: 88vh; overflow: auto; padding: 22px 26px 18px; border-radius: 14px;
-        color: #dbe2ea; background: rgba(20, 24, 30, 0.93); box-shadow: 0 12px 48px rgba(0, 0, 0, 0.5);
-        border: 1px solid rgba(148, 163, 184, 0.22); backdrop-filter: blur(6px); }
-      h2 { margin: 0 0 12px; font-size: 17px; font-weight: 600; color: #fff; }
-      h3 { margin: 16px 0 8px; font-size: 12px; font-weight: 600; color: #8d99a8; letter-spacing: 0.08em;
+      .card { width: min(860px, 92vw); max-height: 88vh; overflow: auto; padding: 22px 26px 18px; border-radius: 14px;
+        color: var(--hg-text, #dbe2ea); background: var(--hg-card, #161b21);
+        box-shadow: 0 12px 48px rgba(0, 0, 0, 0.5); border: 1px solid var(--hg-card_rule, #343c46); }
+      h2 { margin: 0 0 12px; font-size: 17px; font-weight: 600; }
+      h3 { margin: 16px 0 8px; font-size: 12px; font-weight: 600; color: var(--hg-dim, #8d99a8); letter-spacing: 0.08em;
         text-transform: uppercase; }
-      dl { display: grid; grid-template-columns: max-content 1fr; gap: 7px 16px; margin: 0; align-items: baseline; }
-      dt { justify-self: end; min-width: 96px; text-align: right; }
+      dl { display: grid; grid-template-columns: max-content 1fr max-content 1fr; gap: 8px 14px; margin: 0;
+        align-items: baseline; }
+      dt { justify-self: end; min-width: 76px; text-align: right; }
       dd { margin: 0; }
       kbd { display: inline-block; min-width: 26px; padding: 1px 8px; border-radius: 6px; text-align: center;
-        font: 600 13px/1.6 ui-monospace, "DejaVu Sans Mono", monospace; color: #f1f5f9; background: #2b323c;
-        box-shadow: inset 0 -1px 0 #0d1014, 0 0 0 1px rgba(148, 163, 184, 0.3); }
-      .stops kbd { background: #b91c1c; }
-      p { margin: 14px 0 0; font-size: 12.5px; color: #98a4b3; }
+        font: 600 13px/1.6 ui-monospace, "DejaVu Sans Mono", monospace; color: var(--hg-text, #f1f5f9);
+        background: var(--hg-key, #2b323c); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46); }
+      .stops kbd { color: #fff; background: #b91c1c; }
+      p { margin: 14px 0 0; font-size: 12.5px; color: var(--hg-dim, #98a4b3); }
+      .again { margin-top: 14px; padding: 5px 12px; border-radius: 6px; color: var(--hg-text, #dbe2ea);
+        background: var(--hg-key, #2b323c); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46); }
     </style>
     <div class="veil"><div class="card" role="dialog" aria-label="Keys"></div></div>
     <div class="bar">
@@ -165,6 +169,13 @@
       list(config.pointer),
       heading("p", config.note),
     );
+    const again = Object.assign(document.createElement("button"), { className: "again", type: "button" });
+    again.textContent = "Show the first steps again";
+    again.addEventListener("click", () => {
+      toggleHelp(false);
+      page.part("hints")?.reopen();
+    });
+    $(".card").append(again);
   }
 
   const toggleHelp = (open = !veil.classList.contains("open")) => veil.classList.toggle("open", open);
@@ -190,7 +201,15 @@
       toggleHelp(false);
       return;
     }
-    if (event.ctrlKey || event.metaKey || event.altKey || target.matches?.(TYPES_LETTERS)) return;
+    if (event.altKey || target.matches?.(TYPES_LETTERS)) return;
+    if (event.ctrlKey || event.metaKey) {
+      const turn = { z: event.shiftKey ? "redo" : "undo", y: "redo" }[event.key.toLowerCase()];
+      if (!turn) return;
+      event.preventDefault();
+      event.stopImmediatePropagation();
+      sendKey(turn);
+      return;
+    }
     const name = hotkey(event);
     if (!name || (event.key === "Enter" && target.matches?.(TAKES_ENTER))) return;
     if (event.key === "Escape") return sendKey(name); // whatever else it closes may hear it too
@@ -235,6 +254,12 @@
       if (!stop.waiting || number !== stop.number) return;
       stop.waiting = false;
       [stop.acceptedAt, stop.unconfirmed] = [now(), !stop.latched];
+      show();
+    },
+
+    // This page may not reset.
+    refused() {
+      stop.askedAt = -Infinity;
       show();
     },
 

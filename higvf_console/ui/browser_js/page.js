@@ -16,7 +16,9 @@
     // Identity of the connection: viser replaces its sender whenever the socket opens or closes.
     connection: () => viewer()?.sendMessage,
 
+    // Any script may hear what the others send, by a method of that name.
     send(topic, body) {
+      for (const { part } of parts.values()) part.sent?.(topic, body);
       viewer()?.sendMessage({ type: "PageMessage", topic, body });
     },
 
@@ -68,16 +70,27 @@
     },
   };
 
+  // viser drops all other messages of a packet when one of them raises: the scene would stay incomplete.
+  function guarded(name, act) {
+    try {
+      act();
+    } catch (error) {
+      console.error(`higvf ${name}:`, error);
+    }
+  }
+
   window.higvf = {
     install(name, version, make, config) {
       const old = parts.get(name);
       if (old?.version === version) return;
-      old?.part.remove();
-      parts.set(name, { version, part: make(page, config) });
+      guarded(name, () => {
+        old?.part.remove();
+        parts.set(name, { version, part: make(page, config) });
+      });
     },
 
     call(name, method, argument) {
-      parts.get(name)?.part[method](argument);
+      guarded(name, () => parts.get(name)?.part[method](argument));
     },
   };
 }

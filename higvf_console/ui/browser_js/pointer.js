@@ -8,7 +8,7 @@
   const style = `<style>
     svg { position: absolute; overflow: hidden; }
     polyline { fill: none; stroke-linecap: round; stroke-linejoin: round; vector-effect: non-scaling-stroke; }
-    .casing { stroke: #0b0d10; stroke-width: 6px; opacity: 0.55; }
+    .casing { stroke: var(--hg-surround, #0b0d10); stroke-width: 6px; opacity: 0.55; }
     .line { stroke: ${config.colour}; stroke-width: 3px; }
     g { transition: opacity 0.35s; }
     g.done { opacity: 0; }
@@ -22,6 +22,7 @@
   let lastId = 0;
   let origin = [0, 0]; // of the echo's coordinates [m]; keeps its numbers small
   let following = false;
+  let inks = true; // whether a drag leaves a line
 
   // The echo is drawn in metres, so that zooming and panning only change its transform.
   function follow() {
@@ -38,6 +39,7 @@
   }
 
   function showEcho(point) {
+    if (!inks) return;
     for (const line of lines) {
       const item = svg.createSVGPoint();
       item.x = point[0] - origin[0];
@@ -199,6 +201,10 @@
   });
 
   return {
+    cancel,
+    ink(on) {
+      inks = on;
+    },
     remove() {
       cancel();
       clearInterval(reporting);

@@ -9,7 +9,7 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.ui.panels.chart import Curve, chart_svg
 from higvf_console.ui.panels.html import DASH, area, block, dot
 from higvf_console.ui.scene_fires import fire_look
-from higvf_console.ui.theme import DARK
+from higvf_console.ui.theme import CSS
 
 if TYPE_CHECKING:
     from higvf_console.session.baseline import Baseline
@@ -74,9 +74,9 @@ class FiresPanel:
 
 def chart_html(time: Floats, loss: Floats, baseline: "Baseline | None") -> str:
     """The area burnt in this run [s, m^2] drawn through, in the one that nobody touches dashed."""
-    curves = [Curve("this run", time, loss, DARK.operator)]
+    curves = [Curve("this run", time, loss, CSS.operator)]
     if baseline is not None:
-        curves.append(Curve("without operator", baseline.time, baseline.loss_area, DARK.axis_text, dashed=True))
+        curves.append(Curve("without operator", baseline.time, baseline.loss_area, CSS.axis_text, dashed=True))
     return block(chart_svg(curves, "s", "m²"))
 
 
@@ -96,11 +96,11 @@ def table_html(snapshot: "Snapshot") -> str:
     for fire, radius in enumerate(snapshot.state.motion.fire_radius):
         burning, fought = bool(look.burning[fire]), bool(look.fought[fire])
         if not burning:
-            state = f"{dot(DARK.scorched_edge)}out"
+            state = f"{dot(CSS.scorched_edge)}out"
         elif fought or look.progress[fire] > 0.0:
-            state = f"{dot(DARK.progress if fought else DARK.fire_edge)}{look.progress[fire]:.0%} put out"
+            state = f"{dot(CSS.progress if fought else CSS.fire_edge)}{look.progress[fire]:.0%} put out"
         else:
-            state = f"{dot(DARK.fire_edge)}burning"
+            state = f"{dot(CSS.fire_edge)}burning"
         crew = f"{snapshot.trace.crew[fire]}/{snapshot.setup.world.fire_needs[fire]}" if burning else DASH
         rows.append(
             f'<tr class="{"" if burning else "out"}"><td>{fire + 1}</td><td>{state}</td><td>{radius:.1f}</td>'

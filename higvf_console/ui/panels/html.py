@@ -3,60 +3,80 @@
 from html import escape
 
 from higvf_console.sim.setup import Severity
-from higvf_console.ui.theme import DARK
+from higvf_console.ui.theme import CSS, Look, Palette
 
-SEVERITY_COLOUR = {
-    Severity.INFO: DARK.robot,
-    Severity.GOOD: DARK.fighting,
-    Severity.WARNING: DARK.fire_zone,
-    Severity.ALARM: "#e5484d",
-}
 
-STYLE = f"""<style>
-.hg {{ padding: 0 12px 8px; font-size: 13px; line-height: 1.5; color: var(--mantine-color-text);
-  font-variant-numeric: tabular-nums; }}
-.hg .dim {{ color: var(--mantine-color-dimmed); }}
-.hg .head {{ display: flex; align-items: center; gap: 12px; margin: 2px 0 8px; }}
-.hg .mode {{ padding: 3px 11px; border-radius: 6px; font-weight: 700; letter-spacing: .05em; color: #0d1117; }}
-.hg .clock {{ font-size: 22px; font-weight: 600; letter-spacing: -.01em; }}
-.hg .speed {{ margin-left: auto; font-size: 14px; color: var(--mantine-color-dimmed); }}
-.hg dl {{ display: grid; grid-template-columns: 74px 1fr; gap: 1px 8px; margin: 0; }}
-.hg dt {{ color: var(--mantine-color-dimmed); }}
-.hg dd {{ margin: 0; }}
-.hg .dot {{ display: inline-block; width: 9px; height: 9px; border-radius: 50%; margin-right: 6px; }}
-.hg .mark {{ display: inline-block; width: 15px; font-size: 13px; }}
-.hg .channel {{ margin-right: 12px; white-space: nowrap; }}
-.hg table {{ width: 100%; border-collapse: collapse; }}
-.hg th {{ font-weight: 500; color: var(--mantine-color-dimmed); text-align: right; padding: 0 0 3px 6px; }}
-.hg td {{ text-align: right; padding: 2px 0 2px 6px; border-top: 1px solid var(--mantine-color-default-border); }}
-.hg th:nth-child(-n+2), .hg td:nth-child(-n+2) {{ text-align: left; padding-left: 0; }}
-.hg table.numbers th:nth-child(2), .hg table.numbers td:nth-child(2) {{ text-align: right; padding-left: 6px; }}
-.hg .title {{ font-weight: 600; margin: 6px 0 2px; }}
-.hg .held {{ display: grid; grid-template-columns: auto 1fr; gap: 10px; margin-top: 4px; }}
-.hg .inputs {{ display: grid; grid-template-columns: 15px max-content 1fr; gap: 1px 8px; }}
-.hg .inputs .why {{ grid-column: 2 / -1; font-size: 12px; line-height: 1.4; margin-bottom: 4px;
-  overflow-wrap: anywhere; }}
-.hg dl.wide {{ grid-template-columns: 134px 1fr; }}
-.hg table.attention td:last-child {{ width: 34%; }}
-.hg .bar {{ display: block; height: 7px; min-width: 1px; border-radius: 2px; background: {DARK.robot}; }}
-.hg .swatch {{ display: inline-block; width: 12px; height: 9px; border-radius: 2px; margin-right: 5px; }}
-.hg .chosen {{ color: {DARK.own_target}; }}
-.hg tr.out td {{ color: var(--mantine-color-dimmed); }}
-.hg tfoot td {{ font-weight: 600; }}
-.hg .log div {{ display: grid; grid-template-columns: 52px 1fr; gap: 8px; padding: 4px 0 4px 8px;
-  border-left: 3px solid; margin-bottom: 4px; }}
-.hg .chart text {{ font-size: 11px; fill: var(--mantine-color-dimmed); }}
-.hg .chart .rule {{ stroke: var(--mantine-color-default-border); }}
-.hg .key {{ display: grid; grid-template-columns: 22px 1fr; gap: 3px 8px; align-items: center; }}
-.hg .key svg {{ width: 20px; height: 14px; overflow: visible; }}
-.hg .warn {{ color: {DARK.fire_zone}; font-weight: 600; }}
-.hg .ahead {{ min-height: 124px; }}
-.hg .good {{ color: {DARK.progress}; }}
-.hg .alarm {{ color: #ff6b6b; font-weight: 600; }}
-.hg .operator {{ color: {DARK.operator}; font-weight: 600; }}
-[role=tab] {{ padding-inline: 10px !important; }}
-.mantine-Notifications-root {{ top: auto !important; bottom: 18px !important; left: 290px !important; }}
-</style>"""
+def severity_colour(severity: Severity, palette: Palette = CSS) -> str:
+    """The colour of an event that matters this much."""
+    return {
+        Severity.INFO: palette.robot,
+        Severity.GOOD: palette.fighting,
+        Severity.WARNING: palette.warning,
+        Severity.ALARM: palette.alarm,
+    }[severity]
+
+
+# The variables are those of the theme in use; scripts of the page take them, too. Sizes of text are multiples of the
+# block's own, in steps of a sixth.
+_STYLE = """
+:root { --mantine-color-dimmed: var(--hg-dim) !important; --mantine-color-text: var(--hg-text) !important; }
+.hg { padding: 0 10px 8px; font-size: calc(13px * var(--hg-size)); line-height: 1.5; color: var(--hg-text);
+  font-variant-numeric: tabular-nums; }
+.hg .dim { color: var(--hg-dim); }
+.hg .head { display: flex; align-items: center; gap: 12px; margin: 2px 0 8px; }
+.hg .mode { padding: 3px 11px; border-radius: 6px; font-weight: 700; letter-spacing: .05em;
+  color: var(--hg-badge_text); }
+.hg .clock { font-size: 1.7em; font-weight: 600; letter-spacing: -.01em; }
+.hg .speed { margin-left: auto; font-size: 1.08em; color: var(--hg-dim); }
+.hg .unseen { padding: 2px 9px; border-radius: 6px; font-weight: 600; color: var(--hg-badge_text);
+  background: var(--hg-alarm); }
+.hg dl { display: grid; grid-template-columns: 5.7em 1fr; gap: 1px 8px; margin: 0; }
+.hg dt { color: var(--hg-dim); }
+.hg dd { margin: 0; }
+.hg .dot { display: inline-block; width: 9px; height: 9px; border-radius: 50%; margin-right: 6px; }
+.hg .mark { display: inline-block; width: 1.15em; }
+.hg .channel { margin-right: 12px; white-space: nowrap; }
+.hg table { width: 100%; border-collapse: collapse; }
+.hg th { font-weight: 500; color: var(--hg-dim); text-align: right; padding: 0 0 3px 6px; }
+.hg td { text-align: right; padding: 2px 0 2px 6px; border-top: 1px solid var(--mantine-color-default-border); }
+.hg th:nth-child(-n+2), .hg td:nth-child(-n+2) { text-align: left; padding-left: 0; }
+.hg table.numbers th:nth-child(2), .hg table.numbers td:nth-child(2) { text-align: right; padding-left: 6px; }
+.hg .title { font-weight: 600; margin: 6px 0 2px; }
+.hg .held { display: grid; grid-template-columns: auto 1fr; gap: 10px; margin-top: 4px; }
+.hg .swatch { display: inline-block; width: 12px; height: 9px; border-radius: 2px; margin-right: 5px; }
+.hg .chosen { color: var(--hg-own_target); }
+.hg tr.out td { color: var(--hg-dim); }
+.hg tfoot td { font-weight: 600; }
+.hg .log div { display: grid; grid-template-columns: 4em 1fr; gap: 8px; padding: 4px 0 4px 8px;
+  border-left: 3px solid; margin-bottom: 4px; }
+.hg .inputs { display: grid; grid-template-columns: 1.15em max-content 1fr; gap: 1px 8px; }
+.hg .inputs .why { grid-column: 2 / -1; font-size: .92em; line-height: 1.4; margin-bottom: 4px;
+  overflow-wrap: anywhere; }
+.hg dl.wide { grid-template-columns: 10.3em 1fr; }
+.hg table.attention td:last-child { width: 34%; }
+.hg .bar { display: block; height: 7px; min-width: 1px; border-radius: 2px; background: var(--hg-robot); }
+.hg .deeds div { display: grid; grid-template-columns: 4em 1fr; gap: 8px; padding: 2px 0; }
+.hg .deeds .undone { opacity: .55; text-decoration: line-through; }
+.hg .chart text { font-size: 11px; fill: var(--hg-dim); }
+.hg .chart .rule { stroke: var(--mantine-color-default-border); }
+.hg .key { display: grid; grid-template-columns: 22px 1fr; gap: 3px 8px; align-items: center; }
+.hg .key svg { width: 20px; height: 14px; overflow: visible; }
+.hg .warn { color: var(--hg-warning); font-weight: 600; }
+.hg .ahead { min-height: 9.5em; }
+.hg .good { color: var(--hg-progress); }
+.hg .alarm { color: var(--hg-alarm); font-weight: 600; }
+.hg .operator { color: var(--hg-operator); font-weight: 600; }
+[role=tab] { padding-inline: 4px !important; flex: 1 1 auto; justify-content: center; }
+.mantine-Notification-description { color: var(--hg-dim) !important; }
+.mantine-Notifications-root { top: auto !important; bottom: var(--hg-notes-bottom, 18px) !important;
+  left: 290px !important; }
+"""
+
+
+def style_html(look: Look) -> str:
+    """The style sheet in a look."""
+    colours = "".join(f"--hg-{name}:{colour};" for name, colour in look.palette._asdict().items())
+    return f"<style>:root{{{colours}--hg-size:{look.text:g}}}{_STYLE}</style>"
 
 
 TIMES, DASH = "\u00d7", "\u2013"

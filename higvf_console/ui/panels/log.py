@@ -1,20 +1,24 @@
-"""What happened, twice: as a notification when it happens, and in a list that stays."""
+"""What happened, twice: as a notification, which of an alarm stays until acknowledged, and in a list."""
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from typing import TYPE_CHECKING
 
 import viser
 
 from higvf_console.sim.setup import Event, Severity
-from higvf_console.ui.panels.html import SEVERITY_COLOUR, block, text
+from higvf_console.ui import page
+from higvf_console.ui.panels.callbacks import reaction
+from higvf_console.ui.panels.html import block, severity_colour, text
 from higvf_console.ui.panels.html import clock as session_clock
+from higvf_console.ui.scene import View
 from higvf_console.ui.theme import hex_rgb
 
 if TYPE_CHECKING:
     from higvf_console.session.session import Snapshot
 
 MOST_SHOWN = 30
+MOST_ALARMS = 99  # that wait to be acknowledged; older ones are let go
 MOST_AT_ONCE = 2  # notifications of one update
 TITLES = {
     "extinguished": "Fire out",
@@ -25,43 +29,86 @@ TITLES = {
     "refused": "Not possible",
     "clipped": "Stroke clipped",
     "stop": "STOP",
+    "channel": "Input",
+    "failure": "Engine failure",
 }
-STAY_S = {Severity.INFO: 4.0, Severity.GOOD: 6.0, Severity.WARNING: 8.0, Severity.ALARM: 15.0}
+STAY_S = {Severity.INFO: 4.0, Severity.GOOD: 6.0, Severity.WARNING: 8.0}  # an alarm stays until it is acknowledged
+_NOTHING = block('<span class="dim">Nothing has happened yet.</span>')
 
 
 class LogPanel:
-    """The last events, newest first."""
+    """The last events, newest first, and a button that acknowledges the alarms among them.
 
-    def __init__(self, server: viser.ViserServer) -> None:
+    To acknowledge is a matter of the view: it says that somebody has read the alarm, and commands nothing.
+    """
+
+    def __init__(self, server: viser.ViserServer, view: View) -> None:
         """Starts empty."""
-        self._server = server
-        self._html = server.gui.add_html(block('<span class="dim">Nothing has happened yet.</span>'))
+        self._server, self._view = server, view
+        self._button = server.gui.add_button(
+            "Acknowledge", icon=viser.Icon.CHECK, visible=False, hint="The alarms have been read"
+        )
+        self._button.on_click(reaction(lambda _: self._view.alarms.clear()))
+        self._html = server.gui.add_html(_NOTHING)
         self._newest: Event | None = None
+        self._shown: tuple[Event, ...] = ()
         self._notifications = Notifications()
+        self._standing: list[tuple[Event, viser.NotificationHandle]] = []
+        page.listen(server, "read", self._read)
+        page.install(server, "notes", {})
+
+    def _read(self, _client_id: int, body: page.Body) -> None:
+        """A page has put a notification away: the alarm that it told is acknowledged."""
+        told = body.get("text")
+        for alarm in [alarm for alarm in self._view.alarms if alarm.text == told]:
+            self._view.alarms.remove(alarm)
 
     def update(self, snapshot: "Snapshot") -> None:
-        """Lists and notifies what is new."""
+        """Lists and notifies what is new, and takes back what has been acknowledged."""
         fresh = newer(snapshot.events, self._newest)
-        if not fresh:
-            return
-        self._newest = fresh[-1]
-        self._html.content = log_html(snapshot.events)
-        for event in self._notifications.chosen(fresh, clock.monotonic()):
-            for client in self._server.get_clients().values():
-                client.add_notification(
-                    TITLES.get(event.kind, event.kind.capitalize()),
-                    event.text,
-                    auto_close_seconds=STAY_S[event.severity],
-                    color=hex_rgb(SEVERITY_COLOUR[event.severity]),
-                )
+        if fresh:
+            self._newest = fresh[-1]
+            self._view.alarms += [event for event in fresh if event.severity == Severity.ALARM]
+            del self._view.alarms[:-MOST_ALARMS]
+            for event in self._notifications.chosen(fresh, clock.monotonic(), self._told()):
+                self._notify(event)
+        unread = tuple(self._view.alarms)
+        if fresh or unread != self._shown:
+            self._shown = unread
+            self._html.content = log_html(snapshot.events, unread)
+            self._button.visible = bool(unread)
+            self._button.color = hex_rgb(severity_colour(Severity.ALARM, self._view.look.palette))
+            self._button.label = f"Acknowledge {alarms_text(len(unread))}"
+            self._take_back(unread)
+
+    def _told(self) -> set[str]:
+        return {event.kind for event, _ in self._standing}
+
+    def _notify(self, event: Event) -> None:
+        for client in self._server.get_clients().values():
+            notification = client.add_notification(
+                TITLES.get(event.kind, event.kind.capitalize()),
+                event.text,
+                auto_close_seconds=STAY_S.get(event.severity),
+                color=hex_rgb(severity_colour(event.severity, self._view.look.palette)),
+            )
+            if event.severity == Severity.ALARM:
+                self._standing.append((event, notification))
+
+    def _take_back(self, unread: Sequence[Event]) -> None:
+        for event, notification in self._standing:
+            if not any(event is alarm for alarm in unread):
+                notification.remove()
+        self._standing = [told for told in self._standing if any(told[0] is alarm for alarm in unread)]
 
     def cleanup(self) -> None:
-        """Removes the list."""
+        """Removes button and list."""
+        self._button.remove()
         self._html.remove()
 
 
 class Notifications:
-    """Keeps the arena in sight: one of a kind at a time, but every fire that goes out.
+    """Keeps the arena in sight: one of a kind at a time, but every fire that goes out and every loss of control.
 
     What the operator has just done is seen anyway and only logged.
     """
@@ -70,13 +117,24 @@ class Notifications:
         """Nothing has been notified."""
         self._shown_until: dict[str, float] = {}
 
-    def chosen(self, fresh: Sequence[Event], now: float) -> list[Event]:
-        """The events to be notified at `now` [s], of those that are new."""
+    def chosen(self, fresh: Sequence[Event], now: float, standing: Set[str] = frozenset()) -> list[Event]:
+        """The events to be notified at `now` [s], of those that are new.
+
+        Args:
+            fresh: what is new, oldest first.
+            now: time [s].
+            standing: kinds of the alarms that are notified and wait to be acknowledged.
+        """
         chosen: list[Event] = []
+        shown = set(standing)
         for event in fresh:
             if event.severity == Severity.INFO and event.kind != "target":
                 continue
-            if event.kind == "extinguished" or now >= self._shown_until.get(event.kind, now):
+            if event.severity == Severity.ALARM:
+                if event.kind not in shown:
+                    shown.add(event.kind)
+                    chosen.append(event)
+            elif event.kind in ("extinguished", "control") or now >= self._shown_until.get(event.kind, now):
                 self._shown_until[event.kind] = now + STAY_S[event.severity]
                 chosen.append(event)
         return chosen[-MOST_AT_ONCE:]
@@ -92,11 +150,18 @@ def newer(events: Sequence[Event], newest: Event | None) -> list[Event]:
     return fresh[::-1]
 
 
-def log_html(events: Sequence[Event]) -> str:
-    """The last events, newest first."""
+def alarms_text(count: int) -> str:
+    """So many alarms, in words."""
+    return f"{count} alarm{'' if count == 1 else 's'}"
+
+
+def log_html(events: Sequence[Event], unread: Sequence[Event] = ()) -> str:
+    """The last events, newest first; alarms that nobody has acknowledged stand out."""
+    waiting = {id(alarm) for alarm in unread}
     lines = "".join(
-        f'<div style="border-color:{SEVERITY_COLOUR[event.severity]}">'
-        f'<span class="dim">{session_clock(event.time)}</span><span>{text(event.text)}</span></div>'
+        f'<div style="border-color:{severity_colour(event.severity)}">'
+        f'<span class="dim">{session_clock(event.time)}</span>'
+        f"<span{' class=alarm' if id(event) in waiting else ''}>{text(event.text)}</span></div>"
         for event in reversed(events[-MOST_SHOWN:])
     )
     return block(f'<div class="log">{lines}</div>')

@@ -9,16 +9,16 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.session.explain import Say
 from higvf_console.ui.panels.chart import WIDTH
 from higvf_console.ui.panels.html import text
-from higvf_console.ui.theme import DARK
+from higvf_console.ui.theme import CSS
 
 SPAN = 30.0  # of session time that is shown [s]
 PERIOD = 0.2  # between two samples [s]
 HEIGHT = 74  # [CSS px]
 SAY_LOOK = {
-    Say.HUMAN: ("human", DARK.operator),
-    Say.ROBOT: ("own target", DARK.own_target),
-    Say.NEIGHBOURS: ("neighbours", DARK.neighbours),
-    Say.SAFETY: ("safety", DARK.safety),
+    Say.HUMAN: ("human", CSS.operator),
+    Say.ROBOT: ("own target", CSS.own_target),
+    Say.NEIGHBOURS: ("neighbours", CSS.neighbours),
+    Say.SAFETY: ("safety", CSS.safety),
 }
 _LEFT, _BOTTOM = 48, 18
 

@@ -8,30 +8,32 @@ import viser
 from higvf_console.commands import Acknowledge, ChannelHealth, ChannelState, PointerSink
 from higvf_console.state import PathKind, PathStatus, SimState
 from higvf_console.ui.panels.callbacks import reaction
-from higvf_console.ui.panels.html import DASH, STYLE, TIMES, block, clock, text
-from higvf_console.ui.theme import DARK
+from higvf_console.ui.panels.html import DASH, TIMES, block, clock, text
+from higvf_console.ui.panels.log import alarms_text
+from higvf_console.ui.scene import View
+from higvf_console.ui.theme import CSS
 
 if TYPE_CHECKING:
     from higvf_console.session.session import Snapshot
 
 # Shape and word tell the state; the colour only repeats it.
 CHANNEL_MARK = {
-    ChannelState.NEVER_SEEN: ("\u25cb", DARK.scorched_text),  # circle
-    ChannelState.LIVE: ("\u25cf", DARK.fighting),  # disc
-    ChannelState.STALE: ("\u25d0", DARK.fire_zone),  # half a disc
-    ChannelState.LOST: ("\u2715", "#ff6b6b"),  # cross
-    ChannelState.RECOVERED: ("\u25b2", DARK.fire_zone),  # triangle
-    ChannelState.ENDED: ("\u25a0", DARK.scorched_text),  # square
+    ChannelState.NEVER_SEEN: ("\u25cb", CSS.scorched_text),  # circle
+    ChannelState.LIVE: ("\u25cf", CSS.fighting),  # disc
+    ChannelState.STALE: ("\u25d0", CSS.warning),  # half a disc
+    ChannelState.LOST: ("\u2715", CSS.alarm),  # cross
+    ChannelState.RECOVERED: ("\u25b2", CSS.warning),  # triangle
+    ChannelState.ENDED: ("\u25a0", CSS.scorched_text),  # square
 }
 
 
 class StatusPanel:
     """A few lines of HTML, renewed when they read differently."""
 
-    def __init__(self, gui: viser.GuiApi, control_period: float, sink: PointerSink) -> None:
+    def __init__(self, gui: viser.GuiApi, control_period: float, sink: PointerSink, view: View) -> None:
         """Starts empty; what the operator acknowledges goes to `sink`."""
+        self._view = view
         self._period_ms = 1e3 * control_period
-        self._style = gui.add_html(STYLE)
         self._html = gui.add_html("")
         self._acknowledge = gui.add_button(
             "Acknowledge", icon=viser.Icon.CHECK, color="yellow", hint="Lost inputs that are back count again"
@@ -41,7 +43,7 @@ class StatusPanel:
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows a snapshot."""
-        self._html.content = status_html(snapshot, self._period_ms)
+        self._html.content = status_html(snapshot, self._period_ms, len(self._view.alarms))
         back = [name for name, health in snapshot.channels if health.state is ChannelState.RECOVERED]
         self._acknowledge.visible = bool(back)
         if back:
@@ -51,26 +53,27 @@ class StatusPanel:
         """Removes the panel."""
         self._acknowledge.remove()
         self._html.remove()
-        self._style.remove()
 
 
 def mode_of(state: SimState, frozen: bool) -> tuple[str, str]:
     """The mode in one word, and its colour."""
     if state.intent.stopped:
-        return "STOPPED", "#ff6b6b"
+        return "STOPPED", CSS.alarm
     if frozen:
-        return "FROZEN", DARK.robot
+        return "FROZEN", CSS.robot
     if state.intent.paused:
-        return "PAUSED", DARK.fire_zone
-    return "RUNNING", DARK.progress
+        return "PAUSED", CSS.warning
+    return "RUNNING", CSS.progress
 
 
-def status_html(snapshot: "Snapshot", period_ms: float) -> str:
-    """The status lines."""
+def status_html(snapshot: "Snapshot", period_ms: float, unread: int = 0) -> str:
+    """The status lines, and the count of alarms that nobody has acknowledged."""
     mode, colour = mode_of(snapshot.state, snapshot.frozen)
+    alarms = f'<span class="unseen" title="Acknowledge them under Log">{alarms_text(unread)}</span>' if unread else ""
     head = (
         f'<div class="head"><span class="mode" style="background:{colour}">{mode}</span>'
-        f'<span class="clock">{clock(snapshot.time)}</span><span class="speed">{snapshot.speed:g}{TIMES}</span></div>'
+        f'<span class="clock">{clock(snapshot.time)}</span>{alarms}'
+        f'<span class="speed">{snapshot.speed:g}{TIMES}</span></div>'
     )
     rows = [
         ("Operator", operator_line(snapshot.state)),

@@ -1,4 +1,4 @@
-"""What is shown: the vector field, trails, links, boundaries, numbers; and what the marks mean."""
+"""What is shown, and how: theme and text size, vector field, trails, links; and what the marks mean."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +8,7 @@ from higvf_console.control.field import FieldKind
 from higvf_console.ui.panels.callbacks import mirror, one_of, reaction, truth
 from higvf_console.ui.panels.html import block
 from higvf_console.ui.scene import View
-from higvf_console.ui.theme import DARK
+from higvf_console.ui.theme import CSS, TEXT_SIZES, THEMES
 
 if TYPE_CHECKING:
     from higvf_console.session.session import Snapshot
@@ -44,10 +44,17 @@ class ViewPanel:
         )  # fmt: skip
         self._field.on_update(reaction(self._choose))
         self._switches = [self._make_switch(gui, name, *words) for name, words in SWITCHES.items()]
+        self._theme = gui.add_dropdown("Theme", tuple(THEMES), hint="Of every page")
+        self._theme.on_update(reaction(lambda value: self._wear(palette=one_of(value, THEMES))))
+        self._text = gui.add_dropdown("Text size", tuple(TEXT_SIZES), initial_value="Normal", hint="On every page")
+        self._text.on_update(reaction(lambda value: self._wear(text=one_of(value, TEXT_SIZES))))
         self._key = gui.add_html(block(key_html()))
 
     def _choose(self, value: object) -> None:
         self._view.field = one_of(value, FIELDS)
+
+    def _wear(self, **changes: Any) -> None:
+        self._view.look = self._view.look._replace(**changes)
 
     def _make_switch(self, gui: viser.GuiApi, name: str, label: str, hint: str) -> viser.GuiCheckboxHandle:
         switch = gui.add_checkbox(label, bool(getattr(self._view, name)), hint=hint)
@@ -55,13 +62,19 @@ class ViewPanel:
         return switch
 
     def update(self, _: "Snapshot") -> None:
-        """Shows the field that is chosen now."""
-        mirror(self._field, next(name for name, kind in FIELDS.items() if kind == self._view.field))
+        """Shows what is chosen now."""
+        mirror(self._field, _name_of(self._view.field, FIELDS))
+        mirror(self._theme, _name_of(self._view.look.palette, THEMES))
+        mirror(self._text, _name_of(self._view.look.text, TEXT_SIZES))
 
     def cleanup(self) -> None:
         """Removes the switches."""
-        for widget in (self._field, *self._switches, self._key):
+        for widget in (self._field, *self._switches, self._theme, self._text, self._key):
             widget.remove()
+
+
+def _name_of(value: object, choices: dict[str, Any]) -> str:
+    return next(name for name, choice in choices.items() if choice == value)
 
 
 def next_field(kind: FieldKind | None) -> FieldKind | None:
@@ -76,14 +89,14 @@ def key_html() -> str:
     diamond = '<path d="M10 -1 18 7 10 15 2 7z" fill="none" stroke="{0}" stroke-width="2"/>'
     ring = '<circle cx="10" cy="7" r="6.5" fill="{1}" stroke="{0}" stroke-width="2"/>'
     rows = [
-        (dart.format(DARK.robot), "robot"),
-        (dart.format(DARK.operator), "the robot you steer, and your path"),
-        (ring.format(DARK.fire_edge, DARK.fire), "burning fire, and the zone it is fought from"),
-        (ring.format(DARK.progress, DARK.fire), "being put out; the arc is the work done"),
-        (ring.format(DARK.scorched_edge, DARK.scorched), "out, with the area it burnt"),
-        (ring.format(DARK.trouble, "none"), "no safe velocity: least violation"),
-        (diamond.format(DARK.trouble), "held by barriers"),
-        (ring.format(DARK.gaze, "none"), "where you look"),
+        (dart.format(CSS.robot), "robot"),
+        (dart.format(CSS.operator), "the robot you steer, and your path"),
+        (ring.format(CSS.fire_edge, CSS.fire), "burning fire, and the zone it is fought from"),
+        (ring.format(CSS.progress, CSS.fire), "being put out; the arc is the work done"),
+        (ring.format(CSS.scorched_edge, CSS.scorched), "out, with the area it burnt"),
+        (ring.format(CSS.trouble, "none"), "no safe velocity: least violation"),
+        (diamond.format(CSS.trouble), "held by barriers"),
+        (ring.format(CSS.gaze, "none"), "where you look"),
     ]
     lines = "".join(f'<svg viewBox="0 0 20 14">{mark}</svg><span>{words}</span>' for mark, words in rows)
     return f'<div class="dim" style="margin:6px 0 4px">Marks</div><div class="key">{lines}</div>'

@@ -13,7 +13,8 @@ from higvf_console.session.tight_rows import TightRow
 from higvf_console.sim.certificates import CONNECTED, Certificate
 from higvf_console.sim.setup import Setup
 from higvf_console.ui.panels.html import DASH, dot, text
-from higvf_console.ui.scene_reasons import PART_COLOUR
+from higvf_console.ui.scene_reasons import part_colours
+from higvf_console.ui.theme import CSS
 
 if TYPE_CHECKING:
     from higvf_console.session.session import Snapshot
@@ -28,6 +29,7 @@ PART_NAMES = {
     Part.HOLD: ("Limit, pause", "Speed limit; or a pause, or STOP"),
     Part.SAFETY: ("Safety", "What the safety filter corrects"),
 }
+PART_COLOUR = part_colours(CSS)
 MOST_ROWS = 4  # active barrier rows that are named
 MOST_HIDERS = 2  # obstacles that are named for one fire
 _MINUS, _LEAST, _MOST = "\u2212", "\u2265", "\u2264"

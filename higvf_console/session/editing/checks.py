@@ -1,0 +1,97 @@
+"""What every edit must leave true: clearances kept, barriers that hold in discrete time, gains that fit the team."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from higvf_console.arrays import Floats, Ints
+from higvf_console.errors import ScenarioError
+from higvf_console.session.editing.layout import Layout
+from higvf_console.session.editing.safe_places import crowded
+from higvf_console.session.placement import (
+    check_barriers,
+    check_formation,
+    check_robots,
+    check_start,
+    start_network,
+    wall_gaps,
+)
+from higvf_console.state import Motion, World
+from higvf_console.viewport import Arena
+
+_SOURCE = "the edit"
+
+
+class Stand(NamedTuple):
+    """A moment of a run, as the checks see it."""
+
+    layout: Layout
+    world: World
+    motion: Motion
+
+
+def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
+    """Refuses an edit that breaks a guarantee that held before it.
+
+    Args:
+        before: the edit.
+        after: the edit.
+        robots: (N,) row that each robot had before, or `NEW`.
+
+    Raises:
+        ScenarioError: a clearance, the sampling condition, the least stand-off or the formation's limit is missed.
+    """
+    for check in (_formation, _robots, _barriers):
+        _newly(check, before, after)
+    already = set(crowded(before.layout, before.motion))
+    if any(int(robots[robot]) not in already for robot in crowded(after.layout, after.motion)):
+        layout, world, motion = after
+        check_start(motion.position, *_burning(world, motion), layout.obstacles, layout.gains, _SOURCE)
+
+
+def _newly(check: Callable[[Stand], None], before: Stand, after: Stand) -> None:
+    """Raises what is wrong after the edit, unless something of the kind was wrong before."""
+    try:
+        check(after)
+    except ScenarioError as wrong:
+        try:
+            check(before)
+        except ScenarioError:
+            return
+        raise wrong from None
+
+
+def _formation(stand: Stand) -> None:
+    layout, motion = stand.layout, stand.motion
+    network = start_network(motion.position, layout.links, layout.gains.formation.communication_range)
+    check_formation(network.degree, layout.gains, _SOURCE)
+
+
+def _robots(stand: Stand) -> None:
+    growth = stand.world.fire_growth[stand.motion.fire_burning]
+    check_robots(stand.layout.gains, float(growth.max(initial=0.0)), _SOURCE)
+
+
+def _barriers(stand: Stand) -> None:
+    radius, world = _burning(stand.world, stand.motion)
+    check_barriers(world, radius, stand.layout.gains, _SOURCE)
+
+
+def _burning(world: World, motion: Motion) -> tuple[Floats, World]:
+    """Radii of the burning fires [m], and the world with no others."""
+    burning = motion.fire_burning
+    fires = world._replace(fire_position=world.fire_position[burning], fire_growth=world.fire_growth[burning])
+    return motion.fire_radius[burning], fires
+
+
+def check_walls(arena: Arena, walls: bool, layout: Layout, motion: Motion) -> None:
+    """Refuses an arena without an inside, or whose walls leave robots or fires outside.
+
+    Raises:
+        ScenarioError: with what is outside.
+    """
+    if not (arena.width > 0.0 and arena.height > 0.0):
+        raise ScenarioError(f"an arena of {arena.width:g} m x {arena.height:g} m has no inside")
+    for what, points in (("robot", motion.position), ("fire", layout.fire_position)) if walls else ():
+        for gap in wall_gaps(points, arena):
+            if len(gap) and gap.min() < 0.0:
+                raise ScenarioError(f"{what} {int(gap.argmin()) + 1} would be outside the walls; move it first")

@@ -1,0 +1,304 @@
+"""What each edit does: from a setup and a state to others, or a refusal that says why and what would do.
+
+A body dropped on a robot, and a robot dropped on a body, are held at the nearest safe place. An edit before the first
+step changes the start too; later ones leave the start of what stood then alone, but for robots that could not start
+safely any more: those start at their nearest safe place.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.arrays import Floats, Ints, floats, ints
+from higvf_console.edits import (
+    AddOutlines,
+    AddThing,
+    ChangeThing,
+    DeleteThing,
+    Edit,
+    LinkByRange,
+    MoveThing,
+    SetArena,
+    SetParameters,
+    Thing,
+    ToggleLink,
+)
+from higvf_console.errors import ScenarioError
+from higvf_console.session.editing import bodies
+from higvf_console.session.editing.carry import NEW, carried, led_on, same_rows
+from higvf_console.session.editing.checks import Stand, check_edit, check_walls
+from higvf_console.session.editing.layout import Layout, layout_of, world_of
+from higvf_console.session.editing.parameters import with_parameters
+from higvf_console.session.editing.safe_places import diagonal, nearest_fit, placed, resettled, robot_fits
+from higvf_console.session.editing.things import NUMBERS, Place, centres, how_many, name_of, numbers_of
+from higvf_console.sim.setup import Setup
+from higvf_console.state import Motion, SimState, World
+from higvf_console.viewport import Arena
+
+FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire [m], [m/s]
+_HELD = 0.01  # [m] from where it was wanted, from which on it is said that a thing was held
+
+
+class Edited(NamedTuple):
+    """What came of an edit.
+
+    Attributes:
+        setup: from now on.
+        state: from now on.
+        robots: (N,) row that each robot had before, or `carry.NEW`.
+        fires: (M,) likewise.
+        text: what was done, one sentence.
+    """
+
+    setup: Setup
+    state: SimState
+    robots: Ints
+    fires: Ints
+    text: str
+
+
+class _Draft(NamedTuple):
+    """An edit on its way: the new layout, and what it makes of a motion."""
+
+    layout: Layout
+    robots: Ints
+    fires: Ints
+    finish: Callable[[Motion], Motion]  # gives new and moved rows their places
+    text: str
+
+
+def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
+    """Setup and state after an edit.
+
+    Raises:
+        ScenarioError: it cannot be done; nothing has changed.
+    """
+    before = layout_of(setup)
+    draft = _draft(before, state, command)
+    layout = draft.layout
+    world = setup.world if layout is before else world_of(layout)
+    motion = draft.finish(carried(state.motion, draft.robots, draft.fires, setup.world, world))
+    if state.motion.tick == 0:
+        start = motion
+        layout = layout._replace(formation=_shifted_formation(layout, draft, setup.start.motion, motion))
+        world = world._replace(formation=layout.formation)
+    else:
+        start = _start(setup, draft, layout, world)
+    check_edit(Stand(before, setup.world, state.motion), Stand(layout, world, motion), draft.robots)
+    motion, intent = led_on(motion, state.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
+    start, start_intent = led_on(start, setup.start.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
+    new = Setup(
+        layout.arena, world, layout.gains, setup.start._replace(motion=start, intent=start_intent),
+        layout.obstacles.polygons,
+    )  # fmt: skip
+    return Edited(new, state._replace(motion=motion, intent=intent), draft.robots, draft.fires, draft.text)
+
+
+def _start(setup: Setup, draft: _Draft, layout: Layout, world: World) -> Motion:
+    """The start, with rows that came and went; what could not start safely any more is moved."""
+    start = carried(setup.start.motion, draft.robots, draft.fires, setup.world, world)
+    if (draft.robots == NEW).any() or (draft.fires == NEW).any():
+        start = draft.finish(start)
+    start = resettled(layout, start)
+    if start is None:
+        raise ScenarioError("there would be no room for the robots where a run starts")
+    return start
+
+
+def _shifted_formation(layout: Layout, draft: _Draft, before: Motion, after: Motion) -> Floats:
+    """The shape to keep, before the first step: it follows robots that are moved."""
+    formation = layout.formation.copy()
+    kept = draft.robots != NEW
+    if len(formation) == len(after.position):
+        formation[kept] += after.position[kept] - before.position[draft.robots[kept]]
+    return formation
+
+
+def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: PLR0911
+    motion = state.motion
+    match command:
+        case AddThing(thing=thing, point=point):
+            return _add(layout, motion, _kind(thing), floats(point, 2))
+        case AddOutlines(outlines=outlines):
+            return _plain(layout, *bodies.with_outlines(layout, motion, outlines))
+        case MoveThing(thing=thing, index=index, point=point):
+            return _move(layout, motion, _place(layout, thing, index), floats(point, 2))
+        case ChangeThing(thing=thing, index=index, name=name, value=value):
+            return _change(layout, motion, _place(layout, thing, index), name, value)
+        case DeleteThing(thing=thing, index=index):
+            return _delete(layout, _place(layout, thing, index))
+        case ToggleLink(first=first, second=second):
+            return _plain(layout, *_toggle(layout, motion, first, second))
+        case LinkByRange():
+            return _plain(layout, layout._replace(links=None), "The communication range decides who is linked.")
+        case SetArena(sides=sides, walls=walls):
+            arena = Arena(*floats(sides, 4).tolist())
+            check_walls(arena, bool(walls), layout, motion)
+            text = f"The arena is {arena.width:g} m x {arena.height:g} m, {'walled' if walls else 'open'}."
+            return _plain(layout, layout._replace(arena=arena, walls=bool(walls)), text)
+        case SetParameters(values=values):
+            gains, text = with_parameters(layout, values)
+            return _plain(layout, layout._replace(gains=gains), text)
+        case _:
+            raise ScenarioError(f"{type(command).__name__} is no edit that this console knows")
+
+
+def _plain(layout: Layout, new: Layout, text: str) -> _Draft:
+    """An edit after which every robot and fire is where it was."""
+    same = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
+    return _Draft(new, *same, _as_it_is, text)
+
+
+def _as_it_is(motion: Motion) -> Motion:
+    return motion
+
+
+def _kind(word: str) -> Thing:
+    try:
+        return Thing(word)
+    except ValueError:
+        raise ScenarioError(f"'{word}' is nothing that can be edited; choose {', '.join(Thing)}") from None
+
+
+def _place(layout: Layout, word: str, row: int) -> Place:
+    kind = _kind(word)
+    count = how_many(kind, layout)
+    if not 0 <= row < count:
+        known = f"there are {kind.value}s 1 to {count}" if count else f"there is no {kind.value}"
+        raise ScenarioError(f"there is no {kind.value} {row + 1}: {known}")
+    return Place(kind, int(row))
+
+
+def _add(layout: Layout, motion: Motion, kind: Thing, point: Floats) -> _Draft:
+    robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
+    if kind is Thing.ROBOT:
+        offset = (layout.formation - motion.position).mean(axis=0)
+        new = layout._replace(formation=floats(np.vstack([layout.formation, point + offset])))
+        text = f"Robot {len(robots) + 1} is added"
+        return _Draft(new, np.append(robots, NEW), fires, _robot_put(new, len(robots), point), f"{text}.")
+    if kind is Thing.FIRE:
+        row, needs = len(fires), min(2, len(robots))
+        new = layout._replace(
+            fire_position=floats(np.vstack([layout.fire_position, point])),
+            fire_growth=floats(np.append(layout.fire_growth, FIRE_GROWTH)),
+            fire_needs=ints(np.append(layout.fire_needs, needs)),
+        )
+        place, held = bodies.fire_place(layout, motion, point, FIRE_RADIUS)
+        new.fire_position[row] = place
+
+        def kindled(carried_on: Motion) -> Motion:
+            radius = carried_on.fire_radius.copy()
+            radius[row] = FIRE_RADIUS
+            return carried_on._replace(fire_radius=radius)
+
+        return _Draft(new, robots, np.append(fires, NEW), kindled, f"Fire {row + 1} is lit{held}.")
+    return _plain(layout, *bodies.with_body(layout, motion, kind, point))
+
+
+def _robot_put(layout: Layout, robot: int, centre: Floats) -> Callable[[Motion], Motion]:
+    """Puts a robot's centre at a point (2,), or where it is safe near it."""
+
+    def finish(motion: Motion) -> Motion:
+        ahead, heading = layout.gains.robots.look_ahead, float(motion.heading[robot])
+        point = centre + ahead * np.array([math.cos(heading), math.sin(heading)])
+        place = nearest_fit(point, robot_fits(robot, layout, motion), diagonal(layout))
+        if place is None:
+            raise ScenarioError(f"there is no safe place for robot {robot + 1} in the arena")
+        return placed(motion, robot, place)
+
+    return finish
+
+
+def _move(layout: Layout, motion: Motion, place: Place, point: Floats) -> _Draft:
+    if place.thing is Thing.ROBOT:
+        put = _robot_put(layout, place.row, point)
+        held = _held(centres(layout, put(motion))[place.row], point)
+        return _plain(layout, layout, f"Robot {place.row + 1} is moved{held}.")._replace(finish=put)
+    if place.thing is Thing.FIRE:
+        at, held = bodies.fire_place(layout, motion, point, float(motion.fire_radius[place.row]))
+        position = layout.fire_position.copy()
+        position[place.row] = at
+        return _plain(layout, layout._replace(fire_position=position), f"Fire {place.row + 1} is moved{held}.")
+    return _plain(layout, *bodies.moved(layout, motion, place, point))
+
+
+def _held(place: Floats, wanted: Floats) -> str:
+    gap = math.hypot(place[0] - wanted[0], place[1] - wanted[1])
+    return f"; it is held at the nearest safe place, {gap:.1f} m from there" if gap > _HELD else ""
+
+
+def _change(layout: Layout, motion: Motion, place: Place, name: str, value: float) -> _Draft:
+    known = NUMBERS[place.thing]
+    if name not in known:
+        raise ScenarioError(f"{name_of(place)} has no number '{name}'; it has {', '.join(known)}")
+    low, high, unit = known[name].low, known[name].high, known[name].unit
+    if not low <= value <= high:
+        raise ScenarioError(f"{name} of {name_of(place)}: {value:g} is not from {low:g} to {high:g} {unit}".rstrip())
+    numbers = {**numbers_of(place, layout, motion), name: float(value)}
+    if name in ("x", "y"):
+        return _move(layout, motion, place, floats([numbers["x"], numbers["y"]]))
+    text = f"{name_of(place).capitalize()} has {name} {value:g} {unit}".rstrip() + "."
+    if place.thing is Thing.ROBOT:
+        if layout.gains.robots.look_ahead == 0.0:
+            raise ScenarioError("the robots have no heading: they are no unicycles")
+        return _plain(layout, layout, text)._replace(finish=_turned(layout, place.row, value))
+    if place.thing is Thing.FIRE:
+        return _plain(layout, *bodies.fire_changed(layout, motion, place, name, value, text))._replace(
+            finish=bodies.fire_sized(place.row, numbers["radius"])
+        )
+    return _plain(layout, bodies.reshaped(layout, motion, place, numbers), text)
+
+
+def _turned(layout: Layout, robot: int, degrees: float) -> Callable[[Motion], Motion]:
+    """Turns a unicycle about its centre; its controlled point goes with it, to where it is safe."""
+
+    def finish(motion: Motion) -> Motion:
+        centre, heading = centres(layout, motion)[robot], motion.heading.copy()
+        heading[robot] = math.radians(degrees)
+        return _robot_put(layout, robot, centre)(motion._replace(heading=heading))
+
+    return finish
+
+
+def _delete(layout: Layout, place: Place) -> _Draft:
+    robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
+    text = f"{name_of(place).capitalize()} is deleted."
+    if place.thing is Thing.ROBOT:
+        if len(robots) == 1:
+            raise ScenarioError("robot 1 is the last one; a team has at least one robot")
+        kept = np.delete(robots, place.row)
+        return _plain(layout, _without_robot(layout, place.row), text)._replace(robots=kept)
+    if place.thing is Thing.FIRE:
+        kept = np.delete(fires, place.row)
+        new = layout._replace(
+            fire_position=floats(layout.fire_position[kept]),
+            fire_growth=floats(layout.fire_growth[kept]),
+            fire_needs=ints(layout.fire_needs[kept]),
+        )
+        return _plain(layout, new, text)._replace(fires=kept)
+    return _plain(layout, bodies.without(layout, place), text)
+
+
+def _without_robot(layout: Layout, robot: int) -> Layout:
+    links = layout.links
+    if links is not None:
+        kept = [(i, j) for i, j in links if robot not in (i, j)]
+        links = tuple((i - (i > robot), j - (j > robot)) for i, j in kept)
+    robots = len(layout.formation) - 1
+    return layout._replace(
+        formation=floats(np.delete(layout.formation, robot, axis=0)),
+        fire_needs=np.minimum(layout.fire_needs, robots),
+        links=links,
+    )
+
+
+def _toggle(layout: Layout, motion: Motion, first: int, second: int) -> tuple[Layout, str]:
+    low, high = sorted((_place(layout, "robot", first).row, _place(layout, "robot", second).row))
+    if low == high:
+        raise ScenarioError(f"robot {low + 1} cannot be linked to itself")
+    links = set(bodies.links_now(layout, motion))
+    links ^= {(low, high)}
+    now = "are linked" if (low, high) in links else "are linked no more"
+    return layout._replace(links=tuple(sorted(links))), f"Robots {low + 1} and {high + 1} {now}."

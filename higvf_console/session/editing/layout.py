@@ -1,0 +1,72 @@
+"""What a world is made of, as people edit it; `state.World` is what the kernels make of it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.arrays import Floats, Ints, floats, ints
+from higvf_console.control.gains import Gains, controlled
+from higvf_console.control.world import NO_LINKS, make_world
+from higvf_console.session.placement import link_table
+from higvf_console.session.sections import Obstacles
+from higvf_console.sim.setup import Setup
+from higvf_console.state import World
+from higvf_console.viewport import Arena
+
+Links = tuple[tuple[int, int], ...]
+
+
+class Layout(NamedTuple):
+    """All that can be edited but for where robots are and how large fires have grown: N robots, M fires.
+
+    Attributes:
+        arena: what the operator sees.
+        walls: whether its sides are barriers.
+        obstacles: circles, bars and polygons.
+        fire_position: (M, 2) [m].
+        fire_growth: (M,) [m/s].
+        fire_needs: (M,) robots that it takes to extinguish it.
+        formation: (N, 2) shape [m].
+        links: given links as index pairs i < j; None = the communication range decides.
+        gains: all tunables.
+    """
+
+    arena: Arena
+    walls: bool
+    obstacles: Obstacles
+    fire_position: Floats
+    fire_growth: Floats
+    fire_needs: Ints
+    formation: Floats
+    links: Links | None
+    gains: Gains
+
+
+def layout_of(setup: Setup) -> Layout:
+    """What a setup is made of."""
+    world = setup.world
+    edges = sum(len(chain) for chain in setup.polygons)
+    obstacles = Obstacles(world.circles, world.bars[: len(world.bars) - edges], setup.polygons)
+    links = None if len(world.link_start) == 0 else link_pairs(world)
+    return Layout(
+        setup.arena, len(world.walls) > 0, obstacles, world.fire_position, world.fire_growth, world.fire_needs,
+        world.formation, links, setup.gains,
+    )  # fmt: skip
+
+
+def link_pairs(world: World) -> Links:
+    """The given links of a world, as index pairs i < j."""
+    first = np.repeat(np.arange(len(world.link_start) - 1), np.diff(world.link_start))
+    return tuple((i, j) for i, j in zip(first.tolist(), world.link_to.tolist(), strict=True) if i < j)
+
+
+def world_of(layout: Layout) -> World:
+    """The world that the kernels see."""
+    arena, obstacles = layout.arena, layout.obstacles
+    sides = [(1, 0, arena.x_min), (-1, 0, -arena.x_max), (0, 1, arena.y_min), (0, -1, -arena.y_max)]
+    links = NO_LINKS if layout.links is None else link_table(layout.links, len(layout.formation))
+    return make_world(
+        obstacles.circles, obstacles.bars, floats(sides if layout.walls else [], -1, 3),
+        floats(layout.fire_position, -1, 2), floats(layout.fire_growth, -1), ints(layout.fire_needs, -1),
+        layout.formation, controlled(layout.gains).safety.obstacle_clearance, links, obstacles.polygons,
+    )  # fmt: skip

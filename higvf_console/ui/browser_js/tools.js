@@ -1,0 +1,91 @@
+// The strip of tools at the top of the arena, with undo and redo.
+(page, config) => {
+  const FOLLOW_MS = 150;
+  const LEAST_ROOM = 620; // [px]; in a narrower arena the strip has no gaps
+
+  const UNDO = '<path d="M9 7 4 12l5 5"/><path d="M4 12h10a6 6 0 0 1 0 12" transform="translate(0 -3)"/>';
+  const REDO = '<path d="m15 7 5 5-5 5"/><path d="M20 12H10a6 6 0 0 0 0 12" transform="translate(0 -3)"/>';
+
+  const overlay = page.overlay(
+    `<style>
+      .strip { position: absolute; top: 8px; display: flex; gap: 10px; padding: 4px; border-radius: 9px;
+        background: var(--hg-overlay, rgba(24, 28, 34, 0.94)); box-shadow: 0 0 0 1px rgba(148, 163, 184, 0.35);
+        pointer-events: auto; }
+      .strip.tight { gap: 2px; }
+      .group { display: flex; gap: 2px; }
+      button { width: 30px; height: 30px; padding: 0; border: 0; border-radius: 6px; cursor: pointer; background: none;
+        color: var(--hg-text, #c9d1d9); touch-action: manipulation; display: grid; place-items: center; }
+      button:hover:not(:disabled) { background: rgba(148, 163, 184, 0.22); }
+      button:focus-visible { outline: 2px solid currentColor; outline-offset: 1px; }
+      button:disabled { opacity: 0.35; cursor: default; }
+      button[aria-pressed="true"] { background: var(--hg-operator, #f0e442); color: var(--hg-badge_text, #14171c); }
+      svg { width: 20px; height: 20px; fill: none; stroke: currentColor; stroke-width: 1.8; stroke-linecap: round;
+        stroke-linejoin: round; }
+      @media (pointer: coarse) { button { width: 38px; height: 38px; } }
+    </style>
+    <div class="strip" role="toolbar" aria-label="Tools"></div>`,
+    2147483645,
+  );
+  const strip = overlay.shadowRoot.querySelector(".strip");
+  const looks = new Map(config.tools.map((tool) => [tool.name, tool]));
+  const buttons = new Map();
+  const groups = new Map();
+  let current = "";
+
+  function make(group, name, icon, title) {
+    if (!groups.has(group)) groups.set(group, strip.appendChild(Object.assign(document.createElement("div"), { className: "group" })));
+    const button = document.createElement("button");
+    button.type = "button";
+    button.innerHTML = `<svg viewBox="0 0 24 24" aria-hidden="true">${icon}</svg>`;
+    button.title = title;
+    button.setAttribute("aria-label", title);
+    button.dataset.tool = name;
+    button.addEventListener("click", () => page.send("tool", { name }));
+    groups.get(group).append(button);
+    buttons.set(name, button);
+    return button;
+  }
+
+  for (const { name, group, icon, title, text, key } of config.tools) make(group, name, icon, `${title} (${key}). ${text}.`);
+  const undo = make("history", "undo", UNDO, "Undo (Ctrl+Z)");
+  const redo = make("history", "redo", REDO, "Redo (Ctrl+Y)");
+  strip.addEventListener("mousedown", (event) => event.preventDefault()); // the focus stays where it is
+
+  function show(name) {
+    current = name;
+    for (const [tool, button] of buttons) if (looks.has(tool)) button.setAttribute("aria-pressed", String(tool === name));
+    page.part("pointer")?.ink(looks.get(name).inks);
+  }
+
+  function history(texts) {
+    for (const [button, text, word, keys] of [
+      [undo, texts.undo, "Undo", "Ctrl+Z"],
+      [redo, texts.redo, "Redo", "Ctrl+Y"],
+    ]) {
+      button.disabled = !text;
+      button.title = text ? `${word} (${keys}): ${text}` : `Nothing to ${word.toLowerCase()}`;
+    }
+  }
+
+  function place() {
+    const rect = page.canvas()?.getBoundingClientRect();
+    if (!rect) return;
+    strip.style.left = `${rect.left + 8}px`;
+    strip.classList.toggle("tight", rect.width < LEAST_ROOM);
+  }
+
+  history({ undo: "", redo: "" });
+  show(config.tools[0].name);
+  place();
+  const following = setInterval(place, FOLLOW_MS);
+
+  return {
+    show,
+    history,
+    current: () => current,
+    remove() {
+      clearInterval(following);
+      overlay.remove();
+    },
+  };
+}

@@ -1,0 +1,230 @@
+"""The operator's hand: what a page's pointer, tools and keys do becomes commands, on viser's event loop."""
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from higvf_console.arrays import Floats, floats
+from higvf_console.commands import (
+    AskReset,
+    ClearPath,
+    Confirm,
+    Discard,
+    Freeze,
+    OperatorCommand,
+    Pause,
+    Pick,
+    Prioritise,
+    Redo,
+    ResetStop,
+    Resume,
+    ReversePath,
+    Step,
+    Stop,
+    StrokeBegin,
+    StrokeCancel,
+    StrokePoints,
+    Undo,
+)
+from higvf_console.edits import AddThing, DeleteThing
+from higvf_console.session.editing.layout import layout_of
+from higvf_console.session.editing.things import centres, thing_at
+from higvf_console.ui import pointer
+from higvf_console.ui.grips import Drag, gripped, result_of
+from higvf_console.ui.panels.steer import SteerPanel
+from higvf_console.ui.panels.view import next_field
+from higvf_console.ui.roles import Roles
+from higvf_console.ui.scene import View
+from higvf_console.ui.tools import ADDS, USES, Tool
+from higvf_console.viewport import Viewport
+
+if TYPE_CHECKING:
+    from higvf_console.session.session import Session
+
+PICK_RADIUS_PX = 26.0  # a click this close to a robot picks it, at one device pixel a CSS pixel
+GRIP_RADIUS_PX = 10.0  # likewise for what is edited, from its edge
+
+
+class Hand:
+    """Turns what a page's pointer and keys do into commands; called on viser's event loop."""
+
+    def __init__(
+        self, session: "Session", view: View, steer: SteerPanel, roles: Roles, show_tool: Callable[[Tool, int], None]
+    ) -> None:
+        """Starts with nobody drawing.
+
+        Args:
+            session: whose snapshots are looked at.
+            view: where a choice and a drag are shown.
+            steer: how a stroke becomes a path.
+            roles: takes the commands of the page that steers.
+            show_tool: tells a page which tool it has now.
+        """
+        self._session, self._view, self._steer, self._roles = session, view, steer, roles
+        self._show_tool = show_tool
+        self._drawing: int | None = None
+        self._tools: dict[int, Tool] = {}
+        self._viewports: dict[int, Viewport] = {}
+
+    def tool(self, client_id: int, tool: Tool) -> None:
+        """A page takes up a tool."""
+        self._tools[client_id] = tool
+        self._view.editing = tool is Tool.EDIT
+        self._show_tool(tool, client_id)
+
+    def stroke(self, client_id: int, phase: pointer.Phase, points: Floats) -> None:
+        """A stroke begins, grows and ends; one of a page that has lost control since is not taken up again."""
+        tool = self._tools.get(client_id, Tool.PATH)
+        if phase == "start":
+            self._drawing = client_id
+        elif client_id != self._drawing:
+            return
+        if tool in USES:
+            self._draw(tool, phase, points)
+        elif tool in ADDS:
+            if phase == "end":
+                self._add(client_id, tool, points[-1])
+        else:
+            self._drag(client_id, tool, phase, points)
+        if phase in ("cancel", "end"):
+            self._drawing = None
+
+    def _draw(self, tool: Tool, phase: pointer.Phase, points: Floats) -> None:
+        if phase == "start":
+            self._push(StrokeBegin())
+        if phase == "cancel":
+            self._push(StrokeCancel())
+        elif len(points):
+            self._push(StrokePoints(points=points))
+        if phase == "end":
+            self._push(self._steer.stroke_end(USES[tool]))
+
+    def _drag(self, client_id: int, tool: Tool, phase: pointer.Phase, points: Floats) -> None:
+        """Something is held; where it would go is shown, and is done when the hand lets go."""
+        drag = self._view.drag
+        if phase == "start" and len(points):
+            self._view.drag = self._held(client_id, tool, points[0])
+            drag = self._view.drag
+        if drag is not None and len(points):
+            self._view.drag = drag = drag._replace(now=points[-1])
+        if phase == "end" and drag is not None:
+            for command in result_of(drag, *self._moment()):
+                self._push(command)
+        if phase in ("cancel", "end"):
+            self._view.drag = None
+
+    def _held(self, client_id: int, tool: Tool, point: Floats) -> Drag | None:
+        layout, motion = self._moment()
+        reach = self._reach(client_id, GRIP_RADIUS_PX)
+        if tool is Tool.BEND:
+            return Drag(point, point, bends=True)
+        if tool is Tool.LINK:
+            robot = robot_near(centres(layout, motion), point, self._reach(client_id, PICK_RADIUS_PX))
+            return None if robot is None else Drag(point, point, link=robot)
+        px = self._reach(client_id, 1.0)
+        drag = gripped(point, self._view.selected, layout, motion, reach, px)
+        if drag is not None:
+            self._view.selected = drag.place
+        return drag
+
+    def click(self, client_id: int, point: Floats) -> None:
+        """A short press at a ground point (2,) [m], with the tool in hand."""
+        tool = self._tools.get(client_id, Tool.PATH)
+        if tool in ADDS:
+            self._add(client_id, tool, point)
+        elif tool is Tool.EDIT:
+            self._view.selected = thing_at(point, *self._moment(), self._reach(client_id, GRIP_RADIUS_PX))
+        else:
+            self._pick(client_id, point)
+
+    def _add(self, client_id: int, tool: Tool, point: Floats) -> None:
+        self._push(AddThing(ADDS[tool], floats(point)))
+        self.tool(client_id, Tool.EDIT)
+
+    def _pick(self, client_id: int, point: Floats) -> None:
+        """Picks a robot; a second click shows or hides why it moves."""
+        robot = robot_near(centres(*self._moment()), point, self._reach(client_id, PICK_RADIUS_PX))
+        if robot is None:
+            return
+        if robot == self._session.snapshot.state.intent.influenced:
+            self._view.explained, self._view.reasons = None, not self._view.reasons
+        self._push(Pick(robot))
+
+    def viewport(self, client_id: int, viewport: Viewport) -> None:
+        """How a page lies over the ground; gaze is mapped through that of the page that steers."""
+        self._viewports[client_id] = viewport
+        if self._roles.steers(client_id):
+            self._session.viewport = viewport
+
+    def hand_over(self, client_id: int | None) -> None:
+        """Another page steers from now on, or none: a stroke that is being drawn goes with the hand that drew it."""
+        if self._drawing is not None:
+            self._push(StrokeCancel())
+            self._drawing, self._view.drag = None, None
+        if client_id in self._viewports:
+            self._session.viewport = self._viewports[client_id]
+
+    def leave(self, client_id: int) -> None:
+        """A page has gone."""
+        self._viewports.pop(client_id, None)
+        self._tools.pop(client_id, None)
+
+    def key(self, client_id: int, name: str) -> None:
+        """A key of `keys.KEYMAP`, or the same action out of the command palette."""
+        if name == "stop":  # first, and on its own: nothing may come between
+            self._roles.push_of(client_id, Stop())
+            return
+        snapshot = self._session.snapshot
+        commands: dict[str, OperatorCommand] = {
+            "ask_reset": AskReset(),
+            "reset_stop": ResetStop(),
+            "pause": Resume() if snapshot.state.intent.paused else Pause(),
+            "confirm": Confirm(),
+            "discard": Discard(),
+            "clear_path": ClearPath(),
+            "reverse_path": ReversePath(),
+            "clear_priority": Prioritise(),
+            "freeze": Freeze(not snapshot.frozen),
+            "step": Step(),
+            "undo": Undo(),
+            "redo": Redo(),
+        }
+        if name == "field_arrows":
+            self._view.field = next_field(self._view.field)
+        elif name == "delete":
+            self._delete()
+        elif name in commands:
+            self._push(commands[name])
+        elif name.startswith("tool_"):
+            self.tool(client_id, Tool(name.removeprefix("tool_")))
+        elif name.startswith("pick_"):
+            robot = int(name.removeprefix("pick_")) - 1
+            if 0 <= robot < len(snapshot.state.motion.position):
+                self._push(Pick(robot))
+
+    def _delete(self) -> None:
+        if (place := self._view.selected) is not None:
+            self._view.selected = None
+            self._push(DeleteThing(place.thing, place.row))
+
+    def _moment(self):
+        snapshot = self._session.snapshot
+        return layout_of(snapshot.setup), snapshot.state.motion
+
+    def _reach(self, client_id: int, pixels: float) -> float:
+        viewport = self._viewports.get(client_id)
+        return pixels * viewport.metres_per_px if viewport else math.inf
+
+    def _push(self, command: OperatorCommand) -> None:
+        self._roles.push(command)
+
+
+def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
+    """Index of the robot, among (N, 2) [m], that is nearest to a point (2,) and within `reach` [m] of it."""
+    if not len(position):
+        return None
+    gap = np.hypot(position[:, 0] - point[0], position[:, 1] - point[1])
+    nearest = int(np.argmin(gap))
+    return nearest if gap[nearest] <= reach else None

@@ -1,0 +1,117 @@
+"""What is chosen for editing, number by number; the arena; who is linked."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import viser
+
+from higvf_console.arrays import floats
+from higvf_console.commands import PointerSink
+from higvf_console.edits import ChangeThing, DeleteThing, LinkByRange, SetArena
+from higvf_console.session.editing.layout import Layout, layout_of
+from higvf_console.session.editing.things import NUMBERS, Place, exists, name_of, numbers_of
+from higvf_console.ui.panels.callbacks import mirror, number_in, reaction, truth
+from higvf_console.ui.panels.html import block
+from higvf_console.ui.scene import View
+from higvf_console.viewport import Arena
+
+if TYPE_CHECKING:
+    from higvf_console.session.session import Snapshot
+
+_MOST_NUMBERS = max(len(numbers) for numbers in NUMBERS.values())
+_SIDES = {"x_min": "Left m", "y_min": "Bottom m", "x_max": "Right m", "y_max": "Top m"}
+_HELP = (
+    "Take the arrow above the arena (M) and click a robot, a fire or an obstacle. Drag it to move it; its square "
+    "resizes, its disc turns. New things, freehand obstacles and links have tools of their own beside it."
+)
+
+
+class EditPanel:
+    """Number fields whose names follow what is chosen."""
+
+    def __init__(self, gui: viser.GuiApi, sink: PointerSink, view: View) -> None:
+        """Builds the widgets; none has a meaning before `update`."""
+        self._sink, self._view = sink, view
+        self._place: Place | None = None
+        self._arena, self._walls = Arena(0.0, 0.0, 1.0, 1.0), True
+        self._head = gui.add_html("")
+        self._fields = [self._make_field(gui, slot) for slot in range(_MOST_NUMBERS)]
+        self._delete = gui.add_button("Delete", icon=viser.Icon.TRASH, color="red", visible=False, hint="It (Del)")
+        self._delete.on_click(reaction(lambda _: self._remove()))
+        self._folder = gui.add_folder("Arena and links", expand_by_default=False)
+        with self._folder:
+            self._sides = {name: self._make_side(gui, name, label) for name, label in _SIDES.items()}
+            self._walled = gui.add_checkbox("Walls", True, hint="Whether the sides of the arena hold robots back")
+            self._walled.on_update(reaction(lambda value: self._set_arena(walls=truth(value))))
+            self._by_range = gui.add_button(
+                "Link by range", color="gray", hint="Robots within the communication range are linked again"
+            )
+            self._by_range.on_click(reaction(lambda _: sink.push(LinkByRange())))
+
+    def _make_field(self, gui: viser.GuiApi, slot: int) -> viser.GuiNumberHandle[float]:
+        field = gui.add_number(" ", 0.0, step=0.1, visible=False)
+        field.on_update(reaction(lambda value: self._change(slot, value)))
+        return field
+
+    def _make_side(self, gui: viser.GuiApi, name: str, label: str) -> viser.GuiNumberHandle[float]:
+        field = gui.add_number(label, 0.0, step=10.0, hint="Side of the arena")
+        field.on_update(reaction(lambda value: self._set_arena(sides={name: number_in(value, -1e6, 1e6)})))
+        return field
+
+    def _change(self, slot: int, value: object) -> None:
+        place = self._place
+        if place is None or slot >= len(NUMBERS[place.thing]):
+            return
+        name, quantity = list(NUMBERS[place.thing].items())[slot]
+        number = number_in(value, quantity.low, quantity.high)
+        self._sink.push(ChangeThing(place.thing, place.row, name, number))
+
+    def _set_arena(self, walls: bool | None = None, sides: Mapping[str, float] = MappingProxyType({})) -> None:
+        arena = self._arena._replace(**sides)
+        self._sink.push(SetArena(floats(list(arena)), self._walls if walls is None else walls))
+
+    def _remove(self) -> None:
+        if self._place is not None:
+            self._view.selected = None
+            self._sink.push(DeleteThing(self._place.thing, self._place.row))
+
+    def update(self, snapshot: "Snapshot") -> None:
+        """Shows the numbers of what is chosen, and the arena."""
+        layout = layout_of(snapshot.setup)
+        place = self._view.selected
+        self._place = place if place is not None and exists(place, layout) else None
+        self._head.content = block(
+            f'<span class="dim">{_HELP}</span>'
+            if self._place is None
+            else f'<div class="title">{name_of(self._place).capitalize()}</div>'
+        )
+        self._delete.visible = self._place is not None
+        self._show_numbers(layout, snapshot)
+        self._arena, self._walls = layout.arena, layout.walls
+        for name, field in self._sides.items():
+            mirror(field, float(getattr(layout.arena, name)))
+        mirror(self._walled, layout.walls)
+        self._by_range.disabled = layout.links is None
+
+    def _show_numbers(self, layout: Layout, snapshot: "Snapshot") -> None:
+        place, numbers = self._place, dict[str, Any]()
+        if place is not None:
+            numbers = numbers_of(place, layout, snapshot.state.motion)
+            if layout.gains.robots.look_ahead == 0.0:
+                numbers.pop("heading", None)
+        shown = list(numbers.items())
+        for slot, field in enumerate(self._fields):
+            field.visible = slot < len(shown)
+            if place is None or slot >= len(shown):
+                continue
+            name, value = shown[slot]
+            quantity = NUMBERS[place.thing][name]
+            field.label = f"{name} {quantity.unit}".strip().capitalize() if name not in ("x", "y") else f"{name} m"
+            field.hint = quantity.text
+            mirror(field, round(value, 2))
+
+    def cleanup(self) -> None:
+        """Removes the widgets."""
+        for widget in (self._head, *self._fields, self._delete, self._folder):
+            widget.remove()

@@ -1,0 +1,53 @@
+"""What was done: undo, redo, and the list of deeds, the latest first."""
+
+from typing import TYPE_CHECKING
+
+import viser
+
+from higvf_console.commands import PointerSink, Redo, Undo
+from higvf_console.session.history import Entry, History
+from higvf_console.ui.panels.callbacks import one_of, reaction
+from higvf_console.ui.panels.html import block, clock, text
+
+if TYPE_CHECKING:
+    from higvf_console.session.session import Snapshot
+
+SHOWN = 12  # deeds
+_UNDO, _REDO = "Undo", "Redo"
+
+
+class HistoryPanel:
+    """Two buttons and a list."""
+
+    def __init__(self, gui: viser.GuiApi, sink: PointerSink) -> None:
+        """Builds them."""
+        self._shown: History | None = None
+        self._folder = gui.add_folder("History")
+        with self._folder:
+            self._buttons = gui.add_button_group("History", (_UNDO, _REDO), hint="Ctrl+Z, Ctrl+Y")
+            self._buttons.on_click(reaction(lambda value: sink.push(one_of(value, {_UNDO: Undo(), _REDO: Redo()}))))
+            self._list = gui.add_html("")
+
+    def update(self, snapshot: "Snapshot") -> None:
+        """Shows the history when it has changed."""
+        if snapshot.history is not self._shown:
+            self._shown = snapshot.history
+            self._list.content = block(history_html(snapshot.history.entries()))
+
+    def cleanup(self) -> None:
+        """Removes them."""
+        self._folder.remove()
+
+
+def history_html(entries: tuple[Entry, ...]) -> str:
+    """The deeds, the latest first; those that are undone are struck through."""
+    if not entries:
+        return '<span class="dim">Nothing was done yet. Every edit and every action can be undone here.</span>'
+    done = sum(not entry.undone for entry in entries)
+    first = max(0, min(done - SHOWN // 2, len(entries) - SHOWN))
+    lines = [
+        f'<div class="{"undone" if entry.undone else "done"}"><span class="dim">{clock(entry.time)}</span>'
+        f"<span>{text(entry.text)}</span></div>"
+        for entry in entries[first : first + SHOWN]
+    ]
+    return f'<div class="deeds">{"".join(reversed(lines))}</div>'
