@@ -87,10 +87,10 @@ class Console:
         camera.install(server, self._scene.camera_arena)
         hand = Hand(session, self._view, self._steer, self._roles, self._show_tool)
         pointer.install(server, hand, theme.CSS.stroke)
+        self._calibration = Calibration(server, session.calibrated)  # ahead of the keys: Esc is its own at first
         keys.install(server, hand.key)
         tools.install(server, hand.tool, hand.key)
         hints.install(server)
-        self._calibration = Calibration(server, session.calibrated)
         page.on_leave(server, hand.leave)
         add_commands(server.gui, hand, self._roles)
         self._roles.install(hand.hand_over)
