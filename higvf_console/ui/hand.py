@@ -26,6 +26,7 @@ from higvf_console.commands import (
     StrokeBegin,
     StrokeCancel,
     StrokePoints,
+    StrokeUse,
     Undo,
 )
 from higvf_console.edits import AddThing, DeleteThing
@@ -73,6 +74,12 @@ class Hand:
         self._tools[client_id] = tool
         self._view.editing = tool is Tool.EDIT
         self._show_tool(tool, client_id)
+
+    @property
+    def use(self) -> StrokeUse:
+        """What the stroke is for that is drawn now."""
+        tool = Tool.PATH if self._drawing is None else self._tools.get(self._drawing, Tool.PATH)
+        return USES.get(tool, StrokeUse.PATH)
 
     def stroke(self, client_id: int, phase: pointer.Phase, points: Floats) -> None:
         """A stroke begins, grows and ends; one of a page that has lost control since is not taken up again."""

@@ -18,7 +18,7 @@
       button:hover:not(:disabled) { background: rgba(148, 163, 184, 0.22); }
       button:focus-visible { outline: 2px solid currentColor; outline-offset: 1px; }
       button:disabled { opacity: 0.35; cursor: default; }
-      button[aria-pressed="true"] { background: var(--hg-operator, #f0e442); color: var(--hg-badge_text, #14171c); }
+      button[aria-pressed="true"], button[aria-pressed="true"]:hover:not(:disabled) { background: var(--hg-operator, #f0e442); color: var(--hg-badge_text, #14171c); }
       svg { width: 20px; height: 20px; fill: none; stroke: currentColor; stroke-width: 1.8; stroke-linecap: round;
         stroke-linejoin: round; }
       @media (pointer: coarse) { button { width: 38px; height: 38px; } }
