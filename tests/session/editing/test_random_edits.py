@@ -38,7 +38,7 @@ def steps(run: Run, ticks: int) -> tuple[float, bool]:
 
 
 @pytest.mark.parametrize("scene", SCENES)
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=30)
 @given(plan=PLANS)
 def test_no_edit_and_no_undo_brings_anybody_nearer_to_anything_than_allowed(
     scene: str, plan: list[int | tuple[OperatorCommand, ...]]
