@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import viser
 
-from higvf_console.commands import InputSpec, Interface, OperatorCommand
+from higvf_console.commands import OperatorCommand
+from higvf_console.interface import InputSpec, Interface
 from higvf_console.session.channels import open_interface
 from higvf_console.session.scenario import load_scenario
 from higvf_console.session.session import Session

@@ -30,8 +30,9 @@ from higvf_console.commands import (
     Undo,
 )
 from higvf_console.edits import AddThing, DeleteThing
-from higvf_console.session.editing.layout import layout_of
+from higvf_console.session.editing.layout import Layout, layout_of
 from higvf_console.session.editing.things import centres, thing_at
+from higvf_console.state import Motion
 from higvf_console.ui import pointer
 from higvf_console.ui.grips import Drag, gripped, result_of
 from higvf_console.ui.panels.steer import SteerPanel
@@ -216,7 +217,7 @@ class Hand:
             self._view.selected = None
             self._push(DeleteThing(place.thing, place.row))
 
-    def _moment(self):
+    def _moment(self) -> tuple[Layout, Motion]:
         snapshot = self._session.snapshot
         return layout_of(snapshot.setup), snapshot.state.motion
 

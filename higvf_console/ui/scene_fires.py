@@ -71,11 +71,9 @@ class Fires:
         """Dashed rings (s, 2, 2) round the burning fires that a robot values more."""
         gap, dash = _PRIORITY_GAP * self._canvas.px, _PRIORITY_DASH * self._canvas.px
         fires = sorted({int(fire) for fire in state.intent.priority[:, 1] if state.motion.fire_burning[int(fire)]})
-        rings = [
-            shapes.circle(*self._setup.world.fire_position[fire].tolist(), state.motion.fire_radius[fire] + gap)
-            for fire in fires
-        ]
-        return joined([shapes.dashed(ring, dash, dash) for ring in rings])
+        places = np.column_stack([self._setup.world.fire_position, state.motion.fire_radius + gap]).tolist()
+        rings = [shapes.dashed(shapes.circle(x, y, r), dash, dash) for x, y, r in (places[fire] for fire in fires)]
+        return joined(rings)
 
     def update(self, state: SimState, trace: Trace, loss_area: Floats) -> None:
         """Shows the fires of a snapshot."""

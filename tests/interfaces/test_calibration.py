@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import Cursor, InputSpec, OperatorContext
+from higvf_console.commands import Cursor
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec, OperatorContext
 from higvf_console.viewport import Arena, fit
 from higvf_interfaces.calibration import (
     calibrate,

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from higvf_console.commands import InputSpec, OperatorContext
+from higvf_console.interface import InputSpec, OperatorContext
 from higvf_interfaces.bci import open_bci
 
 LOG = (

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from higvf_console.commands import InputSpec, OperatorContext, StrokeBegin, StrokeEnd, StrokePoints
+from higvf_console.commands import StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec, OperatorContext
 from higvf_interfaces.dwell_button import DWELL, IDLE, REFRACTORY, DwellButton, step
 from higvf_interfaces.gaze import open_gaze
 

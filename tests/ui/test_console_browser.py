@@ -10,7 +10,6 @@ from playwright.sync_api import Browser, Page
 from higvf_console.arrays import Floats, floats
 from higvf_console.commands import (
     AskReset,
-    ChannelState,
     Freeze,
     OperatorCommand,
     Pause,
@@ -22,6 +21,7 @@ from higvf_console.commands import (
     Step,
     Stop,
 )
+from higvf_console.interface import ChannelState
 from higvf_console.state import PathKind
 from tests.browser import draw, open_console, press_stop, screenshot, to_page, wait_for_console, wait_until
 from tests.consoles import Running, console_at_work

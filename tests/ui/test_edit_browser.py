@@ -115,7 +115,8 @@ def test_an_obstacle_is_drawn_freehand_and_a_link_from_robot_to_robot(page: Page
     drag(page, np.stack([1000 + 80 * np.cos(turn), 150 + 50 * np.sin(turn)], axis=1))
     wait_until(lambda: len(running.session.setup.polygons) == 1)
     take(page, "link")
-    drag(page, np.linspace(*running.state.motion.position[:2], 12))
+    first, second = running.state.motion.position[:2]
+    drag(page, np.linspace(first, second, 12))
     wait_until(lambda: running.given(ToggleLink))
     assert len(running.session.setup.world.link_to) == 4  # all but this one
     screenshot(page, "edit-outline")

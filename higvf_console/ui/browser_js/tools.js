@@ -9,7 +9,7 @@
   const overlay = page.overlay(
     `<style>
       .strip { position: absolute; top: 8px; display: flex; gap: 10px; padding: 4px; border-radius: 9px;
-        background: var(--hg-overlay, rgba(24, 28, 34, 0.94)); box-shadow: 0 0 0 1px rgba(148, 163, 184, 0.35);
+        background: var(--hg-card, #161b21); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46);
         pointer-events: auto; }
       .strip.tight { gap: 2px; }
       .group { display: flex; gap: 2px; }

@@ -11,7 +11,6 @@ from higvf_console.commands import (
     ForgetPath,
     NextTask,
     Pick,
-    PointerSink,
     Prioritise,
     ReversePath,
     ShapePath,
@@ -21,6 +20,7 @@ from higvf_console.commands import (
     StrokeUse,
     TakeUpPath,
 )
+from higvf_console.interface import PointerSink
 from higvf_console.quantity import quantities
 from higvf_console.session.preview import LONGEST, SHORTEST
 from higvf_console.sim.path_commands import FASTEST, SLOWEST, path_words
