@@ -13,9 +13,19 @@ from higvf_console.commands import Freeze, LoadScenario, Pick, ResetRun, Stop
 from higvf_console.edits import AddThing, ChangeThing, MoveThing, ToggleLink
 from higvf_console.session.scenario import parse_scenario
 from higvf_console.state import PathKind
-from tests.browser import draw, open_console, screenshot, to_page, wait_until
+from tests.browser import (
+    close_notifications,
+    draw,
+    open_console,
+    press,
+    screenshot,
+    shown,
+    tab,
+    to_page,
+    visible,
+    wait_until,
+)
 from tests.consoles import Running, console_at_work
-from tests.ui.test_console_browser import close_notifications, press, shown, tab, visible
 
 pytestmark = pytest.mark.browser
 
