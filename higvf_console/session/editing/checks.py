@@ -4,14 +4,17 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from higvf_console.arrays import Floats, Ints
+from higvf_console.control.forms import PRINTED
 from higvf_console.errors import ScenarioError
 from higvf_console.session.editing.layout import Layout
 from higvf_console.session.editing.safe_places import crowded
 from higvf_console.session.placement import (
     check_barriers,
     check_formation,
+    check_intention,
     check_robots,
     check_start,
+    intention_radius,
     start_network,
     wall_gaps,
 )
@@ -22,11 +25,12 @@ _SOURCE = "the edit"
 
 
 class Stand(NamedTuple):
-    """A moment of a run, as the checks see it."""
+    """A moment of a run, as the checks see it; `influenced` is the robot that feels the human."""
 
     layout: Layout
     world: World
     motion: Motion
+    influenced: int
 
 
 def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
@@ -38,13 +42,14 @@ def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
         robots: (N,) row that each robot had before, or `NEW`.
 
     Raises:
-        ScenarioError: a clearance, the sampling condition, the least stand-off or the formation's limit is missed.
+        ScenarioError: a clearance, the sampling condition, the least stand-off, or the limit of the formation or of
+            the intention is missed.
     """
-    for check in (_formation, _robots, _barriers):
+    for check in (_formation, _intention, _robots, _barriers):
         _newly(check, before, after)
     already = set(crowded(before.layout, before.motion))
     if any(int(robots[robot]) not in already for robot in crowded(after.layout, after.motion)):
-        layout, world, motion = after
+        layout, world, motion, _ = after
         check_start(motion.position, *_burning(world, motion), layout.obstacles, layout.gains, _SOURCE)
 
 
@@ -64,6 +69,13 @@ def _formation(stand: Stand) -> None:
     layout, motion = stand.layout, stand.motion
     network = start_network(motion.position, layout.links, layout.gains.formation.communication_range)
     check_formation(network.degree, layout.gains, _SOURCE)
+
+
+def _intention(stand: Stand) -> None:
+    layout = stand.layout
+    if layout.gains.forms.intention == PRINTED:
+        radius = intention_radius(stand.motion.position, layout.links, stand.influenced, layout.gains)
+        check_intention(radius, _SOURCE)
 
 
 def _robots(stand: Stand) -> None:
