@@ -18,6 +18,7 @@ from higvf_console.ui.panels.tune import (
     shown,
     step_of,
 )
+from higvf_console.ui.panels.typed import TYPED_S, Typed
 
 GAINS = Gains()
 FASTER = GAINS._replace(blending=GAINS.blending._replace(cruise_speed=75.0))
@@ -30,7 +31,7 @@ def test_every_tunable_tells_its_unit_range_symbol_and_meaning(name: str) -> Non
     for part in (quantity.text, quantity.symbol, f"{quantity.low:g}", shown(quantity.high), quantity.unit):
         assert part in hint
     assert ("fixed for a run" in hint) == (name in FIXED)
-    assert about(GAINS, name.split(".")[0])
+    assert about(GAINS, name.split(".", maxsplit=1)[0])
     assert math.isinf(quantity.high) or step_of(quantity, 0.0) > 0.0
 
 
@@ -71,3 +72,18 @@ def test_an_arrow_of_a_field_adds_a_tenth_of_its_order_of_magnitude() -> None:
     quantity = quantity_of("blending.cruise_speed")
     assert step_of(quantity, 60.0) == pytest.approx(1.0)
     assert step_of(quantity, 0.02) == pytest.approx(0.001)
+
+
+def test_a_value_is_meant_once_and_only_when_typing_has_ended() -> None:
+    now = [0.0]
+    typed = Typed(lambda: now[0])
+    for second, value in ((0.0, 2.0), (0.5, 28.0)):
+        now[0] = second
+        typed.note("safety.robot_clearance", value)
+    now[0] = 0.4 + TYPED_S
+    assert typed.meant() == {}
+    assert "safety.robot_clearance" in typed
+    now[0] = 0.6 + TYPED_S
+    assert typed.meant() == {"safety.robot_clearance": 28.0}
+    assert typed.meant() == {}
+    assert "safety.robot_clearance" not in typed

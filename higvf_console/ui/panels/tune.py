@@ -12,16 +12,17 @@ from higvf_console.edits import SetParameters
 from higvf_console.quantity import Quantity
 from higvf_console.session.editing.parameters import FIXED, parameter, parameter_names, quantity_of
 from higvf_console.session.editing.presets import AS_IN_THE_SCENARIO, PRESETS, preset_name, preset_values
+from higvf_console.sim.setup import Event
 from higvf_console.ui.panels.callbacks import SETTLE_S, mirror, number_in, one_of, reaction
 from higvf_console.ui.panels.html import block, text
+from higvf_console.ui.panels.log import newer
+from higvf_console.ui.panels.typed import TYPED_S, Typed
 
 if TYPE_CHECKING:
     from higvf_console.session.session import Session, Snapshot
 
 Field: TypeAlias = viser.GuiNumberHandle[float] | viser.GuiTextHandle
 
-# A page sends every key stroke: while "25" is being typed, a clearance of 2 m must not hold.
-TYPED_S = 0.7  # [s] without a key stroke, after which a value is meant
 UNLIMITED, OWN = "unlimited", "Own values"
 _FIXED = "fixed for a run: set it in the scenario and load that"
 
@@ -33,8 +34,11 @@ class TunePanel:
         """Builds a field for every tunable; those of the chosen group are seen."""
         self._session, self._sink = session, sink
         self._scenario, self._gains = session.scenario.gains, session.setup.gains
-        self._typed: dict[str, object] = {}
-        self._wrong = ""
+        self._typed = Typed()
+        self._wrong = ""  # with what was asked last
+        self._asked_at = -math.inf
+        self._latest: Event | None = None
+        self._before = self._latest
         names: dict[str, Any] = dict.fromkeys((*PRESETS, OWN))
         self._preset = gui.add_dropdown(
             "Preset", tuple(names), hint="Factors of the scenario's values; what it does not name is as in the scenario"
@@ -60,7 +64,7 @@ class TunePanel:
         else:
             field = gui.add_number(" ", value, step=step_of(quantity, value))
         field.visible, field.disabled = False, name in FIXED
-        field.on_update(reaction(lambda value: self._typed.__setitem__(name, value)))
+        field.on_update(reaction(lambda value: self._typed.note(name, value)))
         return field
 
     def _choose(self, group: str) -> None:
@@ -68,25 +72,36 @@ class TunePanel:
 
     def _take(self, value: object) -> None:
         if isinstance(value, str) and value in PRESETS:
-            self._sink.push(SetParameters(preset_values(value, self._scenario)))
+            self._ask(preset_values(value, self._scenario))
+
+    def _ask(self, values: dict[str, float]) -> None:
+        """Asks for values; the session may refuse them."""
+        self._wrong, self._asked_at, self._before = "", time.time(), self._latest
+        self._sink.push(SetParameters(values))
 
     def _put_back(self, group: str) -> None:
         values = preset_values(AS_IN_THE_SCENARIO, self._scenario)
-        self._sink.push(SetParameters({name: values[name] for name in values if name.split(".")[0] == group}))
+        self._ask({name: values[name] for name in values if name.split(".")[0] == group})
 
     def _send(self) -> None:
         """Sends what was typed, once it is meant; the session judges it."""
-        for name in list(self._typed):
-            if time.time() - self._fields[name].update_timestamp > TYPED_S:
-                try:
-                    self._sink.push(SetParameters({name: number_of(self._typed.pop(name))}))
-                    self._wrong = ""
-                except ValueError as error:
-                    self._wrong = f"{name}: {error}"
+        for name, value in self._typed.meant().items():
+            try:
+                self._ask({name: number_of(value)})
+            except ValueError as error:
+                self._wrong = f"{name}: {error}"
+
+    def _hear(self, events: tuple[Event, ...]) -> None:
+        """Takes up why the session has just refused what was asked."""
+        self._latest = events[-1] if events else None
+        if time.time() - self._asked_at <= SETTLE_S:
+            refused = [event.text for event in newer(events, self._before) if event.kind == "refused"]
+            self._wrong = refused[-1] if refused else self._wrong
 
     def update(self, snapshot: "Snapshot") -> None:
         """Sends what is meant; shows the tunables in force and marks what differs from the scenario."""
         self._scenario, self._gains = self._session.scenario.gains, snapshot.setup.gains
+        self._hear(snapshot.events)
         self._send()
         mirror(self._preset, preset_name(self._gains, self._scenario) or OWN)
         self._head.content = block(f'<span class="dim">{text(about(self._gains, self._group))}</span>')
