@@ -93,7 +93,7 @@ def test_what_is_missing_for_the_suite_is_said(monkeypatch: pytest.MonkeyPatch) 
         return import_module(name)
 
     monkeypatch.delenv("HIGVF_CHROMIUM", raising=False)
-    monkeypatch.setattr(shutil, "which", lambda _: None)
+    monkeypatch.setattr(shutil, "which", {}.get)
     with pytest.raises(HigvfError, match="install the package 'chromium'"), console_page.chromium():
         pass
     monkeypatch.setattr(console_page, "import_module", without_playwright)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 Field: TypeAlias = viser.GuiNumberHandle[float] | viser.GuiTextHandle
 
+DIGITS = 9  # after the point; the page would round to those of the step
 UNLIMITED, OWN = "unlimited", "Own values"
 _FIXED = "fixed for a run: set it in the scenario and load that"
 
@@ -63,6 +64,7 @@ class TunePanel:
             field: Field = gui.add_text(" ", shown(value))
         else:
             field = gui.add_number(" ", value, step=step_of(quantity, value))
+            field.precision = DIGITS
         field.visible, field.disabled = False, name in FIXED
         field.on_update(reaction(lambda value: self._typed.note(name, value)))
         return field
