@@ -5,7 +5,8 @@ screen that reads as fast as the console sends (`lab.wire`). All three share thi
 
 bytes and messages   that the second client gets in a second while the team moves: what a page that keeps up gets
 server CPU           processor time of the console's process, engine included, as a share of one core
-frames               animation frames of the page in a second; without a graphics card, its software draws them
+frames               animation frames of the page in a second; without a graphics card, a process of the lowest
+                     priority draws them
 latency              from the dispatch of the last pointer event of a stroke, by the page's clock, to the arrival of
                      the first message with other robot positions at the second client, by the system's clock: the
                      page's script, both ways over the loopback, the wait for the control period and for the frame of

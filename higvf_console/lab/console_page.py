@@ -15,13 +15,14 @@ from typing import Any, NamedTuple
 
 from higvf_console.errors import HigvfError
 
-PATIENCE_S = 120.0  # for a start that compiles the engine
+PATIENCE_S = 300.0  # for a start that compiles the engine
 _CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-# WebGL without a graphics card, and no traffic of the browser's own.
+# WebGL without a graphics card, and no traffic of the browser's own. What a card would do, the processor does at the
+# lowest priority: drawing must not take from the console what no card would take.
 _FLAGS = (
     "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    "--no-first-run",
+    "--no-first-run", "--gpu-launcher=nice -n 19",
 )  # fmt: skip
 _READY = "() => window.higvf && window.__viserMutable?.cameraControl"
 _NO_HINTS = "localStorage.setItem('higvf-hints', '[\"away\"]')"

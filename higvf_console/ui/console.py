@@ -157,6 +157,7 @@ class Console:
                 for panel in self._panels:
                     self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))
                 self._try("roles", self._roles.update)
+        self._server.flush()  # viser would wait for the end of its own window of 1/60 s
         self._frames += 1
         if snapshot.scenario is not self._scenario:
             self._scenario = snapshot.scenario
