@@ -36,7 +36,7 @@ def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="measure the engine")
     bench.add_argument(
         "--suite", choices=("filter", "tick", "deadlock", "preview", "lsl", "ui"), required=True,
-        help="safety filter, whole tick, who arrives in random scenes, look ahead, live streams, or console in a browser",
+        help="safety filter, whole tick, who arrives in random scenes, look ahead, live streams, or the console",
     )  # fmt: skip
     bench.add_argument("--json", action="store_true", help="write JSON")
     deadlock = bench.add_argument_group("suite deadlock")
