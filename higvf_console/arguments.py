@@ -35,8 +35,8 @@ def parser() -> argparse.ArgumentParser:
 def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="measure the engine")
     bench.add_argument(
-        "--suite", choices=("filter", "tick", "deadlock", "preview", "lsl"), required=True,
-        help="the safety filter, the whole tick, who arrives in random scenes, the look ahead, or live streams",
+        "--suite", choices=("filter", "tick", "deadlock", "preview", "lsl", "ui"), required=True,
+        help="safety filter, whole tick, who arrives in random scenes, look ahead, live streams, or the console",
     )  # fmt: skip
     bench.add_argument("--json", action="store_true", help="write JSON")
     deadlock = bench.add_argument_group("suite deadlock")

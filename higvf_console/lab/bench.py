@@ -4,6 +4,7 @@ filter, tick   what a tick costs: compare the ratios, the milliseconds are this 
 deadlock       who arrives in random scenes, by the forms of the equations
 preview        how fast the look ahead is, and that the control loop does not feel it
 lsl            live streams: from a device's push to a command, and memory over an hour of gaze
+ui             the console in a browser: bytes on the wire, processor, frames, and from stroke to motion
 """
 
 import json
@@ -11,12 +12,20 @@ from collections.abc import Callable
 from typing import Any
 
 from higvf_console.errors import HigvfError
-from higvf_console.lab import bench_deadlock, bench_filter, bench_lsl, bench_preview, bench_tick, deadlock_report
+from higvf_console.lab import (
+    bench_deadlock,
+    bench_filter,
+    bench_lsl,
+    bench_preview,
+    bench_tick,
+    bench_ui,
+    deadlock_report,
+)
 from higvf_console.lab.timing import Case, Suite
 
 _TIMINGS: dict[str, Callable[[], Suite]] = {"filter": bench_filter.run, "tick": bench_tick.run}
-DEADLOCK, PREVIEW, LSL = "deadlock", "preview", "lsl"
-SUITES = (*_TIMINGS, DEADLOCK, PREVIEW, LSL)
+DEADLOCK, PREVIEW, LSL, UI = "deadlock", "preview", "lsl", "ui"
+SUITES = (*_TIMINGS, DEADLOCK, PREVIEW, LSL, UI)
 
 
 def main(suite: str, as_json: bool, scenes: int | None = None) -> None:
@@ -44,6 +53,9 @@ def run_suite(name: str, as_json: bool, scenes: int | None = None) -> str:
     if name == LSL:
         figures = bench_lsl.run()
         return json.dumps(figures, indent=2) if as_json else bench_lsl.table(figures)
+    if name == UI:
+        figures = bench_ui.run()
+        return json.dumps(figures, indent=2) if as_json else bench_ui.table(figures)
     if name not in _TIMINGS:
         raise HigvfError(f"no benchmark suite {name!r}; choose {', '.join(SUITES)}")
     suite = _TIMINGS[name]()

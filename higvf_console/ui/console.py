@@ -32,6 +32,7 @@ from higvf_console.ui.panels.preview import PreviewPanel
 from higvf_console.ui.panels.run import RunPanel
 from higvf_console.ui.panels.status import StatusPanel
 from higvf_console.ui.panels.steer import SteerPanel
+from higvf_console.ui.panels.tune import TunePanel
 from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.panels.why import WhyPanel
 from higvf_console.ui.roles import Roles
@@ -116,13 +117,15 @@ class Console:
             edit = EditPanel(gui, sink, self._view)
             history = HistoryPanel(gui, sink)
             file = FilesPanel(self._server, session, sink, self._view)
+        with tabs.add_tab("Tune"):
+            tune = TunePanel(gui, session, sink)
         with tabs.add_tab("Inputs"):
             inputs = InputsPanel(gui, session, sink)
         with tabs.add_tab("View"):
             view = ViewPanel(gui, self._view)
         with tabs.add_tab("Log"):
             log = LogPanel(self._server, self._view)
-        self._panels = (status, run, self._steer, preview, fires, why, edit, history, file, inputs, view, log)
+        self._panels = (status, run, self._steer, preview, fires, why, edit, history, file, tune, inputs, view, log)
 
     def _show_tool(self, tool: tools.Tool, client_id: int) -> None:
         tools.show(self._server, tool, client_id)
@@ -155,6 +158,7 @@ class Console:
                 for panel in self._panels:
                     self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))
                 self._try("roles", self._roles.update)
+        self._server.flush()  # viser would wait for the end of its own window of 1/60 s
         self._frames += 1
         if snapshot.scenario is not self._scenario:
             self._scenario = snapshot.scenario

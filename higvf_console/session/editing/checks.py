@@ -4,15 +4,18 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from higvf_console.arrays import Floats, Ints
+from higvf_console.control.forms import PRINTED
 from higvf_console.errors import ScenarioError
 from higvf_console.session.editing.layout import Layout
 from higvf_console.session.editing.safe_places import crowded
 from higvf_console.session.placement import (
     check_formation,
+    check_intention,
     check_rates,
     check_robots,
     check_stand_off,
     check_start,
+    intention_radius,
     start_network,
     wall_gaps,
 )
@@ -23,11 +26,12 @@ _SOURCE = "the edit"
 
 
 class Stand(NamedTuple):
-    """A moment of a run, as the checks see it."""
+    """A moment of a run, as the checks see it; `influenced` is the robot that feels the human."""
 
     layout: Layout
     world: World
     motion: Motion
+    influenced: int
 
 
 def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
@@ -39,13 +43,14 @@ def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
         robots: (N,) row that each robot had before, or `NEW`.
 
     Raises:
-        ScenarioError: a clearance, the sampling condition, the least stand-off or the formation's limit is missed.
+        ScenarioError: a clearance, the sampling condition, the least stand-off, or the limit of the formation or of
+            the intention is missed.
     """
     for check, groups in _CHECKS:
         _newly(check, groups, before, after)
     already = set(crowded(before.layout, before.motion))
     if any(int(robots[robot]) not in already for robot in crowded(after.layout, after.motion)):
-        layout, world, motion = after
+        layout, world, motion, _ = after
         check_start(motion.position, *_burning(world, motion), layout.obstacles, layout.gains, _SOURCE)
 
 
@@ -73,6 +78,13 @@ def _formation(stand: Stand) -> None:
     check_formation(network.degree, layout.gains, _SOURCE)
 
 
+def _intention(stand: Stand) -> None:
+    layout = stand.layout
+    if layout.gains.forms.intention == PRINTED:
+        radius = intention_radius(stand.motion.position, layout.links, stand.influenced, layout.gains)
+        check_intention(radius, _SOURCE)
+
+
 def _robots(stand: Stand) -> None:
     growth = stand.world.fire_growth[stand.motion.fire_burning]
     check_robots(stand.layout.gains, float(growth.max(initial=0.0)), _SOURCE)
@@ -98,6 +110,7 @@ def _burning(world: World, motion: Motion) -> tuple[Floats, World]:
 # Each check, and the groups of tunables that it depends on.
 _CHECKS = (
     (_formation, ("formation",)),
+    (_intention, ("intention", "formation")),
     (_robots, ("robots", "safety")),
     (_rates, ("robots", "safety")),
     (_stand_off, ("fires",)),

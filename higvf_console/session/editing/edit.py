@@ -90,7 +90,9 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
         world = world._replace(formation=layout.formation)
     else:
         start = _start(setup, draft, layout, world)
-    check_edit(Stand(before, setup.world, state.motion), Stand(layout, world, motion), draft.robots)
+    steered = state.intent.influenced
+    still = int((draft.robots == steered).argmax())  # the first robot, where the one that is steered goes
+    check_edit(Stand(before, setup.world, state.motion, steered), Stand(layout, world, motion, still), draft.robots)
     motion, intent = led_on(motion, state.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
     start, start_intent = led_on(start, setup.start.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
     new = Setup(

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from higvf_console.control.gains import Gains
 from higvf_console.errors import ScenarioError
-from higvf_console.quantity import quantities, with_values
+from higvf_console.quantity import Quantity, quantities, with_values
 from higvf_console.session.editing.layout import Layout
 from higvf_console.session.reading import closest
 
@@ -23,6 +23,12 @@ def parameter(gains: Gains, name: str) -> float:
     """A tunable by its name "group.name"."""
     group, key = name.split(".")
     return float(getattr(getattr(gains, group), key))
+
+
+def quantity_of(name: str) -> Quantity:
+    """What the tunable "group.name" means."""
+    group, key = name.split(".")
+    return quantities(type(getattr(Gains(), group)))[key]
 
 
 def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Gains, str]:
@@ -49,6 +55,4 @@ def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Gains,
         return gains, "The parameters are as they were."
     if len(changed) > 1:
         return gains, f"{len(changed)} parameters have changed: {', '.join(changed)}."
-    group, key = changed[0].split(".")
-    unit = quantities(type(getattr(gains, group)))[key].unit
-    return gains, f"{changed[0]} is {parameter(gains, changed[0]):g} {unit}".rstrip() + "."
+    return gains, f"{changed[0]} is {parameter(gains, changed[0]):g} {quantity_of(changed[0]).unit}".rstrip() + "."

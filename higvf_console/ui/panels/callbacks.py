@@ -36,9 +36,9 @@ def reaction(act: Callable[[Any], None]) -> Reaction:
     return react
 
 
-def mirror(widget: viser.GuiInputHandle[Any], value: Any) -> None:
-    """Makes a widget show what holds; one that was touched just now is left alone while its command is on its way."""
-    if widget.value != value and time.time() - widget.update_timestamp > SETTLE_S:
+def mirror(widget: viser.GuiInputHandle[Any], value: Any, settle: float = SETTLE_S) -> None:
+    """Makes a widget show what holds, unless it was touched less than `settle` [s] ago: its command is on its way."""
+    if widget.value != value and time.time() - widget.update_timestamp > settle:
         widget.value = value
 
 

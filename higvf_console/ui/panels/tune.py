@@ -1,0 +1,209 @@
+"""Every tunable of the controller: shown group by group, changed live, compared with the scenario, put back."""
+
+import math
+import time
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import viser
+
+from higvf_console.control.gains import Gains
+from higvf_console.edits import SetParameters
+from higvf_console.interface import PointerSink
+from higvf_console.quantity import Quantity
+from higvf_console.session.editing.parameters import FIXED, parameter, parameter_names, quantity_of
+from higvf_console.session.editing.presets import AS_IN_THE_SCENARIO, PRESETS, preset_name, preset_values
+from higvf_console.sim.setup import Event
+from higvf_console.ui.panels.callbacks import SETTLE_S, mirror, number_in, one_of, reaction
+from higvf_console.ui.panels.html import block, text
+from higvf_console.ui.panels.log import newer
+from higvf_console.ui.panels.typed import TYPED_S, Typed
+
+if TYPE_CHECKING:
+    from higvf_console.session.session import Session, Snapshot
+
+Field: TypeAlias = viser.GuiNumberHandle[float] | viser.GuiTextHandle
+
+DIGITS = 9  # after the point; the page would round to those of the step
+UNLIMITED, OWN = "unlimited", "Own values"
+_FIXED = "fixed for a run: set it in the scenario and load that"
+
+
+class TunePanel:
+    """A preset, a group, its tunables, and what differs from the scenario."""
+
+    def __init__(self, gui: viser.GuiApi, session: "Session", sink: PointerSink) -> None:
+        """Builds a field for every tunable; those of the chosen group are seen."""
+        self._session, self._sink = session, sink
+        self._scenario, self._gains = session.scenario.gains, session.setup.gains
+        self._typed = Typed()
+        self._wrong = ""  # with what was asked last
+        self._asked_at = -math.inf
+        self._latest: Event | None = None
+        self._before = self._latest
+        names: dict[str, Any] = dict.fromkeys((*PRESETS, OWN))
+        self._preset = gui.add_dropdown(
+            "Preset", tuple(names), hint="Factors of the scenario's values; what it does not name is as in the scenario"
+        )
+        self._preset.on_update(reaction(lambda value: self._take(value) if one_of(value, names) is None else None))
+        groups = {title_of(name.split(".")[0]): name.split(".")[0] for name in parameter_names()}
+        self._group = next(iter(groups.values()))
+        self._choice = gui.add_dropdown("Group", tuple(groups), hint="Part of the controller that uses them")
+        self._choice.on_update(reaction(lambda value: self._choose(one_of(value, groups))))
+        self._head = gui.add_html("")
+        self._fields = {name: self._make_field(gui, name) for name in parameter_names()}
+        self._note = gui.add_html("")
+        self._reset = gui.add_button("Reset this group", color="gray", hint="Its values as in the scenario")
+        self._reset.on_click(reaction(lambda _: self._put_back(self._group)))
+        self._changed = gui.add_html("")
+        self._reset_all = gui.add_button("Reset all", color="gray", hint="All values as in the scenario")
+        self._reset_all.on_click(reaction(lambda _: self._take(AS_IN_THE_SCENARIO)))
+
+    def _make_field(self, gui: viser.GuiApi, name: str) -> Field:
+        quantity, value = quantity_of(name), parameter(self._gains, name)
+        if math.isinf(quantity.high):
+            field: Field = gui.add_text(" ", shown(value))
+        else:
+            field = gui.add_number(" ", value, step=step_of(quantity, value))
+            field.precision = DIGITS
+        field.visible, field.disabled = False, name in FIXED
+        field.on_update(reaction(lambda value: self._typed.note(name, value)))
+        return field
+
+    def _choose(self, group: str) -> None:
+        self._group = group
+
+    def _take(self, value: object) -> None:
+        if isinstance(value, str) and value in PRESETS:
+            self._ask(preset_values(value, self._scenario))
+
+    def _ask(self, values: dict[str, float]) -> None:
+        """Asks for values; the session may refuse them."""
+        self._wrong, self._asked_at, self._before = "", time.time(), self._latest
+        self._sink.push(SetParameters(values))
+
+    def _put_back(self, group: str) -> None:
+        values = preset_values(AS_IN_THE_SCENARIO, self._scenario)
+        self._ask({name: values[name] for name in values if name.split(".")[0] == group})
+
+    def _send(self) -> None:
+        """Sends what was typed, once it is meant; the session judges it."""
+        for name, value in self._typed.meant().items():
+            try:
+                self._ask({name: number_of(value)})
+            except ValueError as error:
+                self._wrong = f"{name}: {error}"
+
+    def _hear(self, events: tuple[Event, ...]) -> None:
+        """Takes up why the session has just refused what was asked."""
+        self._latest = events[-1] if events else None
+        if time.time() - self._asked_at <= SETTLE_S:
+            refused = [event.text for event in newer(events, self._before) if event.kind == "refused"]
+            self._wrong = refused[-1] if refused else self._wrong
+
+    def update(self, snapshot: "Snapshot") -> None:
+        """Sends what is meant; shows the tunables in force and marks what differs from the scenario."""
+        self._scenario, self._gains = self._session.scenario.gains, snapshot.setup.gains
+        self._hear(snapshot.events)
+        self._send()
+        mirror(self._preset, preset_name(self._gains, self._scenario) or OWN)
+        self._head.content = block(f'<span class="dim">{text(about(self._gains, self._group))}</span>')
+        for name, field in self._fields.items():
+            value, usual = parameter(self._gains, name), parameter(self._scenario, name)
+            field.visible = name.split(".")[0] == self._group
+            field.label = label_of(name, differs=value != usual)
+            field.hint = hint_of(name, usual)
+            if name not in self._typed:
+                mirror(field, shown(value) if isinstance(field, viser.GuiTextHandle) else value, TYPED_S + SETTLE_S)
+        self._note.content = block(note_html(self._group, self._wrong))
+        different = differences(self._gains, self._scenario)
+        self._changed.content = block(changed_html(different))
+        self._reset.disabled = not any(name.split(".")[0] == self._group for name, *_ in different)
+        self._reset_all.disabled = not different
+
+    def cleanup(self) -> None:
+        """Removes the widgets."""
+        for widget in (
+            self._preset, self._choice, self._head, *self._fields.values(), self._note, self._reset, self._changed,
+            self._reset_all,
+        ):  # fmt: skip
+            widget.remove()
+
+
+def shown(value: float) -> str:
+    """A value as it is typed."""
+    return UNLIMITED if math.isinf(value) else f"{value:g}"
+
+
+def number_of(typed: object) -> float:
+    """The number that was typed, or infinity for the word "unlimited".
+
+    Raises:
+        ValueError: it is neither.
+    """
+    if not isinstance(typed, str):
+        return number_in(typed, -math.inf, math.inf)
+    word = typed.strip().lower()
+    try:
+        return math.inf if word == UNLIMITED else float(word)
+    except ValueError:
+        raise ValueError(f"'{typed}' is neither a number nor '{UNLIMITED}'") from None
+
+
+def step_of(quantity: Quantity, value: float) -> float:
+    """What an arrow of the field adds: a tenth of the value's order of magnitude."""
+    return 10.0 ** (math.floor(math.log10(value or max(quantity.high / 100.0, 1e-3))) - 1)
+
+
+def title_of(name: str) -> str:
+    """A group or tunable in words."""
+    return name.replace("_", " ").capitalize()
+
+
+def label_of(name: str, *, differs: bool) -> str:
+    """A tunable with its unit, and a mark when it differs from the scenario."""
+    return f"{'● ' * differs}{title_of(name.split('.')[1])} {quantity_of(name).unit}".rstrip()
+
+
+def hint_of(name: str, usual: float) -> str:
+    """What a tunable means: sentence, symbol, range, the scenario's value, and why it may be fixed."""
+    quantity = quantity_of(name)
+    symbol = f"{quantity.symbol}: " if quantity.symbol else ""
+    limits = f"{symbol}{quantity.low:g} to {shown(quantity.high)} {quantity.unit}".rstrip()
+    fixed = f" It is {_FIXED}." if name in FIXED else ""
+    return f"{quantity.text} {limits}; {shown(usual)} in the scenario.{fixed}"
+
+
+def about(gains: Gains, group: str) -> str:
+    """What a group of tunables is for."""
+    return str(type(getattr(gains, group)).__doc__ or "")
+
+
+def differences(gains: Gains, scenario: Gains) -> tuple[tuple[str, float, float], ...]:
+    """Name, value in the scenario and value now of each tunable that differs."""
+    values = ((name, parameter(scenario, name), parameter(gains, name)) for name in parameter_names())
+    return tuple((name, usual, value) for name, usual, value in values if usual != value)
+
+
+def note_html(group: str, wrong: str) -> str:
+    """What is wrong with what was typed, and which tunables of a group are fixed."""
+    lines = [f'<div class="warn">{text(wrong)}</div>'] if wrong else []
+    lines += [
+        f'<div class="dim">{title_of(name.split(".")[1])} is {_FIXED}.</div>'
+        for name in FIXED
+        if name.split(".")[0] == group
+    ]
+    return "".join(lines)
+
+
+def changed_html(different: tuple[tuple[str, float, float], ...]) -> str:
+    """What differs from the scenario, as a table."""
+    if not different:
+        return '<div class="title">Changed</div><span class="dim">Nothing; all values are the scenario\'s.</span>'
+    rows = "".join(
+        f"<tr><td>{text(label_of(name, differs=False))}</td><td>{shown(usual)}</td><td>{shown(value)}</td></tr>"
+        for name, usual, value in different
+    )
+    return (
+        '<div class="title">Changed</div><table class="numbers"><thead><tr><th>Tunable</th><th>Scenario</th>'
+        f"<th>Now</th></tr></thead><tbody>{rows}</tbody></table>"
+    )

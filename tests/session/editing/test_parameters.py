@@ -1,0 +1,32 @@
+"""Tunables that would make a part of the controller diverge are refused before they apply."""
+
+import pytest
+
+from higvf_console.control.forms import CORRECTED, PRINTED, Forms
+from higvf_console.edits import SetParameters
+from higvf_console.session.run import Run
+from higvf_console.session.scenario import parse_scenario
+from tests.session.editing.deeds import SCENE
+
+
+@pytest.mark.parametrize(
+    ("intention", "values", "limit"),
+    [
+        (CORRECTED, {"formation.formation_rate": 45.0}, "must stay below 2"),
+        (CORRECTED, {"safety.pair_rate": 900.0}, "parameters.safety"),
+        (PRINTED, {"intention.human_weight": 900.0}, "spectral radius"),
+    ],
+)
+def test_an_unstable_value_is_refused_with_its_limit(intention: float, values: dict[str, float], limit: str) -> None:
+    run = Run(parse_scenario(SCENE, "a test").with_forms(Forms(intention=intention)).setup())
+    before = run.setup
+    (event,) = run.apply(SetParameters(values))
+    assert event.kind == "refused"
+    assert limit in event.text
+    assert run.setup is before
+
+
+def test_the_corrected_intention_takes_any_weight() -> None:
+    run = Run(parse_scenario(SCENE, "a test").setup())
+    run.apply(SetParameters({"intention.human_weight": 900.0}))
+    assert run.setup.gains.intention.human_weight == 900.0
