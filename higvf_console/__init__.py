@@ -15,9 +15,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from higvf_console.commands import InputSpec, Interface, OperatorCommand, OperatorContext
+    from higvf_console.commands import OperatorCommand
     from higvf_console.control.gains import Gains
     from higvf_console.errors import HigvfError
+    from higvf_console.interface import InputSpec, Interface, OperatorContext
     from higvf_console.session.channels import open_interface
     from higvf_console.session.headless import run_headless
     from higvf_console.session.recording import Recorder, read_recording, replay
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
     from higvf_console.state import SimState, Trace, World
 
 _HOMES = {
-    "commands": ("InputSpec", "Interface", "OperatorCommand", "OperatorContext"),
+    "commands": ("OperatorCommand",),
+    "interface": ("InputSpec", "Interface", "OperatorContext"),
     "control.gains": ("Gains",),
     "errors": ("HigvfError",),
     "session.channels": ("open_interface",),

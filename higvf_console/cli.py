@@ -211,7 +211,7 @@ def _open_session(given: argparse.Namespace) -> "Session":
 
 
 def _input_specs(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
-    from higvf_console.commands import InputSpec
+    from higvf_console.interface import InputSpec
     from higvf_console.session.inputs import demo_specs, input_spec
 
     specs = [input_spec(text, scenario) for text in given.input]

@@ -246,3 +246,24 @@ def screenshot(page: Page, name: str) -> None:
     if folder := os.environ.get("HIGVF_SCREENSHOTS"):
         Path(folder).mkdir(parents=True, exist_ok=True)
         page.screenshot(path=Path(folder) / f"{name}.png")
+
+
+def close_notifications(page: Page) -> None:
+    page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((close) => close.click())")
+
+
+def tab(page: Page, name: str) -> None:
+    page.get_by_role("tab", name=name).click()
+
+
+def press(page: Page, label: str) -> None:
+    page.get_by_role("button", name=label, exact=True).click()
+
+
+def shown(page: Page, text: str) -> Callable[[], bool]:
+    return lambda: text in page.locator("body").inner_text()
+
+
+def visible(page: Page, node: str) -> bool:
+    """Whether the page shows a scene node."""
+    return page.evaluate("(node) => window.__viserMutable.nodeRefFromName[node].visible", node)

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import viser
 
-from higvf_console.commands import InputSpec, Interface, OperatorCommand
+from higvf_console.commands import OperatorCommand
+from higvf_console.interface import InputSpec, Interface
 from higvf_console.session.channels import open_interface
 from higvf_console.session.scenario import load_scenario
 from higvf_console.session.session import Session
@@ -15,6 +16,7 @@ from higvf_console.sim.simulation import warm_up
 from higvf_console.state import SimState
 from higvf_console.ui import guard
 from higvf_console.ui.console import Console
+from tests.teams import stroke
 
 
 class Running(NamedTuple):
@@ -32,6 +34,11 @@ class Running(NamedTuple):
     def push(self, *commands: OperatorCommand) -> None:
         for command in commands:
             self.session.pointer.push(command)
+
+    def shipped_stroke(self) -> list[OperatorCommand]:
+        """The commands of the first stroke that the scenario shows."""
+        shown = self.session.scenario.strokes[0]
+        return stroke(shown.points, shown.robot)
 
     def given(self, kind: type[OperatorCommand]) -> list[OperatorCommand]:
         return [applied.command for applied in self.session.commands if isinstance(applied.command, kind)]

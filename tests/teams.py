@@ -35,7 +35,7 @@ def team(
         polygons=polygons,
     )  # fmt: skip
     start = initial_state(world.formation, floats(burning[:, 2]), world)
-    return Setup(arena or Arena(0.0, 0.0, 1200.0, 700.0), world, gains, start)
+    return Setup(arena or Arena(0.0, 0.0, 1200.0, 700.0), world, gains, start, tuple(polygons))
 
 
 def stroke(points: Sequence[tuple[float, float]] | Floats, robot: int | None = None) -> list[OperatorCommand]:

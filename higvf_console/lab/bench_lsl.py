@@ -17,8 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from higvf_console.commands import Cursor, InputSpec, Interface, OperatorContext
+from higvf_console.commands import Cursor
 from higvf_console.errors import HigvfError
+from higvf_console.interface import InputSpec, Interface, OperatorContext
 from higvf_console.session.channels import open_interface
 from higvf_console.session.interface_check import PERIOD
 

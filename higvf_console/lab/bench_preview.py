@@ -14,15 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import (
-    ChannelHealth,
-    ChannelState,
-    OperatorCommand,
-    OperatorContext,
-    StrokeBegin,
-    StrokeEnd,
-    StrokePoints,
-)
+from higvf_console.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
+from higvf_console.interface import ChannelHealth, ChannelState, OperatorContext
 from higvf_console.lab.timing import take_turns
 from higvf_console.session.preview import USUAL, foresee, wish
 from higvf_console.session.previewer import Previewer

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import ChannelState, Interface, OperatorContext
+from higvf_console.interface import ChannelState, Interface, OperatorContext
 from higvf_console.sim.metrics import loss_area
 from higvf_console.sim.operator import apply_command
 from higvf_console.sim.setup import Setup

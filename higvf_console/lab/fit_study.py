@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from higvf_console.commands import Interface
 from higvf_console.errors import ScenarioError
+from higvf_console.interface import Interface
 from higvf_console.lab.fit import POPULATION, RESTARTS, Trial, acceptable, attempt, choose, search, widest
 from higvf_console.lab.fit_report import sensitivity, spread
 from higvf_console.lab.fit_space import BAR_HALF_WIDTH, DURATION, NAMES, SPACE, Sample, sample_of, unit, world_of

@@ -12,7 +12,7 @@ import json
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from higvf_console.commands import InputSpec, Interface
+from higvf_console.interface import InputSpec, Interface
 from higvf_console.lab.fire_run import FireRun, fight
 from higvf_console.lab.reproduce.paper import COLUMNS, Column
 from higvf_console.session.channels import open_interface

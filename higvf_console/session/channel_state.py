@@ -10,7 +10,7 @@ says itself that it is gone is lost at once; a replay judges itself by the sessi
 from enum import StrEnum
 from typing import NamedTuple
 
-from higvf_console.commands import ChannelHealth, ChannelState
+from higvf_console.interface import ChannelHealth, ChannelState
 
 
 class OnLost(StrEnum):

@@ -3,8 +3,9 @@
 from collections.abc import Iterable, Mapping
 from importlib.metadata import EntryPoint, entry_points
 
-from higvf_console.commands import ChannelHealth, ChannelState, InputSpec, Interface, OperatorCommand, OperatorContext
+from higvf_console.commands import OperatorCommand
 from higvf_console.errors import InputError
+from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
 from higvf_console.session.reading import closest
 from higvf_console.sim.setup import Event, Severity
 

@@ -7,16 +7,8 @@ a channel back into service, and who steers pass every fault.
 from collections import deque
 from collections.abc import Iterable
 
-from higvf_console.commands import (
-    Acknowledge,
-    ChannelHealth,
-    ChannelState,
-    FaultKind,
-    HandOver,
-    InjectFault,
-    OperatorCommand,
-    Stop,
-)
+from higvf_console.commands import Acknowledge, FaultKind, HandOver, InjectFault, OperatorCommand, Stop
+from higvf_console.interface import ChannelHealth, ChannelState
 
 LONGEST = 3600.0  # [s]
 _MOST_HELD = 4096  # commands

@@ -7,7 +7,7 @@ import logging
 from collections.abc import Callable, Iterable
 from typing import NamedTuple, TypeVar
 
-from higvf_console.commands import Interface
+from higvf_console.interface import Interface
 from higvf_console.reports import (
     AttentionReport,
     Attentive,

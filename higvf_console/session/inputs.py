@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_console.session.scenario import Scenario, data_folder
 
 _CHANNEL = re.compile(r"[A-Za-z][\w-]*")

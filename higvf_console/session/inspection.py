@@ -7,8 +7,8 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Protocol, cast
 
-from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 
 GROUP = "higvf_console.inspectors"
 _LIST_WIDTH = 100  # letters; a longer list is told item by item

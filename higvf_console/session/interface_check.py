@@ -12,17 +12,8 @@ from typing import Any, NamedTuple, cast, get_args
 
 import numpy as np
 
-from higvf_console.commands import (
-    ChannelHealth,
-    ChannelState,
-    Cursor,
-    InputSpec,
-    Interface,
-    OperatorCommand,
-    OperatorContext,
-    Pick,
-    StrokePoints,
-)
+from higvf_console.commands import Cursor, OperatorCommand, Pick, StrokePoints
+from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
 from higvf_console.session.channels import open_interface
 from higvf_console.viewport import fit
 

@@ -231,14 +231,31 @@ def check_barriers(world: World, fire_radius: Floats, gains: Gains, source: str)
     """Refuses gains with which the safety barriers do not hold in discrete time, or no robot could hold at a fire.
 
     Raises:
-        ScenarioError: the sampling condition or the least stand-off is missed; the message gives limit and value.
+        ScenarioError: as `check_rates` and `check_stand_off`.
     """
-    safety = controlled(gains).safety
+    check_rates(world, fire_radius, gains, source)
+    check_stand_off(world, fire_radius, gains, source)
+
+
+def check_rates(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:
+    """Refuses gains with which the safety barriers do not hold in discrete time.
+
+    Raises:
+        ScenarioError: the sampling condition is missed; the message gives limit and value.
+    """
     try:
-        check_sampling(world, fire_radius, safety)
+        check_sampling(world, fire_radius, controlled(gains).safety)
     except FilterError as error:
         raise ScenarioError(f"{source}: parameters.safety: {error}") from error
-    stand_off = gains.fires.stand_off
+
+
+def check_stand_off(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:
+    """Refuses a stand-off at which no robot could hold at a fire.
+
+    Raises:
+        ScenarioError: with the least stand-off of the fire.
+    """
+    safety, stand_off = controlled(gains).safety, gains.fires.stand_off
     for number, (radius, growth) in enumerate(zip(fire_radius, world.fire_growth, strict=True), 1):
         least = least_stand_off(float(radius), float(growth), safety)
         if stand_off < least:

@@ -99,20 +99,21 @@ def signed_distance(chains: Sequence[Floats], points: Floats) -> Floats:
         chains: its outline, and the outlines of the free areas in it; inside is what an odd number of them encloses.
         points: (N, 2) [m].
     """
-    inside = np.zeros(len(points), np.bool_)
-    for chain in chains:
-        inside ^= enclosed(chain, points)
     spines = edges(chains)
-    nearest = np.sqrt(
-        np.concatenate([_nearest_square(part, spines) for part in np.array_split(points, len(points) // _AT_ONCE + 1)])
-    )
-    return np.where(inside, -nearest, nearest)
+    parts: list[Floats] = []
+    for part in np.array_split(points, len(points) // _AT_ONCE + 1):
+        inside = np.zeros(len(part), np.bool_)
+        for chain in chains:
+            inside ^= enclosed(chain, part)
+        nearest = spine_distance(part, spines).min(axis=1)
+        parts.append(np.where(inside, -nearest, nearest))
+    return np.concatenate(parts)
 
 
-def _nearest_square(points: Floats, spines: Floats) -> Floats:
-    """Square of the distance (n,) [m^2] of points (n, 2) from the nearest of segments (E, 4)."""
+def spine_distance(points: Floats, spines: Floats) -> Floats:
+    """Distance (n, E) [m] of points (n, 2) from segments (E, 4), each from ax, ay to bx, by."""
     ax, ay, bx, by = spines.T
     along_x, along_y = bx - ax, by - ay
     dx, dy = points[:, :1] - ax, points[:, 1:] - ay
     share = np.clip((dx * along_x + dy * along_y) / np.maximum(along_x**2 + along_y**2, 1e-12), 0.0, 1.0)
-    return ((dx - share * along_x) ** 2 + (dy - share * along_y) ** 2).min(axis=1)
+    return np.hypot(dx - share * along_x, dy - share * along_y)

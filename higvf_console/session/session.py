@@ -13,19 +13,9 @@ from threading import Thread
 from time import perf_counter
 from typing import Any, NamedTuple, cast
 
-from higvf_console.commands import (
-    Cursor,
-    Freeze,
-    Interface,
-    OperatorCommand,
-    OperatorContext,
-    PointerSink,
-    SetSpeed,
-    Step,
-    StrokePoints,
-    Targets,
-)
+from higvf_console.commands import Cursor, Freeze, OperatorCommand, SetSpeed, Step, StrokePoints
 from higvf_console.errors import InputError
+from higvf_console.interface import Interface, OperatorContext, PointerSink, Targets
 from higvf_console.reports import Calibrated
 from higvf_console.session.baseline import Baseline, compute_baseline
 from higvf_console.session.channels import Channels

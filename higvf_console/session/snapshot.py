@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from higvf_console.arrays import Floats
-from higvf_console.commands import ChannelHealth
+from higvf_console.interface import ChannelHealth
 from higvf_console.session.explain import Moved
 from higvf_console.session.history import History
 from higvf_console.session.input_reports import InputReports

@@ -13,8 +13,6 @@ from typing import NamedTuple
 
 from higvf_console.commands import (
     Acknowledge,
-    ChannelHealth,
-    ChannelState,
     ClearPath,
     Clutch,
     ControlChange,
@@ -23,7 +21,6 @@ from higvf_console.commands import (
     InjectFault,
     NextTask,
     OperatorCommand,
-    OperatorContext,
     Pause,
     ResetRun,
     Resume,
@@ -31,6 +28,7 @@ from higvf_console.commands import (
     StrokeCancel,
     StrokeEnd,
 )
+from higvf_console.interface import ChannelHealth, ChannelState, OperatorContext
 from higvf_console.session.channel_state import (
     OUT_OF_SERVICE,
     Limits,

@@ -7,9 +7,8 @@ from higvf_console.arrays import Bools, Floats
 
 def enclosed(outline: Floats, points: Floats) -> Bools:
     """Which of points (N, 2) lie inside a closed outline (n, 2), by the even-odd rule [m]."""
-    x, y = points.T
-    inside = np.zeros(len(points), np.bool_)
-    for (ax, ay), (bx, by) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
-        if ay != by:
-            inside ^= ((ay > y) != (by > y)) & (x < ax + (y - ay) * (bx - ax) / (by - ay))
-    return inside
+    (ax, ay), (bx, by) = outline.T, np.roll(outline, -1, axis=0).T
+    x, y = points[:, :1], points[:, 1:]
+    rise = np.where(ay == by, 1.0, by - ay)  # a level edge is crossed by none
+    crossed = ((ay > y) != (by > y)) & (x < ax + (y - ay) * (bx - ax) / rise)
+    return np.asarray(crossed.sum(axis=1) % 2 == 1, np.bool_)

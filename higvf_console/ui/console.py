@@ -89,7 +89,7 @@ class Console:
         self._roles = Roles(server, session.pointer, limits.lost)
         self._build_panels()
         camera.install(server, self._scene.camera_arena)
-        hand = Hand(session, self._view, self._steer, self._roles, self._show_tool)
+        self._hand = hand = Hand(session, self._view, self._steer, self._roles, self._show_tool)
         pointer.install(server, hand, theme.CSS.stroke)
         self._calibration = Calibration(server, session.calibrated)  # ahead of the keys: Esc is its own at times
         keys.install(server, hand.key)
@@ -131,7 +131,8 @@ class Console:
         tools.show(self._server, tool, client_id)
 
     def _choice(self) -> Choice:
-        return Choice(self._view.horizon, self._steer.smoothing)
+        end = self._steer.stroke_end(self._hand.use)
+        return Choice(self._view.horizon, end.smoothing, end.use, end.ending, end.pace, end.duration)
 
     def start(self) -> None:
         """Runs the view on a thread of its own, and the look ahead on another."""

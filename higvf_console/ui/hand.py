@@ -26,11 +26,13 @@ from higvf_console.commands import (
     StrokeBegin,
     StrokeCancel,
     StrokePoints,
+    StrokeUse,
     Undo,
 )
 from higvf_console.edits import AddThing, DeleteThing
-from higvf_console.session.editing.layout import layout_of
+from higvf_console.session.editing.layout import Layout, layout_of
 from higvf_console.session.editing.things import centres, thing_at
+from higvf_console.state import Motion
 from higvf_console.ui import pointer
 from higvf_console.ui.grips import Drag, gripped, result_of
 from higvf_console.ui.panels.steer import SteerPanel
@@ -73,6 +75,12 @@ class Hand:
         self._tools[client_id] = tool
         self._view.editing = tool is Tool.EDIT
         self._show_tool(tool, client_id)
+
+    @property
+    def use(self) -> StrokeUse:
+        """What the stroke is for that is drawn now."""
+        tool = Tool.PATH if self._drawing is None else self._tools.get(self._drawing, Tool.PATH)
+        return USES.get(tool, StrokeUse.PATH)
 
     def stroke(self, client_id: int, phase: pointer.Phase, points: Floats) -> None:
         """A stroke begins, grows and ends; one of a page that has lost control since is not taken up again."""
@@ -209,7 +217,7 @@ class Hand:
             self._view.selected = None
             self._push(DeleteThing(place.thing, place.row))
 
-    def _moment(self):
+    def _moment(self) -> tuple[Layout, Motion]:
         snapshot = self._session.snapshot
         return layout_of(snapshot.setup), snapshot.state.motion
 

@@ -13,7 +13,8 @@ from time import monotonic
 
 import viser
 
-from higvf_console.commands import Command, HandOver, OperatorCommand, PointerSink
+from higvf_console.commands import Command, HandOver, OperatorCommand
+from higvf_console.interface import PointerSink
 from higvf_console.ui import page, steering
 from higvf_console.ui.steering import Control, Outcome
 

@@ -10,7 +10,7 @@ from higvf_console.session.masks import MaskPlace
 from higvf_console.ui.scene_parts import Canvas, Layer, Picture
 from higvf_console.viewport import Arena
 
-_OPACITY = 0.55
+_OPACITY = 0.35
 _MOST_SIDE = 1600  # pixels that are sent
 
 

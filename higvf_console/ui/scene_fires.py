@@ -14,6 +14,7 @@ from higvf_console.ui.scene_parts import Canvas, Layer
 from higvf_console.ui.theme import NOMINAL, Nominal, cap_height
 
 _RIM = 0.07  # of the radius
+_PRIORITY_GAP, _PRIORITY_DASH = 7.0, 6.0  # [px]
 _DIGIT = 16.0  # height of a fire's number [px]
 _ROOM = 12.0  # radius of a fire that its number fits in [px]
 
@@ -62,14 +63,24 @@ class Fires:
         self._scorched_edge = canvas.lines(Layer.FIRE_EDGE, "/fires/scorched_edge", ink.scorched_edge, NOMINAL.outline)
         self._ashes = canvas.mesh(Layer.FIRE_TEXT, "/fires/ashes", merged([]), ink.scorched_text)
         self._outside = canvas.mesh(Layer.FIRE_TEXT, "/fires/outside", merged([]), ink.fire_edge)
+        self._chosen = canvas.lines(Layer.FIRE_TEXT, "/fires/priority", ink.operator, 2.0)
         self._look: FireLook | None = None
         self._roomy = np.zeros(count, np.bool_)
+
+    def _priority_rings(self, state: SimState) -> Floats:
+        """Dashed rings (s, 2, 2) round the burning fires that a robot values more."""
+        gap, dash = _PRIORITY_GAP * self._canvas.px, _PRIORITY_DASH * self._canvas.px
+        fires = sorted({int(fire) for fire in state.intent.priority[:, 1] if state.motion.fire_burning[int(fire)]})
+        places = np.column_stack([self._setup.world.fire_position, state.motion.fire_radius + gap]).tolist()
+        rings = [shapes.dashed(shapes.circle(x, y, r), dash, dash) for x, y, r in (places[fire] for fire in fires)]
+        return joined(rings)
 
     def update(self, state: SimState, trace: Trace, loss_area: Floats) -> None:
         """Shows the fires of a snapshot."""
         at, radius = self._setup.world.fire_position, state.motion.fire_radius
         if not len(at):
             return
+        self._chosen.draw(self._priority_rings(state))
         look, before = fire_look(state, trace, self._setup), self._look
         self._look = look
         flames = np.where(look.burning, radius, 0.0)

@@ -1,6 +1,6 @@
 """Replayed decisions of a brain-computer interface as operator input: each class picks a robot."""
 
-from higvf_console.commands import InputSpec
+from higvf_console.interface import InputSpec
 from higvf_interfaces.decisions import DecisionReplay
 from higvf_interfaces.interpretation import IDLE
 

@@ -11,7 +11,7 @@ tells how well a plane explains them. Stored as YAML (or JSON, which YAML reads)
     made: 2026-03-02T14:05:00+01:00      # optional; else the file's own time
 """
 
-from datetime import datetime
+from datetime import date, datetime
 from pathlib import Path
 from typing import NamedTuple, cast
 
@@ -149,7 +149,8 @@ def read_calibration(path: Path) -> Calibration:
 def _made(path: Path, fields: Fields) -> str:
     """What the file says of when it was made, else when it was written."""
     if fields.has("made"):
-        return str(fields.values["made"])
+        said = fields.values["made"]
+        return said.isoformat() if isinstance(said, date) else str(said)
     return datetime.fromtimestamp(path.stat().st_mtime).astimezone().isoformat(timespec="seconds")
 
 

@@ -8,14 +8,8 @@ Every action's own name is a label too, and so is what a channel's defaults add;
 import math
 from collections.abc import Mapping, Sequence
 
-from higvf_console.commands import (
-    ChannelHealth,
-    ChannelState,
-    InputSpec,
-    OperatorCommand,
-    OperatorContext,
-    ResetRun,
-)
+from higvf_console.commands import OperatorCommand, ResetRun
+from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_console.reports import DecisionReport
 from higvf_interfaces import interpretation, lsl
 from higvf_interfaces.debouncer import Evidence, Verdict

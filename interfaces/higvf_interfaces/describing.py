@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.records import StreamInfo
 from higvf_interfaces.formats.text import TextFile

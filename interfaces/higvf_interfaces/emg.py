@@ -1,6 +1,6 @@
 """Replayed EMG gestures as operator input: a squeeze pauses, an open hand resumes, a pinch holds the drawing clutch."""
 
-from higvf_console.commands import InputSpec
+from higvf_console.interface import InputSpec
 from higvf_interfaces.decisions import DecisionReplay
 from higvf_interfaces.interpretation import IDLE
 

@@ -16,15 +16,8 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from higvf_console.arrays import Bools, Floats, bools, floats
-from higvf_console.commands import (
-    ChannelHealth,
-    Interface,
-    OperatorCommand,
-    OperatorContext,
-    StrokeBegin,
-    StrokeCancel,
-    StrokeEnd,
-)
+from higvf_console.commands import OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd
+from higvf_console.interface import ChannelHealth, Interface, OperatorContext
 from higvf_interfaces.feeds import DecisionFeed, Due
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.records import Decision, GazeRecording

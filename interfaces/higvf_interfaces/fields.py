@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import NoReturn, TypeGuard, cast
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import InputSpec
 from higvf_console.errors import HigvfError, InputError
+from higvf_console.interface import InputSpec
 
 _REPR = reprlib.Repr()
 _REPR.maxlevel, _REPR.maxstring, _REPR.maxother = 3, 80, 80

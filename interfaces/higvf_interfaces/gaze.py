@@ -14,18 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import (
-    ChannelHealth,
-    ChannelState,
-    Cursor,
-    InputSpec,
-    OperatorCommand,
-    OperatorContext,
-    StrokeBegin,
-    StrokeCancel,
-    StrokeEnd,
-    StrokePoints,
-)
+from higvf_console.commands import Cursor, OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd, StrokePoints
+from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_console.reports import AttentionReport, CalibrationReport, CaptureReport, DwellReport
 from higvf_console.viewport import Viewport
 from higvf_interfaces import lsl

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from higvf_console.arrays import bools
-from higvf_console.commands import InputSpec
+from higvf_console.interface import InputSpec
 from higvf_interfaces.emulation import GAZE_ERRORS, GazeErrors, describe, error_model
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.fixations import IVT, METHODS, PX_PER_DEG, Classified

@@ -6,7 +6,7 @@ from collections import deque
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import NO_TARGETS, Targets
+from higvf_console.interface import NO_TARGETS, Targets
 from higvf_console.reports import AttentionReport
 from higvf_console.viewport import Arena
 from higvf_interfaces.attention import ELSEWHERE, Transitions, looked_at

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_interfaces import inspect_commands, inspect_gaze, inspect_signals, inspect_streams
 from higvf_interfaces.describing import Request
 from higvf_interfaces.fields import option_fields

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from higvf_console.arrays import Floats, bools, floats
-from higvf_console.commands import InputSpec
+from higvf_console.interface import InputSpec
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.fixations import IVT, METHODS, PX_PER_DEG, THRESHOLDS, Classified, Fixation, fixations_of
 from higvf_interfaces.formats.gaze_xdf import described_channels, frame_of, point_channels

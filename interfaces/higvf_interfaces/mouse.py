@@ -8,17 +8,8 @@ from time import monotonic
 
 import numpy as np
 
-from higvf_console.commands import (
-    ChannelHealth,
-    ChannelState,
-    Command,
-    Cursor,
-    InputSpec,
-    OperatorCommand,
-    OperatorContext,
-    Stop,
-    StrokePoints,
-)
+from higvf_console.commands import Command, Cursor, OperatorCommand, Stop, StrokePoints
+from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.streams import Stamp
 

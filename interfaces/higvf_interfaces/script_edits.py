@@ -62,6 +62,10 @@ def _link(fields: Fields) -> OperatorCommand:
     return ToggleLink(*robots)
 
 
+def _link_by_range(_: Fields) -> OperatorCommand:
+    return LinkByRange()
+
+
 def _set_arena(fields: Fields) -> OperatorCommand:
     return SetArena(floats(fields.numbers("sides_m", 4)), fields.flag("walls", True))
 
@@ -104,6 +108,14 @@ def _bend_path(fields: Fields) -> OperatorCommand:
     return BendPath(floats(fields.numbers("grip_m", 2)), floats(fields.numbers("to_m", 2)))
 
 
+def _take_up_path(fields: Fields) -> OperatorCommand:
+    return TakeUpPath(fields.whole("number", 1) - 1)
+
+
+def _forget_path(fields: Fields) -> OperatorCommand:
+    return ForgetPath(fields.whole("number", 1) - 1)
+
+
 def pace(fields: Fields) -> float:
     """Share of their velocity that those who are led take; 1 where it is not given."""
     return fields.number("pace", 1.0, 0.0, 10.0)
@@ -136,13 +148,13 @@ ACTIONS: Mapping[str, EditAction] = MappingProxyType(
         "change": EditAction(("thing", "number", "name", "value"), _change),
         "delete": EditAction(("thing", "number"), _delete),
         "link": EditAction(("robots",), _link),
-        "link_by_range": EditAction((), lambda _: LinkByRange()),
+        "link_by_range": EditAction((), _link_by_range),
         "set_arena": EditAction(("sides_m", "walls"), _set_arena),
         "set_parameters": EditAction(("parameters",), _set_parameters),
         "prioritise": EditAction(("fires", "robot", "factor"), _prioritise),
         "shape_path": EditAction(("ending", "pace", "duration_s", "closed"), _shape_path),
         "bend_path": EditAction(("grip_m", "to_m"), _bend_path),
-        "take_up_path": EditAction(("number",), lambda fields: TakeUpPath(fields.whole("number", 1) - 1)),
-        "forget_path": EditAction(("number",), lambda fields: ForgetPath(fields.whole("number", 1) - 1)),
+        "take_up_path": EditAction(("number",), _take_up_path),
+        "forget_path": EditAction(("number",), _forget_path),
     }
 )

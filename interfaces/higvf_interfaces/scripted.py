@@ -6,20 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from higvf_console.arrays import floats
-from higvf_console.commands import (
-    ChannelHealth,
-    ChannelState,
-    InputSpec,
-    OperatorCommand,
-    OperatorContext,
-    Pick,
-    Prioritise,
-    ResetRun,
-    StrokeBegin,
-    StrokePoints,
-)
+from higvf_console.commands import OperatorCommand, Pick, Prioritise, ResetRun, StrokeBegin, StrokePoints
 from higvf_console.edits import AddThing, Thing
 from higvf_console.errors import ScriptError
+from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.emulation import DELAYS, EmulatedInterface, error_model
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.script_file import Entry, Stroke, read_script

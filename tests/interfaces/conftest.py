@@ -7,7 +7,7 @@ from types import ModuleType
 import pytest
 from lsl_devices import isolated_library
 
-from higvf_console.commands import OperatorContext
+from higvf_console.interface import OperatorContext
 from higvf_console.viewport import Viewport
 
 ContextAt = Callable[..., OperatorContext]

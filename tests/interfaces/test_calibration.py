@@ -1,6 +1,7 @@
 """A homography from the screen to the arena: exact where it can be, refused where it would throw gaze away."""
 
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +10,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import Cursor, InputSpec, OperatorContext
+from higvf_console.commands import Cursor
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec, OperatorContext
 from higvf_console.viewport import Arena, fit
-from higvf_interfaces.calibration import calibrate, calibration_text, read_calibration, targets, to_arena
+from higvf_interfaces.calibration import (
+    calibrate,
+    calibration_report,
+    calibration_text,
+    read_calibration,
+    targets,
+    to_arena,
+)
 from higvf_interfaces.gaze import open_gaze
 
 ARENA = Arena(0.0, 0.0, 1200.0, 700.0)
@@ -108,3 +117,27 @@ def test_a_calibrated_channel_puts_the_cursor_where_the_operator_looks(
     cursor = open_gaze(InputSpec("gaze", gaze, {"calibration": file}, arena=ARENA)).poll(at(0.5))[-1]
     assert isinstance(cursor, Cursor)
     np.testing.assert_allclose(cursor.point, [900, 200], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("line", "made"),
+    [
+        ("made: 2026-03-02T14:05:00+01:00", "2026-03-02T14:05:00+01:00"),
+        ("made: 2026-03-02", "2026-03-02"),
+        ("made: after lunch", "after lunch"),
+    ],
+)
+def test_a_calibration_says_when_it_was_made_and_how_far_it_is_off(write: Write, line: str, made: str) -> None:
+    looked = targets(ARENA, 5)
+    pixels = fit(ARENA, *SCREEN).to_screen(looked)
+    pixels[4] += [0.0, 30.0]
+    text = calibration_text(calibrate(pixels, looked, SCREEN))
+    report = calibration_report(read_calibration(Path(write(f"{text}{line}\n"))))
+    assert report.made == made
+    assert report.residual_m / report.residual_px == pytest.approx(700 / 1080, rel=0.1)
+
+
+def test_a_file_that_does_not_say_when_it_was_made_counts_from_its_own_time(write: Write) -> None:
+    looked = targets(ARENA, 4)
+    file = Path(write(calibration_text(calibrate(seen_from_aside(looked, 0.1), looked, SCREEN))))
+    assert datetime.fromisoformat(read_calibration(file).made).timestamp() == pytest.approx(file.stat().st_mtime, abs=1)

@@ -6,14 +6,11 @@ import pytest
 
 from higvf_console.commands import (
     AskReset,
-    ChannelState,
     ClearPath,
     Clutch,
     Command,
-    InputSpec,
     NextTask,
     OperatorCommand,
-    OperatorContext,
     Pause,
     Pick,
     ResetRun,
@@ -23,6 +20,7 @@ from higvf_console.commands import (
     Stop,
 )
 from higvf_console.errors import InputError
+from higvf_console.interface import ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.bci import open_bci
 from higvf_interfaces.decisions import DecisionReplay
 from higvf_interfaces.emg import open_emg

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import ChannelState, InputSpec, OperatorContext, Pause, Pick
+from higvf_console.commands import Pause, Pick
 from higvf_console.errors import InputError
+from higvf_console.interface import ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.bci import open_bci
 from higvf_interfaces.decoding.conditioning import Conditioner
 from higvf_interfaces.decoding.contract import Decoder, SlidingWindow, Trial

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from higvf_console.commands import InputSpec, OperatorContext, StrokeBegin, StrokeEnd, StrokePoints
+from higvf_console.commands import StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec, OperatorContext
 from higvf_interfaces.dwell_button import DWELL, IDLE, REFRACTORY, DwellButton, step
 from higvf_interfaces.gaze import open_gaze
 
@@ -74,3 +75,21 @@ def test_a_button_off_the_screen_is_refused(write: Callable[..., str]) -> None:
     file = write("time,x [px],y [px]\n0,1,2\n")
     with pytest.raises(InputError, match=r"button: \[0.9, 0.0, 1.1, 1.0\] is not \[left, top, right, bottom\]"):
         open_gaze(InputSpec("gaze", file, settings={"clutch": "dwell", "button": [0.9, 0.0, 1.1, 1.0]}))
+
+
+def test_the_button_is_told_with_its_place_on_the_ground_and_its_progress(
+    write: Callable[..., str], at: Callable[..., OperatorContext]
+) -> None:
+    rows = "".join(f"{k / 100},0.05,0.95\n" for k in range(300))
+    file = write("time,x,y\n" + rows)
+    options = {"frame": "unit", "clutch": "dwell", "screen": "1200x700"}
+    gaze = open_gaze(InputSpec("gaze", file, options))
+    for k in range(21):
+        gaze.poll(at(k * TICK))
+    report = gaze.dwell_report()
+    assert report is not None
+    assert report.progress == pytest.approx(0.4 / DWELL, abs=0.05)
+    np.testing.assert_allclose(report.outline, [[0, 105], [120, 105], [120, 0], [0, 0], [0, 105]], atol=1e-9)
+    held = open_gaze(InputSpec("gaze", file, {**options, "clutch": "held"}))
+    held.poll(at(0.2))
+    assert held.dwell_report() is None

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from higvf_console.arrays import bools, floats
-from higvf_console.commands import ChannelState, InputSpec, OperatorCommand, OperatorContext
+from higvf_console.commands import OperatorCommand
 from higvf_console.errors import InputError
+from higvf_console.interface import ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.bci import open_bci
 from higvf_interfaces.emulation import EmulatedFeed, ErrorModel, emulate, emulate_gaze
 from higvf_interfaces.feeds import LogFeed

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.reading import GAZE_FORMATS, read_gaze
 from higvf_interfaces.formats.records import SCENE_FRAMES, Wanted

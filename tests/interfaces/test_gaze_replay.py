@@ -6,18 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from higvf_console.commands import (
-    ChannelState,
-    Cursor,
-    InputSpec,
-    OperatorCommand,
-    OperatorContext,
-    StrokeBegin,
-    StrokeCancel,
-    StrokeEnd,
-    StrokePoints,
-)
+from higvf_console.commands import Cursor, OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd, StrokePoints
 from higvf_console.errors import InputError
+from higvf_console.interface import ChannelState, InputSpec, OperatorContext
 from higvf_console.viewport import Viewport, fit
 from higvf_interfaces.gaze import GazeReplay, open_gaze
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import Targets
+from higvf_console.interface import Targets
 from higvf_console.viewport import Arena
 from higvf_interfaces.fixations import Fixation
 from higvf_interfaces.gaze_tally import GazeTally

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from higvf_console.arrays import floats
-from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_console.viewport import fit
 from higvf_interfaces.inspection import inspect
 from higvf_interfaces.recording_files import write_gaze_csv, write_gaze_tsv

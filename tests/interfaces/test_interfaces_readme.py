@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_interfaces.actions import ACTIONS
 from higvf_interfaces.bci import CLASSES
 from higvf_interfaces.calibration import read_calibration

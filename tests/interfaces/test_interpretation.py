@@ -4,18 +4,9 @@ from collections.abc import Callable
 
 import pytest
 
-from higvf_console.commands import (
-    Confirm,
-    Discard,
-    InputSpec,
-    OperatorCommand,
-    OperatorContext,
-    Pause,
-    Pick,
-    ProposePick,
-    Stop,
-)
+from higvf_console.commands import Confirm, Discard, OperatorCommand, Pause, Pick, ProposePick, Stop
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec, OperatorContext
 from higvf_interfaces.bci import open_bci
 from higvf_interfaces.debouncer import Stage
 from higvf_interfaces.decisions import DecisionReplay

@@ -9,7 +9,7 @@ import pytest
 from lsl_devices import Device, until
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import InputSpec, OperatorContext
+from higvf_console.interface import InputSpec, OperatorContext
 from higvf_console.viewport import fit
 from higvf_interfaces.capture import COUNT
 from higvf_interfaces.gaze import GazeReplay, open_gaze

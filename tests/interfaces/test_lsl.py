@@ -8,19 +8,9 @@ import numpy as np
 import pytest
 from lsl_devices import Device, until
 
-from higvf_console.commands import (
-    ChannelState,
-    Cursor,
-    InputSpec,
-    OperatorCommand,
-    OperatorContext,
-    Pause,
-    Pick,
-    StrokeBegin,
-    StrokeEnd,
-    StrokePoints,
-)
+from higvf_console.commands import Cursor, OperatorCommand, Pause, Pick, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.errors import InputError
+from higvf_console.interface import ChannelState, InputSpec, OperatorContext
 from higvf_interfaces import lsl as live
 from higvf_interfaces.bci import open_bci
 from higvf_interfaces.emg import open_emg

@@ -8,11 +8,8 @@ import pytest
 
 from higvf_console.arrays import floats
 from higvf_console.commands import (
-    ChannelState,
     Cursor,
-    InputSpec,
     OperatorCommand,
-    OperatorContext,
     Pause,
     Pick,
     Stop,
@@ -22,6 +19,7 @@ from higvf_console.commands import (
     StrokePoints,
 )
 from higvf_console.errors import InputError
+from higvf_console.interface import ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.mouse import Mouse, open_mouse
 
 ContextAt = Callable[..., OperatorContext]

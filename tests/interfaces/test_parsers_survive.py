@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from higvf_console.commands import InputSpec
 from higvf_console.errors import HigvfError, InputError, ScriptError
+from higvf_console.interface import InputSpec
 from higvf_interfaces.calibration import read_calibration
 from higvf_interfaces.formats.reading import GAZE_FORMATS, read_gaze
 from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, read_decisions

@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 
 from higvf_console.commands import (
-    ChannelState,
     Clutch,
     Command,
-    InputSpec,
     OperatorCommand,
-    OperatorContext,
     Pause,
     Pick,
     ResetRun,
@@ -23,6 +20,7 @@ from higvf_console.commands import (
     Undo,
 )
 from higvf_console.errors import InputError, ScriptError
+from higvf_console.interface import ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.emulation import EmulatedInterface
 from higvf_interfaces.script_file import DETAILS
 from higvf_interfaces.scripted import ScriptPlayer, open_script

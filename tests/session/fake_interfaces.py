@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from higvf_console.commands import ChannelHealth, ChannelState, OperatorCommand, OperatorContext
+from higvf_console.commands import OperatorCommand
+from higvf_console.interface import ChannelHealth, ChannelState, OperatorContext
 
 
 class FakeInterface:

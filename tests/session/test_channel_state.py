@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from higvf_console.commands import ChannelHealth, ChannelState
 from higvf_console.errors import ScenarioError
+from higvf_console.interface import ChannelHealth, ChannelState
 from higvf_console.session.channel_settings import read_inputs
 from higvf_console.session.channel_state import (
     OUT_OF_SERVICE,

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_console.session import channels
 from higvf_console.session.channels import GROUP, interface_names, open_interface
 

@@ -9,7 +9,6 @@ from higvf_console.arrays import floats
 from higvf_console.commands import (
     AskReset,
     ClearPath,
-    Command,
     LoadScenario,
     OperatorCommand,
     Pause,
@@ -139,7 +138,7 @@ STEPS = st.one_of(GIVEN, st.sampled_from([(Undo(),), (Redo(),), (ResetRun(),)]),
 @settings(deadline=None, max_examples=40)
 @given(before=st.lists(STEPS, max_size=6), after=st.lists(st.sampled_from([Undo(), Redo()]), min_size=1, max_size=6))
 def test_whatever_was_done_undo_and_redo_never_lift_a_stop_or_the_pause_after_it(
-    before: list[int | tuple[Command, ...]], after: list[OperatorCommand]
+    before: list[int | tuple[OperatorCommand, ...]], after: list[OperatorCommand]
 ) -> None:
     run = edited_run()
     for step in before:

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import pytest
 
 from higvf_console import cli
-from higvf_console.commands import InputSpec
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_console.session import inspection
 
 TOLD: Mapping[str, object] = {

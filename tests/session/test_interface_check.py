@@ -9,18 +9,8 @@ import numpy as np
 import pytest
 
 from higvf_console import cli
-from higvf_console.commands import (
-    ChannelHealth,
-    ChannelState,
-    Cursor,
-    InputSpec,
-    OperatorCommand,
-    OperatorContext,
-    Pause,
-    Pick,
-    Resume,
-    StrokePoints,
-)
+from higvf_console.commands import Cursor, OperatorCommand, Pause, Pick, Resume, StrokePoints
+from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_console.session import interface_check
 from higvf_console.session.interface_check import check_interface
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from higvf_console import cli
-from higvf_console.commands import InputSpec, Pause, Resume
+from higvf_console.commands import Pause, Resume
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_console.session.channels import interface_names, open_interface
 from higvf_console.session.interface_check import check_interface
 from higvf_console.session.scenario import Scenario

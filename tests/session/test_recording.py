@@ -12,7 +12,6 @@ import pytest
 from fake_interfaces import FakeInterface
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.command import Command
 from higvf_console.commands import (
     BendPath,
     Clutch,
@@ -254,7 +253,7 @@ SAMPLES: dict[object, object] = {
 SHAPED = {"point": floats([1.0, -math.inf]), "grip": floats([1.0, 2.0]), "sides": floats([0.0, 1.0, 2.0, 3.0])}
 
 
-def sample_of(kind: type[Command]) -> Command:
+def sample_of(kind: type[OperatorCommand]) -> OperatorCommand:
     """A command of a kind, with something in each field."""
     fields: dict[str, object] = {}
     for name, hint in get_type_hints(kind).items():

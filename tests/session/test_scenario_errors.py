@@ -3,10 +3,12 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from higvf_console.errors import ScenarioError
 from higvf_console.session.scenario import load_scenario, parse_scenario, scenario_names
+from higvf_console.state import PathEnding
 
 BASE = """
 version: 1
@@ -232,3 +234,35 @@ def test_a_jitter_that_makes_robots_overlap_is_refused_with_the_seed_that_does_i
     with pytest.raises(ScenarioError, match="apart; robot_clearance is 25 m"):
         for seed in range(20):
             parse_scenario(text, "t.yaml").setup(seed)
+
+
+@pytest.mark.parametrize("text", ["", "\n\n", "# nothing yet\n"])
+def test_an_empty_file_is_called_empty(text: str) -> None:
+    with pytest.raises(ScenarioError, match=r"none\.yaml: the file is empty"):
+        parse_scenario(text, "none.yaml")
+
+
+def test_each_unicycle_is_given_a_heading_or_all_the_same() -> None:
+    start = "version: 1\narena: {size_m: [900, 500]}\nrobots: {start_m: [[100, 100], [200, 200]], heading_deg: "
+    assert np.degrees(parse_scenario(start + "[10, -20]}\n", "t.yaml").robots.heading) == pytest.approx([10, -20])
+    assert np.degrees(parse_scenario(start + "30}\n", "t.yaml").robots.heading) == pytest.approx([30, 30])
+    with pytest.raises(ScenarioError, match=r"robots\.heading_deg: 1 headings for 2 robots; give one for all, or one"):
+        parse_scenario(start + "[10]}\n", "t.yaml")
+
+
+@pytest.mark.parametrize(
+    ("way", "message"),
+    [
+        ("ending: stop", r"path\.ending: 'stop' is not one of: release, hold, loop"),
+        ("pace: 9", r"path\.pace: 9 is out of range; give a number from 0.2 to 1.5"),
+        ("duration_s: -1", r"path\.duration_s: -1 is out of range"),
+    ],
+)
+def test_how_a_path_is_followed_is_checked(way: str, message: str) -> None:
+    start = "version: 1\narena: {size_m: [900, 500]}\nrobots: {start_m: [[100, 100]]}\n"
+    path = "path: {circle: {at_m: [400, 250], radius_m: 100}, "
+    with pytest.raises(ScenarioError, match=message):
+        parse_scenario(start + path + way + "}\n", "t.yaml")
+    scenario = parse_scenario(start + path + "ending: loop, pace: 0.5, duration_s: 9}\n", "t.yaml")
+    assert (scenario.path.ending, scenario.path.pace, scenario.path.duration) == (PathEnding.LOOP, 0.5, 9.0)
+    assert scenario.setup().start.motion.path_left == 9.0

@@ -10,7 +10,6 @@ import pytest
 from fake_interfaces import BrokenInterface, FakeInterface
 
 from higvf_console.commands import (
-    ChannelState,
     Clutch,
     Cursor,
     Freeze,
@@ -26,6 +25,7 @@ from higvf_console.commands import (
     StrokePoints,
 )
 from higvf_console.errors import InputError
+from higvf_console.interface import ChannelState
 from higvf_console.session.baseline import compute_baseline
 from higvf_console.session.scenario import Scenario, load_scenario, parse_scenario
 from higvf_console.session.session import EVENTS_KEPT, Session

@@ -8,8 +8,6 @@ from fake_interfaces import FakeInterface
 
 from higvf_console.commands import (
     Acknowledge,
-    ChannelHealth,
-    ChannelState,
     Clutch,
     ControlChange,
     Cursor,
@@ -27,6 +25,7 @@ from higvf_console.commands import (
     StrokeEnd,
     StrokePoints,
 )
+from higvf_console.interface import ChannelHealth, ChannelState
 from higvf_console.session.faults import Line
 from higvf_console.session.recording import Recorder, read_recording, replay
 from higvf_console.session.scenario import Scenario, parse_scenario

@@ -1,6 +1,7 @@
 """A path that is repaired keeps what was not touched, and is followed as before."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -126,13 +127,10 @@ def test_an_end_may_be_joined_to_the_start_and_opened_again() -> None:
     assert opened.length == pytest.approx(200.0 * math.pi, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    "repair", [lambda p: amended(p, WAY[1:4] + 5.0, 0.0), lambda p: bent(p, WAY[2], WAY[2] + 30.0)]
-)
-def test_a_repaired_path_is_followed_as_before(repair: object) -> None:
+def test_a_repaired_path_is_followed_as_before() -> None:
     path = OPEN._replace(direction=-1.0, ending=int(PathEnding.HOLD), pace=0.5, duration=40.0)
-    new: Path = repair(path)  # pyright: ignore[reportCallIssue]
-    assert (new.direction, new.ending, new.pace, new.duration) == (-1.0, PathEnding.HOLD, 0.5, 40.0)
+    for new in (amended(path, WAY[1:4] + 5.0, 0.0), bent(path, WAY[2], WAY[2] + 30.0)):
+        assert (new.direction, new.ending, new.pace, new.duration) == (-1.0, PathEnding.HOLD, 0.5, 40.0)
 
 
 def following(ticks: int = 100) -> tuple[Setup, SimState]:
@@ -140,7 +138,7 @@ def following(ticks: int = 100) -> tuple[Setup, SimState]:
     return setup, gone_on(setup, commanded(setup, setup.start, stroke(WAY)), ticks)
 
 
-def commanded(setup: Setup, state: SimState, commands: list[OperatorCommand]) -> SimState:
+def commanded(setup: Setup, state: SimState, commands: Sequence[OperatorCommand]) -> SimState:
     for command in commands:
         state, _ = apply_command(state, command, setup)
     return state
@@ -156,7 +154,11 @@ def test_a_path_repaired_while_it_is_followed_goes_on_from_where_it_is() -> None
     setup, state = following()
     done = state.motion.path_parameter
     assert 50.0 < done < 400.0
-    drawn = [StrokeBegin(), StrokePoints(floats([[600, 350], [650, 450], [700, 360]])), StrokeEnd(use="amend")]
+    drawn: list[OperatorCommand] = [
+        StrokeBegin(),
+        StrokePoints(floats([[600, 350], [650, 450], [700, 360]])),
+        StrokeEnd(use="amend"),
+    ]
     for commands in (drawn, [BendPath(floats([700.0, 350.0]), floats([700.0, 420.0]))]):
         new = commanded(setup, state, commands)
         assert new.intent.path.length > state.intent.path.length

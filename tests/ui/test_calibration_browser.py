@@ -7,7 +7,8 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import floats
-from higvf_console.commands import ChannelHealth, ChannelState, Discard, OperatorCommand, OperatorContext
+from higvf_console.commands import Discard, OperatorCommand
+from higvf_console.interface import ChannelHealth, ChannelState, OperatorContext
 from higvf_console.reports import CalibrationReport, CaptureReport
 from tests.browser import open_console, screenshot, to_page, turn_wheel, wait_until
 from tests.consoles import Running, console_at_work

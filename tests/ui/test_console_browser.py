@@ -10,7 +10,6 @@ from playwright.sync_api import Browser, Page
 from higvf_console.arrays import Floats, floats
 from higvf_console.commands import (
     AskReset,
-    ChannelState,
     Freeze,
     OperatorCommand,
     Pause,
@@ -22,10 +21,23 @@ from higvf_console.commands import (
     Step,
     Stop,
 )
+from higvf_console.interface import ChannelState
 from higvf_console.state import PathKind
-from tests.browser import draw, open_console, press_stop, screenshot, to_page, wait_for_console, wait_until
+from tests.browser import (
+    close_notifications,
+    draw,
+    open_console,
+    press,
+    press_stop,
+    screenshot,
+    shown,
+    tab,
+    to_page,
+    visible,
+    wait_for_console,
+    wait_until,
+)
 from tests.consoles import Running, console_at_work
-from tests.teams import stroke
 
 pytestmark = pytest.mark.browser
 
@@ -56,27 +68,6 @@ def _from_the_start(running: Running, page: Page) -> None:
     running.session.commands.clear()
     page.evaluate("document.activeElement.blur()")
     tab(page, "Steer")
-
-
-def close_notifications(page: Page) -> None:
-    page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((close) => close.click())")
-
-
-def tab(page: Page, name: str) -> None:
-    page.get_by_role("tab", name=name).click()
-
-
-def press(page: Page, label: str) -> None:
-    page.get_by_role("button", name=label, exact=True).click()
-
-
-def shown(page: Page, text: str) -> Callable[[], bool]:
-    return lambda: text in page.locator("body").inner_text()
-
-
-def visible(page: Page, node: str) -> bool:
-    """Whether the page shows a scene node."""
-    return page.evaluate("(node) => window.__viserMutable.nodeRefFromName[node].visible", node)
 
 
 def pixels(page: Page, ground: Floats, size: int = 3) -> np.ndarray:
@@ -240,7 +231,7 @@ def test_a_stop_from_the_page_stands_the_team_still_within_two_ticks_of_its_arri
 def test_the_field_key_and_list_show_arrows(page: Page, running: Running) -> None:
     tab(page, "View")
     page.evaluate("document.activeElement.blur()")
-    running.push(*shipped_stroke(running))
+    running.push(*running.shipped_stroke())
     wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
     assert not visible(page, "/field")
     page.keyboard.press("v")
@@ -322,7 +313,7 @@ def test_nothing_overlaps_the_stop_button_or_leaves_the_arena_s_room(
 def test_two_pages_see_the_same_and_a_late_one_has_it_all(
     page: Page, running: Running, open_page: Callable[[str], Page]
 ) -> None:
-    running.push(*shipped_stroke(running))
+    running.push(*running.shipped_stroke())
     late = open_page(running.url)
     for seen in (page, late):
         wait_until(lambda seen=seen: "on its path" in seen.locator(".hg dl").inner_text())
@@ -337,58 +328,6 @@ def test_a_panel_that_fails_does_not_stop_the_scene(
     running.push(Pick(1))
     wait_until(lambda: page.get_by_role("combobox").nth(1).input_value() == "Robot 2")
     wait_until(lambda: [record for record in caplog.records if "StatusPanel" in record.getMessage()])
-
-
-def shipped_stroke(running: Running) -> list[OperatorCommand]:
-    shipped = running.session.scenario.strokes[0]
-    return stroke(shipped.points, shipped.robot)
-
-
-def numbers(shown: list[str]) -> list[float]:
-    return [float(number.replace("\u2212", "-")) for number in shown]
-
-
-def test_a_second_click_on_a_robot_says_why_it_moves(page: Page, running: Running) -> None:
-    tab(page, "Why")
-    running.push(*shipped_stroke(running), Freeze(False))
-    robot = running.session.scenario.strokes[0].robot or 0
-    wait_until(lambda: running.state.motion.tick > 60)
-    running.push(Freeze(True))
-    wait_until(lambda: running.session.snapshot.frozen)
-    assert not visible(page, "/why/parts")
-    draw(page, to_page(page, running.state.motion.position[robot : robot + 1]), rate=0)
-    wait_until(lambda: visible(page, "/why/parts"))
-    panel = page.locator(".hg", has_text=f"Why robot {robot + 1} moves")
-    wait_until(panel.count)
-    velocity = running.session.snapshot.last.after.velocity[robot]
-    total = panel.locator("tfoot td")  # the panel is renewed less often than the arrows
-    wait_until(lambda: numbers(total.all_inner_texts()[1:3]) == pytest.approx(velocity, abs=0.051))
-    rows = [row.split("\t") for row in panel.locator("tbody tr").all_inner_texts()]
-    parts = floats([numbers(row[1:3]) for row in rows])
-    assert parts.sum(axis=0) == pytest.approx(velocity, abs=0.051 * len(parts))
-    assert np.hypot(*parts[1]) > 1.0  # the human's
-    wait_until(page.locator("svg.chart polygon").count)
-    assert page.locator(".hg", has_text="Does the method hold?").locator("tbody tr").count() == 5
-    screenshot(page, "console-why")
-    draw(page, to_page(page, running.state.motion.position[robot : robot + 1]), rate=0)
-    wait_until(lambda: not visible(page, "/why/parts"))
-
-
-def test_another_robot_is_explained_without_being_steered_and_its_lines_of_sight_shown(
-    page: Page, running: Running
-) -> None:
-    tab(page, "Why")
-    page.get_by_role("combobox").nth(1).click()
-    page.get_by_role("option", name="Robot 3").click()
-    wait_until(page.locator(".hg", has_text="Why robot 3 moves").count)
-    assert running.state.intent.influenced == 0
-    page.get_by_role("checkbox", name="Lines of sight").click()
-    wait_until(lambda: visible(page, "/why/seen"))
-    screenshot(page, "console-sight")
-    page.get_by_role("checkbox", name="Lines of sight").click()
-    page.get_by_role("combobox").nth(1).click()
-    page.get_by_role("option", name="The one you steer").click()
-    wait_until(page.locator(".hg", has_text="Why robot 1 moves").count)
 
 
 def test_an_open_page_keeps_the_mouse_alive(running: Running, page: Page) -> None:  # noqa: ARG001 - it must be open

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from higvf_console.commands import Freeze, InputSpec, SetSpeed
+from higvf_console.commands import Freeze, SetSpeed
+from higvf_console.interface import InputSpec
 from higvf_console.session.channels import open_interface
 from higvf_console.session.inputs import demo_specs
 from higvf_console.session.scenario import load_scenario

@@ -3,7 +3,7 @@
 import numpy as np
 
 from higvf_console.arrays import floats
-from higvf_console.commands import ChannelHealth, ChannelState
+from higvf_console.interface import ChannelHealth, ChannelState
 from higvf_console.reports import AttentionReport, CalibrationReport, CaptureReport, DecisionReport
 from higvf_console.ui.panels.inputs_tables import (
     MOST_ROBOTS,

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from higvf_console.arrays import floats
-from higvf_console.commands import ChannelHealth, ChannelState
 from higvf_console.control.paths import sketch_path
+from higvf_console.interface import ChannelHealth, ChannelState
 from higvf_console.session.baseline import Baseline
 from higvf_console.session.preview import Future, Preview
 from higvf_console.sim.setup import Event, Severity

@@ -1,33 +1,26 @@
 """What the operator sees has the right shape, place and colour; pure, without a browser."""
 
-from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
 import pytest
 
 from higvf_console.arrays import Floats, floats, ints
-from higvf_console.commands import OperatorCommand, Pick
 from higvf_console.control.field import FieldKind
 from higvf_console.control.gains import Gains, RobotGains
 from higvf_console.control.paths import circle_path, line_path, sketch_path
-from higvf_console.session.session import Session
 from higvf_console.sim.simulation import advance
 from higvf_console.state import NO_PATH, SimState
 from higvf_console.ui import shapes, theme
 from higvf_console.ui.glyphs import STROKES, WEIGHT, Triangles, glyph, lettering, numbering, width
-from higvf_console.ui.hand import Hand, robot_near
-from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.view import FIELDS, next_field
-from higvf_console.ui.roles import Roles
-from higvf_console.ui.scene import View
 from higvf_console.ui.scene_field import field_grid
 from higvf_console.ui.scene_fires import FireLook, fire_lettering, fire_look, progress_arcs
 from higvf_console.ui.scene_ground import axis_lettering, grid, obstacle_outlines, scale_bar, with_margin
 from higvf_console.ui.scene_parts import Canvas, Layer, turned
 from higvf_console.ui.scene_path import path_outline, thinned
 from higvf_console.ui.scene_team import MOST_LINKS, TRAIL_POINTS, Team, faded, link_segments, rings
-from higvf_console.viewport import Arena, Viewport
+from higvf_console.viewport import Arena
 from tests.teams import team
 
 ARENA = Arena(0.0, 0.0, 1200.0, 700.0)
@@ -297,12 +290,6 @@ def test_the_field_key_goes_through_all_fields_and_off_again() -> None:
     assert seen == [None, FieldKind.PATH, FieldKind.COMPOSITE, FieldKind.BLENDED, None]
 
 
-def test_a_click_picks_the_nearest_robot_within_reach_and_nobody_beyond() -> None:
-    assert robot_near(TRIANGLE, floats([64, 325]), 26.0) == 1
-    assert robot_near(TRIANGLE, floats([300, 300]), 26.0) is None
-    assert robot_near(floats([], 0, 2), floats([0, 0]), 26.0) is None
-
-
 class _Drawn:
     """A canvas without a browser: what was placed or drawn last under each name."""
 
@@ -366,22 +353,3 @@ def test_a_single_integrator_has_neither_look_ahead_point_nor_a_second_clearance
     assert (nodes["/team/robots"].at == state.motion.position).all()
     assert nodes["/team/look_ahead"].count == nodes["/team/enlarged"].count == 0
     assert len(nodes["/team/look_ahead_ties"].segments) == 0
-
-
-def test_a_click_picks_a_unicycle_by_its_body_not_by_its_look_ahead_point() -> None:
-    gains = Gains(robots=RobotGains(look_ahead=30.0, turn_rate_limit=3.0))
-    setup = team(robots=[(100.0, 100.0), (100.0, 200.0)], gains=gains)
-    motion = setup.start.motion._replace(heading=floats([np.pi / 2, -np.pi / 2]))  # bodies at y = 70 and y = 230
-    given: list[OperatorCommand] = []
-    session = SimpleNamespace(
-        setup=setup,
-        snapshot=SimpleNamespace(setup=setup, state=setup.start._replace(motion=motion)),
-        viewport=None,
-    )
-    roles = cast(Roles, SimpleNamespace(push=given.append, steers={0}.__contains__))
-    hand = Hand(cast(Session, session), View(), cast(SteerPanel, None), roles, lambda _tool, _client: None)
-    hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
-    hand.click(0, floats([100.0, 60.0]))
-    hand.click(0, floats([100.0, 100.0]))
-    hand.click(0, floats([100.0, 240.0]))
-    assert given == [Pick(0), Pick(1)]

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Bools, Floats, Ints
-from higvf_console.commands import InputSpec
+from higvf_console.interface import InputSpec
 from higvf_console.session.channels import open_interface
 from higvf_console.session.headless import run_headless
 from higvf_console.session.inputs import demo_specs

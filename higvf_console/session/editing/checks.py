@@ -9,10 +9,11 @@ from higvf_console.errors import ScenarioError
 from higvf_console.session.editing.layout import Layout
 from higvf_console.session.editing.safe_places import crowded
 from higvf_console.session.placement import (
-    check_barriers,
     check_formation,
     check_intention,
+    check_rates,
     check_robots,
+    check_stand_off,
     check_start,
     intention_radius,
     start_network,
@@ -45,19 +46,25 @@ def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
         ScenarioError: a clearance, the sampling condition, the least stand-off, or the limit of the formation or of
             the intention is missed.
     """
-    for check in (_formation, _intention, _robots, _barriers):
-        _newly(check, before, after)
+    for check, groups in _CHECKS:
+        _newly(check, groups, before, after)
     already = set(crowded(before.layout, before.motion))
     if any(int(robots[robot]) not in already for robot in crowded(after.layout, after.motion)):
         layout, world, motion, _ = after
         check_start(motion.position, *_burning(world, motion), layout.obstacles, layout.gains, _SOURCE)
 
 
-def _newly(check: Callable[[Stand], None], before: Stand, after: Stand) -> None:
-    """Raises what is wrong after the edit, unless something of the kind was wrong before."""
+def _newly(check: Callable[[Stand], None], groups: tuple[str, ...], before: Stand, after: Stand) -> None:
+    """Raises what is wrong after the edit, unless something of the kind was wrong before.
+
+    What was wrong before, as fires grow and robots come together, is no licence to change the tunables in `groups`, on
+    which it depends, to values that are wrong too.
+    """
     try:
         check(after)
     except ScenarioError as wrong:
+        if any(getattr(before.layout.gains, group) != getattr(after.layout.gains, group) for group in groups):
+            raise
         try:
             check(before)
         except ScenarioError:
@@ -83,9 +90,14 @@ def _robots(stand: Stand) -> None:
     check_robots(stand.layout.gains, float(growth.max(initial=0.0)), _SOURCE)
 
 
-def _barriers(stand: Stand) -> None:
+def _rates(stand: Stand) -> None:
     radius, world = _burning(stand.world, stand.motion)
-    check_barriers(world, radius, stand.layout.gains, _SOURCE)
+    check_rates(world, radius, stand.layout.gains, _SOURCE)
+
+
+def _stand_off(stand: Stand) -> None:
+    radius, world = _burning(stand.world, stand.motion)
+    check_stand_off(world, radius, stand.layout.gains, _SOURCE)
 
 
 def _burning(world: World, motion: Motion) -> tuple[Floats, World]:
@@ -93,6 +105,16 @@ def _burning(world: World, motion: Motion) -> tuple[Floats, World]:
     burning = motion.fire_burning
     fires = world._replace(fire_position=world.fire_position[burning], fire_growth=world.fire_growth[burning])
     return motion.fire_radius[burning], fires
+
+
+# Each check, and the groups of tunables that it depends on.
+_CHECKS = (
+    (_formation, ("formation",)),
+    (_intention, ("intention",)),
+    (_robots, ("robots", "safety")),
+    (_rates, ("robots", "safety")),
+    (_stand_off, ("fires",)),
+)
 
 
 def check_walls(arena: Arena, walls: bool, layout: Layout, motion: Motion) -> None:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Floats, Ints, floats, ints
+from higvf_console.control.gains import controlled
 from higvf_console.edits import (
     AddOutlines,
     AddThing,
@@ -33,11 +34,13 @@ from higvf_console.session.editing.layout import Layout, layout_of, world_of
 from higvf_console.session.editing.parameters import with_parameters
 from higvf_console.session.editing.safe_places import diagonal, nearest_fit, placed, resettled, robot_fits
 from higvf_console.session.editing.things import NUMBERS, Place, centres, how_many, name_of, numbers_of
+from higvf_console.session.reading import COORDINATE
 from higvf_console.sim.setup import Setup
 from higvf_console.state import Motion, SimState, World
 from higvf_console.viewport import Arena
 
 FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire [m], [m/s]
+_OF_PATH = ("path_parameter", "path_status", "path_idle", "path_gap", "path_left")  # what a start keeps of its motion
 _HELD = 0.01  # [m] from where it was wanted, from which on it is said that a thing was held
 
 
@@ -78,10 +81,11 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
     before = layout_of(setup)
     draft = _draft(before, state, command)
     layout = draft.layout
-    world = setup.world if layout is before else world_of(layout)
+    same = layout.obstacles is before.obstacles and _clearance(layout) == _clearance(before)
+    world = setup.world if layout is before else world_of(layout, setup.world if same else None)
     motion = draft.finish(carried(state.motion, draft.robots, draft.fires, setup.world, world))
     if state.motion.tick == 0:
-        start = motion
+        start = motion._replace(**{name: getattr(setup.start.motion, name) for name in _OF_PATH})
         layout = layout._replace(formation=_shifted_formation(layout, draft, setup.start.motion, motion))
         world = world._replace(formation=layout.formation)
     else:
@@ -96,6 +100,10 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
         layout.obstacles.polygons,
     )  # fmt: skip
     return Edited(new, state._replace(motion=motion, intent=intent), draft.robots, draft.fires, draft.text)
+
+
+def _clearance(layout: Layout) -> float:
+    return controlled(layout.gains).safety.obstacle_clearance
 
 
 def _start(setup: Setup, draft: _Draft, layout: Layout, world: World) -> Motion:
@@ -122,11 +130,11 @@ def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: P
     motion = state.motion
     match command:
         case AddThing(thing=thing, point=point):
-            return _add(layout, motion, _kind(thing), floats(point, 2))
+            return _add(layout, motion, _kind(thing), _on_ground(point)[0])
         case AddOutlines(outlines=outlines):
-            return _plain(layout, *bodies.with_outlines(layout, motion, outlines))
+            return _plain(layout, *bodies.with_outlines(layout, motion, [_on_ground(outline) for outline in outlines]))
         case MoveThing(thing=thing, index=index, point=point):
-            return _move(layout, motion, _place(layout, thing, index), floats(point, 2))
+            return _move(layout, motion, _place(layout, thing, index), _on_ground(point)[0])
         case ChangeThing(thing=thing, index=index, name=name, value=value):
             return _change(layout, motion, _place(layout, thing, index), name, value)
         case DeleteThing(thing=thing, index=index):
@@ -136,7 +144,7 @@ def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: P
         case LinkByRange():
             return _plain(layout, layout._replace(links=None), "The communication range decides who is linked.")
         case SetArena(sides=sides, walls=walls):
-            arena = Arena(*floats(sides, 4).tolist())
+            arena = Arena(*_on_ground(sides).ravel().tolist())
             check_walls(arena, bool(walls), layout, motion)
             text = f"The arena is {arena.width:g} m x {arena.height:g} m, {'walled' if walls else 'open'}."
             return _plain(layout, layout._replace(arena=arena, walls=bool(walls)), text)
@@ -145,6 +153,16 @@ def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: P
             return _plain(layout, layout._replace(gains=gains), text)
         case _:
             raise ScenarioError(f"{type(command).__name__} is no edit that this console knows")
+
+
+def _on_ground(points: Floats) -> Floats:
+    """Points (n, 2) [m], if they are within the coordinates that a scenario may have."""
+    points = floats(points, -1, 2)
+    for x, y in points[~((points >= COORDINATE.low) & (points <= COORDINATE.high)).all(axis=1)]:
+        raise ScenarioError(
+            f"({x:g}, {y:g}) is no place: coordinates are numbers from {COORDINATE.low:g} to {COORDINATE.high:g} m"
+        )
+    return points
 
 
 def _plain(layout: Layout, new: Layout, text: str) -> _Draft:

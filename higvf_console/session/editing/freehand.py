@@ -11,6 +11,7 @@ from higvf_console.session.polygons import signed_area
 _PIXELS = 400  # of the drawing's longer side
 _TOLERANCE = 1.5  # pixels by which the outline may leave the stroke
 _MARGIN = 3  # pixels
+_LINE, _OUTSIDE = 255, 128
 
 
 def outline_of(stroke: Floats) -> Floats:
@@ -27,10 +28,15 @@ def outline_of(stroke: Floats) -> Floats:
     pixels = (stroke - low) / scale + _MARGIN
     mask = np.zeros((height, width), np.uint8)
     upright = np.stack([pixels[:, 0], height - pixels[:, 1]], axis=1)
-    cv2.fillPoly(mask, [np.rint(upright).astype(np.int32)], 255)
+    cv2.polylines(mask, [np.rint(upright).astype(np.int32)], isClosed=True, color=_LINE)
+    cv2.floodFill(mask, None, (0, 0), _OUTSIDE)  # what no part of the stroke encloses; crossings leave no holes
     corner = low - _MARGIN * scale
     place = MaskPlace((float(corner[0]), float(corner[1])), scale)
-    chains = [chain for chain in trace(mask > 0, place, _TOLERANCE * scale, 0.0) if signed_area(chain) > 0.0]
+    chains = [
+        chain
+        for chain in trace(np.asarray(mask != _OUTSIDE, np.bool_), place, _TOLERANCE * scale, 0.0)
+        if signed_area(chain) > 0.0
+    ]
     if not chains:
         raise ScenarioError("the stroke encloses nothing: draw round the obstacle")
     return floats(max(chains, key=signed_area))

@@ -60,13 +60,25 @@ def link_pairs(world: World) -> Links:
     return tuple((i, j) for i, j in zip(first.tolist(), world.link_to.tolist(), strict=True) if i < j)
 
 
-def world_of(layout: Layout) -> World:
-    """The world that the kernels see."""
+def world_of(layout: Layout, before: World | None = None) -> World:
+    """The world that the kernels see.
+
+    Args:
+        layout: what it is made of.
+        before: a world with the same obstacles and clearance, whose groups of obstacles are taken over.
+    """
     arena, obstacles = layout.arena, layout.obstacles
     sides = [(1, 0, arena.x_min), (-1, 0, -arena.x_max), (0, 1, arena.y_min), (0, -1, -arena.y_max)]
+    walls = floats(sides if layout.walls else [], -1, 3)
     links = NO_LINKS if layout.links is None else link_table(layout.links, len(layout.formation))
+    fires = floats(layout.fire_position, -1, 2), floats(layout.fire_growth, -1), ints(layout.fire_needs, -1)
+    if before is not None:
+        position, growth, needs = fires
+        return before._replace(
+            walls=walls, fire_position=position, fire_growth=growth, fire_needs=needs,
+            formation=floats(layout.formation, -1, 2), link_start=links[0], link_to=links[1],
+        )  # fmt: skip
     return make_world(
-        obstacles.circles, obstacles.bars, floats(sides if layout.walls else [], -1, 3),
-        floats(layout.fire_position, -1, 2), floats(layout.fire_growth, -1), ints(layout.fire_needs, -1),
-        layout.formation, controlled(layout.gains).safety.obstacle_clearance, links, obstacles.polygons,
+        obstacles.circles, obstacles.bars, walls, *fires, layout.formation,
+        controlled(layout.gains).safety.obstacle_clearance, links, obstacles.polygons,
     )  # fmt: skip

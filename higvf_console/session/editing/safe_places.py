@@ -11,14 +11,15 @@ from scipy.spatial import KDTree
 from higvf_console.arrays import Bools, Floats, floats
 from higvf_console.control.gains import controlled
 from higvf_console.session.editing.layout import Layout
-from higvf_console.session.placement import obstacle_gaps, wall_gaps
+from higvf_console.session.editing.room import obstacle_room
+from higvf_console.session.placement import wall_gaps
 from higvf_console.state import Motion
 
 Fits: TypeAlias = Callable[[Floats], Bools]  # which of the points (K, 2) [m] would do
 
 _ANGLES = 64
 _RINGS = 600
-_BISECTIONS = 40
+_BISECTIONS = 24
 _HAIR = 1e-6  # [m] to spare, so that rounding never makes a violation
 
 
@@ -35,13 +36,13 @@ def nearest_fit(point: Floats, fits: Fits, reach: float) -> Floats | None:
         ring = floats(point + radius * round_)
         found = ring[fits(ring)]
         if len(found):
-            return _closest(point, found, fits)
+            return _closest(point, found, fits, 1.0 - reach / (_RINGS * radius))
     return None
 
 
-def _closest(point: Floats, places: Floats, fits: Fits) -> Floats:
-    """The nearest place on the ways from `places` (K, 2), which fit, to the point, which does not."""
-    low, high = np.zeros((len(places), 1)), np.ones((len(places), 1))  # shares of the way back from the point
+def _closest(point: Floats, places: Floats, fits: Fits, least: float) -> Floats:
+    """The nearest place on the ways from `places` (K, 2), which fit, to the point; at a share of `least` none fits."""
+    low, high = np.full((len(places), 1), least), np.ones((len(places), 1))  # shares of the way back from the point
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         good = fits(floats(point + middle * (places - point)))[:, None]
@@ -55,25 +56,26 @@ def robot_fits(robot: int, layout: Layout, motion: Motion) -> Fits:
     others = np.delete(motion.position, robot, axis=0)
     least = controlled(layout.gains).safety.robot_clearance + _HAIR
     tree = KDTree(others) if len(others) else None
+    clear = clear_of(layout, motion, _HAIR)
 
     def fits(points: Floats) -> Bools:
         alone = np.ones(len(points), np.bool_) if tree is None else tree.query(points)[0] >= least
-        return np.asarray(alone & clear(points, layout, motion), np.bool_)
+        return np.asarray(alone & clear(points), np.bool_)
 
     return fits
 
 
-def clear(points: Floats, layout: Layout, motion: Motion, spare: float = _HAIR) -> Bools:
-    """Which of the points (K, 2) keep clear of obstacles, burning fires and walls, with so much to spare [m]."""
+def clear_of(layout: Layout, motion: Motion, spare: float) -> Fits:
+    """Which points keep clear of obstacles, burning fires and walls, with so much to spare [m]."""
     burning = np.column_stack([layout.fire_position, motion.fire_radius])[motion.fire_burning]
-    room = np.full(len(points), np.inf)
-    for _, gap in obstacle_gaps(points, layout.obstacles):
-        room = np.minimum(room, gap)
-    for x, y, radius in burning:
-        room = np.minimum(room, np.hypot(points[:, 0] - x, points[:, 1] - y) - radius)
-    for gap in wall_gaps(points, layout.arena) if layout.walls else ():
-        room = np.minimum(room, gap)
-    return np.asarray(room >= controlled(layout.gains).safety.obstacle_clearance + spare, np.bool_)
+    room = obstacle_room(layout.obstacles._replace(circles=np.vstack([layout.obstacles.circles, burning])))
+    least = controlled(layout.gains).safety.obstacle_clearance + spare
+
+    def fits(points: Floats) -> Bools:
+        gaps = (room(points), *(wall_gaps(points, layout.arena) if layout.walls else ()))
+        return np.asarray(np.min(gaps, axis=0) >= least, np.bool_)
+
+    return fits
 
 
 def body_fits(middle: Floats, gap: Callable[[Floats], Floats], extent: float, layout: Layout, motion: Motion) -> Fits:
@@ -114,7 +116,7 @@ def crowded(layout: Layout, motion: Motion) -> list[int]:
     """Robots that stand too near to an obstacle, a burning fire, a wall or a robot."""
     least = controlled(layout.gains).safety.robot_clearance
     pairs = KDTree(motion.position).query_pairs(least - _HAIR, output_type="ndarray")
-    near = ~clear(motion.position, layout, motion, -_HAIR)
+    near = ~clear_of(layout, motion, -_HAIR)(motion.position)
     near[pairs.ravel()] = True
     return np.flatnonzero(near).tolist()
 

@@ -1,8 +1,9 @@
-// Who steers and who watches: a strip above the arena, where one click asks for control, grants, takes or releases it.
+// Who steers and who watches: a strip above the arena, at its right; one click asks for control, grants, takes or releases it.
 (page) => {
   const TELL_EVERY_MS = 1000;
   const CHECK_MS = 150;
   const NOTE_MS = 4000;
+  const BESIDE_PX = 900; // narrower, and the strip goes below that of the tools
   const STORE = "higvf identity";
   const WANTED = new Set(["Grant", "Request", "Take control"]); // the gentle way; the others are drawn quietly
 
@@ -17,7 +18,7 @@
   const overlay = page.overlay(
     `<style>
       :host { font: calc(13px * var(--hg-size, 1))/1.4 var(--mantine-font-family, sans-serif); }
-      .roles { position: absolute; top: 8px; transform: translateX(-50%); display: none; align-items: center; gap: 8px;
+      .roles { position: absolute; transform: translateX(-100%); display: none; align-items: center; gap: 8px;
         box-sizing: border-box; padding: 4px 5px 4px 12px; border-radius: 8px; white-space: nowrap;
         color: var(--hg-text, #d5dbe2); background: var(--hg-card, #161b21);
         box-shadow: 0 0 0 1px var(--hg-border, #4b5563); }
@@ -75,7 +76,8 @@
   function show() {
     const rect = page.canvas()?.getBoundingClientRect();
     if (rect?.width) {
-      strip.style.left = `${rect.left + rect.width / 2}px`;
+      strip.style.left = `${rect.right - 8}px`;
+      strip.style.top = rect.width < BESIDE_PX ? "54px" : "8px";
       strip.style.maxWidth = `${rect.width - 16}px`;
     }
     const open = role !== null && !alone();

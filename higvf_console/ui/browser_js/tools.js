@@ -9,7 +9,7 @@
   const overlay = page.overlay(
     `<style>
       .strip { position: absolute; top: 8px; display: flex; gap: 10px; padding: 4px; border-radius: 9px;
-        background: var(--hg-overlay, rgba(24, 28, 34, 0.94)); box-shadow: 0 0 0 1px rgba(148, 163, 184, 0.35);
+        background: var(--hg-card, #161b21); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46);
         pointer-events: auto; }
       .strip.tight { gap: 2px; }
       .group { display: flex; gap: 2px; }
@@ -18,7 +18,7 @@
       button:hover:not(:disabled) { background: rgba(148, 163, 184, 0.22); }
       button:focus-visible { outline: 2px solid currentColor; outline-offset: 1px; }
       button:disabled { opacity: 0.35; cursor: default; }
-      button[aria-pressed="true"] { background: var(--hg-operator, #f0e442); color: var(--hg-badge_text, #14171c); }
+      button[aria-pressed="true"], button[aria-pressed="true"]:hover:not(:disabled) { background: var(--hg-operator, #f0e442); color: var(--hg-badge_text, #14171c); }
       svg { width: 20px; height: 20px; fill: none; stroke: currentColor; stroke-width: 1.8; stroke-linecap: round;
         stroke-linejoin: round; }
       @media (pointer: coarse) { button { width: 38px; height: 38px; } }

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import viser
 
 from higvf_console.arrays import floats
-from higvf_console.commands import PointerSink
 from higvf_console.edits import ChangeThing, DeleteThing, LinkByRange, SetArena
+from higvf_console.interface import PointerSink
 from higvf_console.session.editing.layout import Layout, layout_of
 from higvf_console.session.editing.things import NUMBERS, Place, exists, name_of, numbers_of
 from higvf_console.ui.panels.callbacks import mirror, number_in, reaction, truth

@@ -6,7 +6,8 @@ from typing import Any
 
 import viser
 
-from higvf_console.commands import FaultKind, InjectFault, PointerSink
+from higvf_console.commands import FaultKind, InjectFault
+from higvf_console.interface import PointerSink
 from higvf_console.ui.panels.callbacks import number_in, one_of, reaction
 
 LONGEST_S, SHORTEST_S = 60.0, 0.1

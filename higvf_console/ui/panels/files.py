@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
-from higvf_console.commands import LoadScenario, PointerSink
+from higvf_console.commands import LoadScenario
 from higvf_console.edits import AddOutlines
 from higvf_console.errors import ScenarioError
+from higvf_console.interface import PointerSink
 from higvf_console.session.editing.overhead import outlines_in, read_picture
 from higvf_console.session.masks import MaskPlace
 from higvf_console.session.scenario_writer import scenario_yaml

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.commands import PointerSink, Redo, Undo
+from higvf_console.commands import Redo, Undo
+from higvf_console.interface import PointerSink
 from higvf_console.session.history import Entry, History
 from higvf_console.ui.panels.callbacks import one_of, reaction
 from higvf_console.ui.panels.html import block, clock, text

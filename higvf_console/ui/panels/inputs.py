@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.commands import Acknowledge, ChannelState, PointerSink
+from higvf_console.commands import Acknowledge
+from higvf_console.interface import ChannelState, PointerSink
 from higvf_console.reports import Calibrated
 from higvf_console.ui.panels.callbacks import reaction
 from higvf_console.ui.panels.faults import FaultWidgets

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from higvf_console.commands import ChannelHealth
+from higvf_console.interface import ChannelHealth
 from higvf_console.reports import AttentionReport, CalibrationReport, CaptureReport, DecisionReport
 from higvf_console.ui.panels.html import DASH, text
 from higvf_console.ui.panels.status import CHANNEL_MARK

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import viser
 
-from higvf_console.commands import Confirm, Discard, PointerSink, StrokeBegin, StrokeCancel
+from higvf_console.commands import Confirm, Discard, StrokeBegin, StrokeCancel
+from higvf_console.interface import PointerSink
 from higvf_console.session.preview import FiresOut, Preview
 from higvf_console.sim.operator import proposal, waiting
 from higvf_console.state import NOBODY

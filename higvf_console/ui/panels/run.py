@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
-from higvf_console.commands import Freeze, Pause, PointerSink, ResetRun, Resume, SetSpeed, Step
+from higvf_console.commands import Freeze, Pause, ResetRun, Resume, SetSpeed, Step
+from higvf_console.interface import PointerSink
 from higvf_console.ui.panels.callbacks import mirror, one_of, reaction
 from higvf_console.ui.panels.html import TIMES
 

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.commands import Acknowledge, ChannelHealth, ChannelState, PointerSink
+from higvf_console.commands import Acknowledge
+from higvf_console.interface import ChannelHealth, ChannelState, PointerSink
 from higvf_console.state import PathKind, PathStatus, SimState
 from higvf_console.ui.panels.callbacks import reaction
 from higvf_console.ui.panels.html import DASH, TIMES, block, clock, text

@@ -11,7 +11,6 @@ from higvf_console.commands import (
     ForgetPath,
     NextTask,
     Pick,
-    PointerSink,
     Prioritise,
     ReversePath,
     ShapePath,
@@ -21,6 +20,7 @@ from higvf_console.commands import (
     StrokeUse,
     TakeUpPath,
 )
+from higvf_console.interface import PointerSink
 from higvf_console.quantity import quantities
 from higvf_console.session.preview import LONGEST, SHORTEST
 from higvf_console.sim.path_commands import FASTEST, SLOWEST, path_words
@@ -66,13 +66,13 @@ class SteerPanel:
             hint="Remove it (C), turn it round (R), join its ends or part them, or let the team go on by itself",
         )
         self._actions.on_click(reaction(self._act))
+        self._priority = gui.add_html("", visible=False)
+        self._unprioritise = gui.add_button("Clear priority", color="gray", visible=False, hint="Of the chosen robot")
+        self._unprioritise.on_click(reaction(lambda _: sink.push(Prioritise())))
         self._make_terms(gui, scenario)
         self._drawn = gui.add_dropdown("Drawn", self._names(), hint="Paths drawn so far")
         self._again = gui.add_button_group(" ", (_FOLLOW, _FORGET), hint="The path chosen above")
         self._again.on_click(reaction(self._take_up))
-        self._priority = gui.add_html("", visible=False)
-        self._unprioritise = gui.add_button("Clear priority", color="gray", visible=False, hint="Of the chosen robot")
-        self._unprioritise.on_click(reaction(lambda _: sink.push(Prioritise())))
         self._strokes = [self._make_show_me(gui, stroke) for stroke in scenario.strokes]
 
     def _make_terms(self, gui: viser.GuiApi, scenario: "Scenario") -> None:

@@ -10,8 +10,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from higvf_console.commands import InputSpec
 from higvf_console.errors import HigvfError
+from higvf_console.interface import InputSpec
 from higvf_interfaces.decoding import replay
 from higvf_interfaces.decoding.emg_lda import BAND
 from higvf_interfaces.decoding.evaluation import (

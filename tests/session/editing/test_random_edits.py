@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from higvf_console.commands import Command, Redo, Undo
+from higvf_console.commands import OperatorCommand, Redo, Undo
 from higvf_console.session.run import Run
 from tests.session.editing.deeds import (
     EDITS,
@@ -38,10 +38,10 @@ def steps(run: Run, ticks: int) -> tuple[float, bool]:
 
 
 @pytest.mark.parametrize("scene", SCENES)
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=30)
 @given(plan=PLANS)
 def test_no_edit_and_no_undo_brings_anybody_nearer_to_anything_than_allowed(
-    scene: str, plan: list[int | tuple[Command, ...]]
+    scene: str, plan: list[int | tuple[OperatorCommand, ...]]
 ) -> None:
     run = edited_run(scene)
     for step in plan:
@@ -60,7 +60,7 @@ def test_no_edit_and_no_undo_brings_anybody_nearer_to_anything_than_allowed(
 @settings(deadline=None, max_examples=60)
 @given(plan=PLANS, last=GIVEN)
 def test_undo_and_redo_at_once_are_exact_and_a_refusal_changes_nothing(
-    scene: str, plan: list[int | tuple[Command, ...]], last: tuple[Command, ...]
+    scene: str, plan: list[int | tuple[OperatorCommand, ...]], last: tuple[OperatorCommand, ...]
 ) -> None:
     run = edited_run(scene)
     for step in plan:

@@ -1,0 +1,221 @@
+"""Editing in a real browser: tools, handles, number fields, history, files, repairs of a path."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page
+
+from higvf_console.arrays import Floats
+from higvf_console.commands import Freeze, LoadScenario, Pick, ResetRun, Stop
+from higvf_console.edits import AddThing, ChangeThing, MoveThing, ToggleLink
+from higvf_console.session.scenario import parse_scenario
+from higvf_console.state import PathKind
+from tests.browser import (
+    close_notifications,
+    draw,
+    open_console,
+    press,
+    screenshot,
+    shown,
+    tab,
+    to_page,
+    visible,
+    wait_until,
+)
+from tests.consoles import Running, console_at_work
+
+pytestmark = pytest.mark.browser
+
+HAND = np.stack([np.linspace(720, 1050, 60), 340 + 120 * np.sin(np.linspace(0, 3, 60))], axis=1)
+
+
+@pytest.fixture
+def running() -> Iterator[Running]:
+    """The firefighting scenario, frozen at its start."""
+    with console_at_work("firefighting") as running:
+        running.push(Freeze(True), ResetRun())
+        yield running
+
+
+@pytest.fixture
+def page(chromium: Browser, running: Running) -> Iterator[Page]:
+    """A page of 1280 x 720 that shows it."""
+    page = open_console(chromium, running.url, 1280, 720)
+    close_notifications(page)
+    yield page
+    page.context.close()
+
+
+def take(page: Page, tool: str) -> None:
+    page.locator(f"button[data-tool='{tool}']").click()
+
+
+def drag(page: Page, ground: Floats) -> None:
+    draw(page, to_page(page, ground))
+
+
+def click(page: Page, x: float, y: float) -> None:
+    draw(page, to_page(page, [[x, y]]), rate=0)
+
+
+def test_a_fire_is_chosen_dragged_resized_and_brought_back(page: Page, running: Running) -> None:
+    take(page, "edit")
+    tab(page, "Edit")
+    click(page, 500, 250)
+    wait_until(shown(page, "Fire 1"))
+    drag(page, np.linspace([500, 250], [560, 420], 20))
+    wait_until(lambda: running.given(MoveThing))
+    assert running.session.setup.world.fire_position[0] == pytest.approx([560, 420], abs=2.0)
+    wait_until(lambda: visible(page, "/edit/square"))
+    screenshot(page, "edit-fire")
+    radius = running.state.motion.fire_radius[0]
+    drag(page, np.linspace([560 + radius, 420], [610, 420], 20))
+    wait_until(lambda: running.given(ChangeThing))
+    assert running.state.motion.fire_radius[0] == pytest.approx(50.0, abs=2.0)
+    page.keyboard.press("Control+z")
+    wait_until(lambda: running.state.motion.fire_radius[0] == radius)
+    page.keyboard.press("Control+z")
+    wait_until(lambda: running.session.setup.world.fire_position[0].tolist() == [500.0, 250.0])
+    page.keyboard.press("Control+y")
+    wait_until(lambda: running.session.setup.world.fire_position[0].tolist() != [500.0, 250.0])
+    wait_until(shown(page, "Fire 1 has radius"))
+    screenshot(page, "edit-history")
+
+
+def test_a_fire_dropped_on_a_robot_is_held_at_the_nearest_safe_place(page: Page, running: Running) -> None:
+    take(page, "edit")
+    x, y = running.state.motion.position[0]
+    drag(page, np.linspace([500, 250], [x, y], 30))
+    wait_until(lambda: running.given(MoveThing))
+    gap = np.hypot(*(running.state.motion.position - running.session.setup.world.fire_position[0]).T)
+    gap -= running.state.motion.fire_radius[0]
+    least = running.session.setup.gains.safety.obstacle_clearance
+    assert least <= gap.min() < least + 0.01
+    assert "nearest safe place" in running.session.snapshot.events[-1].text
+
+
+def test_things_are_added_numbered_and_deleted(page: Page, running: Running) -> None:
+    take(page, "robot")
+    click(page, 200, 600)
+    wait_until(lambda: len(running.state.motion.position) == 4)
+    take(page, "bar")
+    click(page, 300, 560)
+    wait_until(lambda: len(running.given(AddThing)) == 2)
+    tab(page, "Edit")
+    click(page, 300, 560)
+    wait_until(shown(page, "Bar 2"))
+    field = page.get_by_label("Angle deg")
+    field.fill("30")
+    field.press("Enter")
+    wait_until(lambda: running.given(ChangeThing))
+    bar = running.session.setup.world.bars[1]
+    assert np.degrees(np.arctan2(bar[3] - bar[1], bar[2] - bar[0])) == pytest.approx(30.0)
+    screenshot(page, "edit-bar")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Delete")
+    wait_until(lambda: len(running.session.setup.world.bars) == 1)
+
+
+def test_an_obstacle_is_drawn_freehand_and_a_link_from_robot_to_robot(page: Page, running: Running) -> None:
+    take(page, "outline")
+    turn = np.linspace(0, 6.6, 80)  # beyond a full turn: the ends cross
+    drag(page, np.stack([1000 + 80 * np.cos(turn), 150 + 50 * np.sin(turn)], axis=1))
+    wait_until(lambda: len(running.session.setup.polygons) == 1)
+    take(page, "link")
+    first, second = running.state.motion.position[:2]
+    drag(page, np.linspace(first, second, 12))
+    wait_until(lambda: running.given(ToggleLink))
+    assert len(running.session.setup.world.link_to) == 4  # all but this one
+    screenshot(page, "edit-outline")
+
+
+def test_a_path_is_redrawn_bent_closed_and_slowed(page: Page, running: Running) -> None:
+    drag(page, HAND)
+    wait_until(lambda: running.state.intent.path.kind != PathKind.NONE)
+    first = running.state.intent.path
+    take(page, "amend")
+    drag(page, np.linspace(HAND[20], [900, 600], 10).tolist() + np.linspace([900, 600], HAND[40], 10).tolist())
+    wait_until(lambda: running.state.intent.path is not first)
+    second = running.state.intent.path
+    assert second.length > first.length + 100.0
+    take(page, "bend")
+    drag(page, np.linspace([900, 590], [900, 640], 10))
+    wait_until(lambda: running.state.intent.path is not second)
+    press(page, "Close")
+    wait_until(lambda: running.state.intent.path.closed)
+    screenshot(page, "steer-repaired")
+    page.keyboard.press("Control+z")
+    wait_until(lambda: not running.state.intent.path.closed)
+
+
+def test_a_circled_fire_has_priority_for_the_chosen_robot(page: Page, running: Running) -> None:
+    running.push(Pick(1))
+    take(page, "priority")
+    x, y = running.session.setup.world.fire_position[2]
+    turn = np.linspace(0, 6.2, 50)
+    drag(page, np.stack([x + 70 * np.cos(turn), y + 70 * np.sin(turn)], axis=1))
+    wait_until(lambda: len(running.state.intent.priority))
+    assert running.state.intent.priority[0, :2].tolist() == [1.0, 2.0]
+    wait_until(shown(page, "robot 2: fire 3"))
+    screenshot(page, "steer-priority")
+
+
+def test_a_scenario_is_saved_and_loaded_again(page: Page, running: Running, tmp_path: Path) -> None:
+    take(page, "circle")
+    click(page, 200, 600)
+    wait_until(lambda: running.given(AddThing))
+    tab(page, "Edit")
+    page.get_by_text("Files", exact=True).click()
+    with page.expect_download() as download:
+        press(page, "Save scenario")
+    file = tmp_path / "saved.yaml"
+    download.value.save_as(file)
+    saved = parse_scenario(file.read_text(), "saved.yaml").setup()
+    assert saved.world.circles.tolist() == running.session.setup.world.circles.tolist()
+    file.write_text("version: 1\narena: {size_m: [300, 200]}\nrobots: {start_m: [[50, 50]]}\ntitle: A small one\n")
+    choose(page, "Load scenario", file)
+    wait_until(lambda: running.given(LoadScenario))
+    wait_until(shown(page, "A small one"))
+    assert len(running.state.motion.position) == 1
+    wait_until(lambda: running.session.snapshot.history.done)
+    screenshot(page, "edit-loaded")
+    file.write_text("version: 1\narena: {}\n")
+    choose(page, "Load scenario", file)
+    wait_until(lambda: running.session.snapshot.events[-1].kind == "refused")
+    assert "robots" in running.session.snapshot.events[-1].text
+
+
+def choose(page: Page, button: str, file: Path) -> None:
+    with page.expect_file_chooser() as chooser:
+        press(page, button)
+    chooser.value.set_files(file)
+
+
+def test_obstacles_are_made_of_an_overhead_image(page: Page, running: Running, tmp_path: Path) -> None:
+    plan = np.full((70, 120, 3), 255, np.uint8)
+    plan[8:20, 90:110] = 40  # 200 m x 120 m, dark, at the upper right
+    file = tmp_path / "plan.png"
+    cv2.imwrite(str(file), plan)
+    tab(page, "Edit")
+    page.get_by_text("Files", exact=True).click()
+    choose(page, "Overhead image", file)
+    wait_until(lambda: running.console._view.background)  # pyright: ignore[reportPrivateUsage]
+    press(page, "Dark")
+    wait_until(lambda: len(running.session.setup.polygons) == 1)
+    low, high = (bound(running.session.setup.polygons[0], axis=0) for bound in (np.min, np.max))
+    assert low == pytest.approx([900, 500], abs=8.0)
+    assert high == pytest.approx([1100, 620], abs=8.0)
+    screenshot(page, "edit-image")
+
+
+def test_undo_does_not_set_a_stopped_team_in_motion(page: Page, running: Running) -> None:
+    drag(page, HAND)
+    wait_until(lambda: running.state.intent.path.kind != PathKind.NONE)
+    running.push(Stop())
+    page.keyboard.press("Control+z")
+    wait_until(lambda: running.state.intent.path.kind == PathKind.NONE)
+    assert running.state.intent.stopped
+    assert running.state.intent.paused

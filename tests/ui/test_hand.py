@@ -1,0 +1,172 @@
+"""What a hand does in the arena becomes commands: by the tool that it has, and by what it holds."""
+
+from types import SimpleNamespace
+from typing import NamedTuple, cast
+
+import numpy as np
+import pytest
+
+from higvf_console.arrays import floats
+from higvf_console.commands import BendPath, OperatorCommand, Pick, Redo, StrokeBegin, StrokeEnd, StrokePoints, Undo
+from higvf_console.control.gains import Gains, RobotGains
+from higvf_console.edits import AddThing, ChangeThing, DeleteThing, MoveThing, Thing, ToggleLink
+from higvf_console.session.editing.layout import layout_of
+from higvf_console.session.editing.things import Place
+from higvf_console.session.session import Session
+from higvf_console.sim.setup import Setup
+from higvf_console.ui.grips import Drag, handles_of, result_of, wished
+from higvf_console.ui.hand import Hand, robot_near
+from higvf_console.ui.panels.steer import SteerPanel
+from higvf_console.ui.roles import Roles
+from higvf_console.ui.scene import View
+from higvf_console.ui.tools import USES, Tool
+from higvf_console.viewport import Viewport
+from tests.teams import team
+
+TRIANGLE = floats([[100, 350], [60, 320], [60, 380]])
+PAGE = 7
+
+
+class Held(NamedTuple):
+    """A hand over a team, and what it has given."""
+
+    hand: Hand
+    view: View
+    given: list[OperatorCommand]
+    shown: list[Tool]
+
+    def drag(self, *points: list[float]) -> None:
+        self.hand.stroke(PAGE, "start", floats(points[:1]))
+        self.hand.stroke(PAGE, "update", floats(points[1:]))
+        self.hand.stroke(PAGE, "end", floats([], 0, 2))
+
+
+def held(setup: Setup, tool: Tool = Tool.PATH) -> Held:
+    given, shown = list[OperatorCommand](), list[Tool]()
+    snapshot = SimpleNamespace(setup=setup, state=setup.start, frozen=False)
+    session = SimpleNamespace(setup=setup, snapshot=snapshot, viewport=None)
+    roles = cast(Roles, SimpleNamespace(push=given.append, steers={PAGE}.__contains__))
+    steer = SimpleNamespace(stroke_end=lambda use: StrokeEnd(use=use.value))  # pyright: ignore[reportUnknownLambdaType]
+    view = View()
+    hand = Hand(cast(Session, session), view, cast(SteerPanel, steer), roles, lambda tool, _client: shown.append(tool))
+    hand.viewport(PAGE, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
+    hand.tool(PAGE, tool)
+    return Held(hand, view, given, shown)
+
+
+def burning() -> Setup:
+    return team(robots=[(100.0, 100.0), (300.0, 100.0)], fires=[(600.0, 350.0, 30.0)])
+
+
+def test_a_click_picks_the_nearest_robot_within_reach_and_nobody_beyond() -> None:
+    assert robot_near(TRIANGLE, floats([64, 325]), 26.0) == 1
+    assert robot_near(TRIANGLE, floats([300, 300]), 26.0) is None
+    assert robot_near(floats([], 0, 2), floats([0, 0]), 26.0) is None
+
+
+def test_a_click_picks_a_unicycle_by_its_body_not_by_its_look_ahead_point() -> None:
+    gains = Gains(robots=RobotGains(look_ahead=30.0, turn_rate_limit=3.0))
+    setup = team(robots=[(100.0, 100.0), (100.0, 200.0)], gains=gains)
+    motion = setup.start.motion._replace(heading=floats([np.pi / 2, -np.pi / 2]))  # bodies at y = 70 and y = 230
+    hand = held(setup._replace(start=setup.start._replace(motion=motion)))
+    for y in (60.0, 100.0, 240.0):
+        hand.hand.click(PAGE, floats([100.0, y]))
+    assert hand.given == [Pick(0), Pick(1)]
+
+
+@pytest.mark.parametrize("tool", USES)
+def test_a_stroke_is_for_what_the_tool_says(tool: Tool) -> None:
+    hand = held(burning(), tool)
+    hand.drag([100.0, 100.0], [200.0, 150.0])
+    assert [type(command) for command in hand.given] == [StrokeBegin, StrokePoints, StrokePoints, StrokeEnd]
+    assert cast(StrokeEnd, hand.given[-1]).use == USES[tool]
+
+
+def test_what_is_dragged_moves_by_as_much_as_the_hand() -> None:
+    hand = held(burning(), Tool.EDIT)
+    hand.drag([610.0, 340.0], [700.0, 400.0], [650.0, 300.0])
+    (moved,) = hand.given
+    assert isinstance(moved, MoveThing)
+    assert (moved.thing, moved.index, moved.point.tolist()) == (Thing.FIRE, 0, [640.0, 310.0])
+    assert hand.view.selected == Place(Thing.FIRE, 0)
+    assert hand.view.drag is None
+
+
+def test_a_drag_that_is_cancelled_or_holds_nothing_does_nothing() -> None:
+    hand = held(burning(), Tool.EDIT)
+    hand.hand.stroke(PAGE, "start", floats([[600.0, 350.0]]))
+    assert hand.view.drag is not None
+    hand.hand.stroke(PAGE, "cancel", floats([], 0, 2))
+    hand.drag([1000.0, 600.0], [1100.0, 600.0])
+    assert hand.given == []
+    assert hand.view.drag is None
+
+
+def test_the_square_of_what_is_chosen_resizes_it() -> None:
+    hand = held(burning(), Tool.EDIT)
+    hand.hand.click(PAGE, floats([600.0, 350.0]))
+    hand.drag([630.0, 350.0], [655.0, 350.0])
+    assert hand.given == [ChangeThing(Thing.FIRE, 0, "radius", 55.0)]
+
+
+def test_a_new_thing_stands_where_it_is_put_and_the_hand_can_move_it() -> None:
+    hand = held(burning(), Tool.ROBOT)
+    hand.hand.click(PAGE, floats([400.0, 500.0]))
+    (added,) = hand.given
+    assert isinstance(added, AddThing)
+    assert (added.thing, added.point.tolist()) == (Thing.ROBOT, [400.0, 500.0])
+    assert hand.shown[-1] is Tool.EDIT
+
+
+def test_a_link_goes_from_robot_to_robot_and_a_path_is_bent_from_where_it_is_held() -> None:
+    hand = held(burning(), Tool.LINK)
+    hand.drag([100.0, 100.0], [290.0, 110.0])
+    hand.hand.tool(PAGE, Tool.BEND)
+    hand.drag([500.0, 500.0], [520.0, 560.0])
+    link, bend = hand.given
+    assert link == ToggleLink(0, 1)
+    assert isinstance(bend, BendPath)
+    assert (bend.grip.tolist(), bend.point.tolist()) == ([500.0, 500.0], [520.0, 560.0])
+
+
+def test_keys_undo_redo_delete_and_take_up_tools() -> None:
+    hand = held(burning(), Tool.EDIT)
+    hand.hand.key(PAGE, "delete")  # nothing is chosen
+    hand.hand.click(PAGE, floats([600.0, 350.0]))
+    for key in ("undo", "redo", "delete", "tool_bend"):
+        hand.hand.key(PAGE, key)
+    assert hand.given == [Undo(), Redo(), DeleteThing(Thing.FIRE, 0)]
+    assert hand.shown[-1] is Tool.BEND
+    assert hand.view.selected is None
+
+
+def bar_and_polygon() -> Setup:
+    square = floats([[800.0, 100.0], [900.0, 100.0], [900.0, 200.0], [800.0, 200.0]])
+    return team(robots=[(100.0, 100.0)], bars=[(400.0, 300.0, 500.0, 300.0, 6.0)], polygons=[square])
+
+
+@pytest.mark.parametrize(
+    ("place", "handle", "to", "value"),
+    [
+        (Place(Thing.BAR, 0), "length", [550.0, 300.0], 200.0),
+        (Place(Thing.BAR, 0), "angle", [450.0, 400.0], 90.0),
+        (Place(Thing.POLYGON, 0), "size", [850.0, 250.0], 100.0),
+        (Place(Thing.POLYGON, 0), "angle", [950.0, 150.0], 0.0),
+    ],
+)
+def test_a_handle_changes_its_number(place: Place, handle: str, to: list[float], value: float) -> None:
+    setup = bar_and_polygon()
+    layout, motion = layout_of(setup), setup.start.motion
+    (grip,) = [found for found in handles_of(place, layout, motion, 1.0) if found.name == handle]
+    drag = Drag(grip.point, floats(to), place, handle)
+    assert wished(drag, layout, motion)[handle] == pytest.approx(value)
+    (changed,) = result_of(drag, layout, motion)
+    assert isinstance(changed, ChangeThing)
+    assert (changed.thing, changed.index, changed.name) == (place.thing, 0, handle)
+    assert changed.value == pytest.approx(value)
+
+
+def test_what_is_gone_when_the_hand_lets_go_is_left_alone() -> None:
+    setup = burning()
+    drag = Drag(floats([0.0, 0.0]), floats([9.0, 9.0]), Place(Thing.FIRE, 5))
+    assert result_of(drag, layout_of(setup), setup.start.motion) == []
