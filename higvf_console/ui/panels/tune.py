@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import viser
 
-from higvf_console.commands import PointerSink
 from higvf_console.control.gains import Gains
 from higvf_console.edits import SetParameters
+from higvf_console.interface import PointerSink
 from higvf_console.quantity import Quantity
 from higvf_console.session.editing.parameters import FIXED, parameter, parameter_names, quantity_of
 from higvf_console.session.editing.presets import AS_IN_THE_SCENARIO, PRESETS, preset_name, preset_values
