@@ -8,10 +8,10 @@
 
   const overlay = page.overlay(
     `<style>
-      .strip { position: absolute; top: 8px; display: flex; gap: 10px; padding: 4px; border-radius: 9px;
+      .tools { position: absolute; top: 8px; display: flex; gap: 10px; padding: 4px; border-radius: 9px;
         background: var(--hg-card, #161b21); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46);
         pointer-events: auto; }
-      .strip.tight { gap: 2px; }
+      .tools.tight { gap: 2px; }
       .group { display: flex; gap: 2px; }
       button { width: 30px; height: 30px; padding: 0; border: 0; border-radius: 6px; cursor: pointer; background: none;
         color: var(--hg-text, #c9d1d9); touch-action: manipulation; display: grid; place-items: center; }
@@ -23,10 +23,10 @@
         stroke-linejoin: round; }
       @media (pointer: coarse) { button { width: 38px; height: 38px; } }
     </style>
-    <div class="strip" role="toolbar" aria-label="Tools"></div>`,
+    <div class="tools" role="toolbar" aria-label="Tools"></div>`,
     2147483645,
   );
-  const strip = overlay.shadowRoot.querySelector(".strip");
+  const strip = overlay.shadowRoot.querySelector(".tools");
   const looks = new Map(config.tools.map((tool) => [tool.name, tool]));
   const buttons = new Map();
   const groups = new Map();
