@@ -40,8 +40,9 @@ from higvf_console.session.channel_state import (
 )
 from higvf_console.session.channels import Channels
 from higvf_console.session.faults import Line, problem
+from higvf_console.sim.path_commands import ACTING
 from higvf_console.sim.setup import Event, Severity
-from higvf_console.state import PathStatus, SimState
+from higvf_console.state import SimState
 
 SOURCE = "session"  # of the commands given here
 _CONSOLE = "mouse"  # a person's hand at the console: any command but a cursor acknowledges itself
@@ -159,7 +160,7 @@ class Supervisor:
         if self._clutch_by == name and state.drawing.clutch:
             done += [StrokeCancel(time=now, source=SOURCE)] if not done and state.drawing.stroke_source else []
             done.append(Clutch(closed=False, time=now, source=SOURCE))
-        following = state.motion.path_status in (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY)
+        following = state.motion.path_status in ACTING
         on_path = self._path_by == name and following
         on_lost = self._limits[name].on_lost
         if on_lost is OnLost.AUTONOMY and on_path:

@@ -150,6 +150,8 @@ def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) 
     points, left = clipped(state.drawing.stroke, setup.arena)
     smoothing = setup.gains.path.stroke_smoothing if command.smoothing is None else command.smoothing
     state = with_drawing(state, stroke=_NO_STROKE, stroke_source="")
+    if command.use not in tuple(StrokeUse):
+        return state, refuse(time, f"A stroke cannot be for '{command.use}': choose {', '.join(StrokeUse)}.")
     if command.use == StrokeUse.PRIORITY:
         return prioritise_inside(state, points, setup, time)
     if command.use == StrokeUse.AMEND:

@@ -17,6 +17,8 @@ from higvf_console.state import Path, PathEnding, PathKind, PathStatus, SimState
 ENDINGS = {ending.name.lower(): ending for ending in PathEnding}
 SLOWEST, FASTEST = 0.2, 1.5  # pace along a path
 PATHS_KEPT = 20
+# Statuses with which a human intention acts on the team, be it by holding it.
+ACTING = (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY, PathStatus.HOLDING)
 
 
 def follow(state: SimState, path: Path) -> SimState:
@@ -130,7 +132,7 @@ def reverse(state: SimState, time: float) -> Outcome:
 
 def finish(state: SimState, time: float) -> Outcome:
     """Ends the human intention; the path stays drawn."""
-    if state.motion.path_status not in (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY, PathStatus.HOLDING):
+    if state.motion.path_status not in ACTING:
         return state, ()
     motion = state.motion._replace(path_status=int(PathStatus.FINISHED))
     return state._replace(motion=motion), say(time, "path", "The team goes on with its own task.")

@@ -89,6 +89,14 @@ def test_the_path_of_a_lost_channel_ends_in_autonomy(team: Scenario) -> None:
     assert not session.snapshot.state.intent.paused
 
 
+def test_a_team_that_waits_at_the_end_of_its_path_is_let_go_when_the_channel_is_lost(team: Scenario) -> None:
+    drawn = [StrokeBegin(), StrokePoints(STROKE), StrokeEnd(ending="hold", duration=1.0)]
+    session = run_to(Session(limited(team, "autonomy"), [Device(*at_once(*drawn))]), 2.9)
+    assert session.snapshot.state.motion.path_status == PathStatus.HOLDING
+    run_to(session, 3.3)
+    assert session.snapshot.state.motion.path_status == PathStatus.FINISHED
+
+
 def test_or_in_a_hold_or_is_kept_as_the_scenario_says(team: Scenario) -> None:
     hold = run_to(Session(limited(team, "hold"), [Device(*at_once(*DRAWN))]), 3.3)
     assert hold.snapshot.state.intent.paused

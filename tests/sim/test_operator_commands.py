@@ -270,3 +270,12 @@ def test_a_change_of_control_that_there_is_not_is_refused(setup: Setup) -> None:
     _, events = after(setup, [HandOver("Browser 2", "stolen")])
     assert events[0].kind == "refused"
     assert "'stolen'" in events[0].text
+
+
+def test_a_stroke_for_nothing_that_is_known_is_refused_with_the_choices() -> None:
+    setup = team()
+    given = [StrokeBegin(), StrokePoints(floats(LINE, -1, 2)), StrokeEnd(use="nonsense")]
+    state, events = after(setup, given)
+    assert state.intent.path.kind == PathKind.NONE
+    assert state.drawing.stroke_source == ""
+    assert "'nonsense': choose path, amend, priority, obstacle" in events[-1].text

@@ -11,7 +11,7 @@ from higvf_console.control.gains import controlled
 from higvf_console.edits import Thing
 from higvf_console.errors import ScenarioError
 from higvf_console.session.editing.layout import Layout, Links
-from higvf_console.session.editing.safe_places import body_fits, diagonal, nearest_fit
+from higvf_console.session.editing.safe_places import body_fits, diagonal, held_words, nearest_fit
 from higvf_console.session.editing.things import Place, how_many, name_of, numbers_of
 from higvf_console.session.irregular import closed_outline
 from higvf_console.session.polygons import MOST_EDGES, crossing, obstacles_of, segment_distance, signed_distance
@@ -20,7 +20,6 @@ from higvf_console.state import Motion
 
 CIRCLE_RADIUS = 25.0  # of a new circle [m]
 BAR_LENGTH, BAR_HALF_WIDTH = 120.0, 6.0  # of a new bar [m]
-_HELD = 0.01  # [m]
 Gap = Callable[[Floats], Floats]
 
 
@@ -223,8 +222,7 @@ def _held_place(
     place = nearest_fit(point, body_fits(point, gap, extent, layout, motion), diagonal(layout))
     if place is None:
         raise ScenarioError(f"there is no place for {what} that leaves every robot its clearance")
-    far = math.hypot(place[0] - point[0], place[1] - point[1])
-    return place, f"; it is held at the nearest safe place, {far:.1f} m from there" if far > _HELD else ""
+    return place, held_words(place, point)
 
 
 def _check_room(layout: Layout, motion: Motion, gap: Gap, what: str) -> None:

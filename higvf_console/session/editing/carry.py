@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.arrays import Ints
+from higvf_console.sim.path_commands import ACTING
 from higvf_console.state import NOBODY, Intent, Motion, PathStatus, World
 
 Number = TypeVar("Number", bound=np.generic)
@@ -40,7 +41,7 @@ def led_on(motion: Motion, intent: Intent, robots: Ints, fires: Ints, fires_befo
     """
     place = {old: new for new, old in enumerate(robots.tolist()) if old != NEW}
     influenced = place.get(intent.influenced, 0)
-    if intent.influenced not in place and motion.path_status in (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY):
+    if intent.influenced not in place and motion.path_status in ACTING:
         motion = motion._replace(path_status=int(PathStatus.FINISHED))
     priority = intent.priority.copy()
     priority[:, 0] = [place.get(int(robot), NOBODY) for robot in priority[:, 0]]

@@ -32,7 +32,7 @@ from higvf_console.session.editing.carry import NEW, carried, led_on, same_rows
 from higvf_console.session.editing.checks import Stand, check_edit, check_walls
 from higvf_console.session.editing.layout import Layout, layout_of, world_of
 from higvf_console.session.editing.parameters import with_parameters
-from higvf_console.session.editing.safe_places import diagonal, nearest_fit, placed, resettled, robot_fits
+from higvf_console.session.editing.safe_places import diagonal, held_words, nearest_fit, placed, resettled, robot_fits
 from higvf_console.session.editing.things import NUMBERS, Place, centres, how_many, name_of, numbers_of
 from higvf_console.session.reading import COORDINATE
 from higvf_console.sim.setup import Setup
@@ -41,7 +41,6 @@ from higvf_console.viewport import Arena
 
 FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire [m], [m/s]
 _OF_PATH = ("path_parameter", "path_status", "path_idle", "path_gap", "path_left")  # what a start keeps of its motion
-_HELD = 0.01  # [m] from where it was wanted, from which on it is said that a thing was held
 
 
 class Edited(NamedTuple):
@@ -234,7 +233,7 @@ def _robot_put(layout: Layout, robot: int, centre: Floats) -> Callable[[Motion],
 def _move(layout: Layout, motion: Motion, place: Place, point: Floats) -> _Draft:
     if place.thing is Thing.ROBOT:
         put = _robot_put(layout, place.row, point)
-        held = _held(centres(layout, put(motion))[place.row], point)
+        held = held_words(centres(layout, put(motion))[place.row], point)
         return _plain(layout, layout, f"Robot {place.row + 1} is moved{held}.")._replace(finish=put)
     if place.thing is Thing.FIRE:
         at, held = bodies.fire_place(layout, motion, point, float(motion.fire_radius[place.row]))
@@ -242,11 +241,6 @@ def _move(layout: Layout, motion: Motion, place: Place, point: Floats) -> _Draft
         position[place.row] = at
         return _plain(layout, layout._replace(fire_position=position), f"Fire {place.row + 1} is moved{held}.")
     return _plain(layout, *bodies.moved(layout, motion, place, point))
-
-
-def _held(place: Floats, wanted: Floats) -> str:
-    gap = math.hypot(place[0] - wanted[0], place[1] - wanted[1])
-    return f"; it is held at the nearest safe place, {gap:.1f} m from there" if gap > _HELD else ""
 
 
 def _change(layout: Layout, motion: Motion, place: Place, name: str, value: float) -> _Draft:

@@ -21,6 +21,7 @@ _ANGLES = 64
 _RINGS = 600
 _BISECTIONS = 24
 _HAIR = 1e-6  # [m] to spare, so that rounding never makes a violation
+_HELD = 0.01  # [m] from where it was wanted, from which on it is said that a thing was held
 
 
 def nearest_fit(point: Floats, fits: Fits, reach: float) -> Floats | None:
@@ -119,6 +120,12 @@ def crowded(layout: Layout, motion: Motion) -> list[int]:
     near = ~clear_of(layout, motion, -_HAIR)(motion.position)
     near[pairs.ravel()] = True
     return np.flatnonzero(near).tolist()
+
+
+def held_words(place: Floats, wanted: Floats) -> str:
+    """What to say where a thing is held at another place (2,) than the one that was wanted [m]."""
+    gap = math.hypot(place[0] - wanted[0], place[1] - wanted[1])
+    return f"; it is held at the nearest safe place, {gap:.1f} m from there" if gap > _HELD else ""
 
 
 def placed(motion: Motion, robot: int, place: Floats) -> Motion:

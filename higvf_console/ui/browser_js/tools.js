@@ -30,7 +30,6 @@
   const looks = new Map(config.tools.map((tool) => [tool.name, tool]));
   const buttons = new Map();
   const groups = new Map();
-  let current = "";
 
   function make(group, name, icon, title) {
     if (!groups.has(group)) groups.set(group, strip.appendChild(Object.assign(document.createElement("div"), { className: "group" })));
@@ -52,7 +51,6 @@
   strip.addEventListener("mousedown", (event) => event.preventDefault()); // the focus stays where it is
 
   function show(name) {
-    current = name;
     for (const [tool, button] of buttons) if (looks.has(tool)) button.setAttribute("aria-pressed", String(tool === name));
     page.part("pointer")?.ink(looks.get(name).inks);
   }
@@ -82,7 +80,6 @@
   return {
     show,
     history,
-    current: () => current,
     remove() {
       clearInterval(following);
       overlay.remove();
