@@ -21,13 +21,15 @@ from higvf_console.ui import camera, guard, keys, pointer
 from higvf_console.viewport import Arena, Viewport
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-# WebGL without a graphics card, and no traffic of the browser's own.
+# WebGL without a graphics card, the page put together without one either (a third of the work), and no traffic of the
+# browser's own.
 CHROMIUM_FLAGS = (
     "--no-sandbox",
     "--use-gl=angle",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist",
+    "--disable-gpu-compositing",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
@@ -58,6 +60,13 @@ _DRAW = """
     if (next === rest.length) { clearInterval(timer); end(); }
   }, 1);
 })
+"""
+
+# A screen of 5 frames a second: a processor that draws all it can has no time for what is tested.
+_SLOW_SCREEN = """
+  const frame = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (draw) => setTimeout(() => frame(draw), 180);
+  window.cancelAnimationFrame = clearTimeout;
 """
 
 _TURN = """
@@ -106,6 +115,7 @@ def open_console(
 ) -> Page:
     """A page of its own session that shows the console, ready to be used; with the hints of a first run if told."""
     context = browser.new_context(viewport={"width": width, "height": height}, has_touch=touch)
+    context.add_init_script(_SLOW_SCREEN)
     if not hints:
         context.add_init_script("localStorage.setItem('higvf-hints', '[\"away\"]')")
     page = context.new_page()
@@ -169,7 +179,7 @@ def wait_until(value: Callable[[], Value], seconds: float = PATIENCE) -> Value:
     end = monotonic() + seconds
     while not (found := value()):
         assert monotonic() < end, f"waited {seconds} s for {value}"
-        sleep(0.01)
+        sleep(0.03)
     return found
 
 

@@ -6,7 +6,7 @@ once and then assigned to; one that has nothing to show is hidden, because viser
 
 from collections.abc import Callable
 from enum import IntEnum
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 import viser
@@ -18,6 +18,8 @@ from higvf_console.ui.theme import NOMINAL, NOMINAL_SCREEN_PX, USUAL_LOOK, Look,
 from higvf_console.viewport import Arena
 
 Node = TypeVar("Node", bound=viser.SceneNodeHandle)
+# Shaded by the ambient light alone, as any other would be here, at two thirds of the work.
+_MATERIAL: Literal["toon3"] = "toon3"
 _NO_LINE = np.zeros((1, 2, 2))
 _NO_SHAPE = Triangles(np.zeros((3, 2)), np.array([[0, 1, 2]]))
 
@@ -124,6 +126,7 @@ class FlatMesh:
                 raised(_NO_SHAPE.vertices),
                 _NO_SHAPE.faces.astype(np.uint32),
                 color=mesh_rgb(colour),
+                material=_MATERIAL,
                 side="double",
                 cast_shadow=False,
                 receive_shadow=False,
@@ -205,6 +208,7 @@ class Marks:
                 batched_colors=self._colours if count else batch_rgb(colour),
                 lod="off",
                 opacity=None if opacity >= 1.0 else opacity,
+                material=_MATERIAL,
                 side="double",
                 cast_shadow=False,
                 receive_shadow=False,

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from higvf_console.commands import Freeze, SetSpeed
+from higvf_console.commands import Freeze, ResetRun, SetSpeed
 from higvf_console.interface import InputSpec
 from higvf_console.session.channels import open_interface
 from higvf_console.session.inputs import demo_specs
@@ -47,6 +47,7 @@ def told(page: Page, words: str) -> str:
 
 
 def test_the_ring_fills_while_gaze_rests_on_the_button(page: Page, running: Running) -> None:
+    running.push(ResetRun())  # while the page was opened, the eye may have left the button
     wait_until(lambda: (report := running.session.snapshot.inputs.dwell) and report.progress > 0.4)
     running.push(Freeze(True))
     wait_until(lambda: running.session.snapshot.frozen)

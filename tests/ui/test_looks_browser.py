@@ -30,7 +30,8 @@ _LAYOUT = """
     const { left, top, right, bottom } = node.getBoundingClientRect();
     return [left, top, right, bottom];
   };
-  const notes = [...document.querySelectorAll(".mantine-Notification-root")];
+  const slides = (node) => Math.abs(new DOMMatrix(getComputedStyle(node).transform).e) > 0.5;  // it comes or goes
+  const notes = [...document.querySelectorAll(".mantine-Notification-root")].filter((note) => !slides(note));
   const panels = [...document.querySelectorAll(".hg")].filter((node) => node.checkVisibility());
   const wide = (node) => node.scrollWidth > node.clientWidth + 1;
   return {
@@ -50,6 +51,11 @@ _LAYOUT = """
     sideways: document.documentElement.scrollWidth > window.innerWidth,
   };
 }
+"""
+# Whether the panel has come to the right edge of the page, and all that was in motion to rest.
+_AT_REST = """
+() => window.innerWidth - document.querySelector("[role=tab]").parentElement.getBoundingClientRect().right < 40
+  && !document.getAnimations().some((animation) => animation.playState === "running")
 """
 
 
@@ -160,7 +166,7 @@ def test_theme_and_text_size_are_chosen_in_the_view_panel_and_hold_for_a_reload(
     choose(page, "Text size", "Large")
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(LIGHT.surround)}")
     wait_until(lambda: np.abs(pixel(page, (450.0, 650.0)) - hex_rgb(LIGHT.floor)).max() < 4)
-    assert page.evaluate(size) / usual == pytest.approx(TEXT_SIZES["Large"])
+    wait_until(lambda: page.evaluate(size) / usual == pytest.approx(TEXT_SIZES["Large"]))
     page.reload()
     wait_for_console(page)
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(LIGHT.surround)}")
@@ -207,13 +213,13 @@ def test_nothing_overlaps_or_overflows_in_any_tab(
         put_away_the_browsers_own_note(page)
     wait_until(lambda: running.state.motion.tick > 100)
     running.push(Stop())
-    wait_until(page.locator(NOTE, has_text="all robots stand still").count)
+    last = page.locator(NOTE, has_text="all robots stand still")
+    wait_until(lambda: (box := last.bounding_box()) and box["x"] > 0)  # it slides in
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(THEMES[theme].surround)}")
-    page.wait_for_timeout(800)  # until the panel has unfolded at its new size
     names = page.get_by_role("tab").all_inner_texts()
     for name in names:
         tab(page, name)
-        page.wait_for_timeout(250)  # the panel's own motion
+        page.wait_for_function(_AT_REST, polling=50)
         screenshot(page, f"{theme}-{width}x{height}-{name}".lower())
         check_layout(page.evaluate(_LAYOUT))
     assert len(names) >= 6
@@ -221,6 +227,7 @@ def test_nothing_overlaps_or_overflows_in_any_tab(
 
 def check_layout(found: dict[str, Any]) -> None:
     boxes, (width, height) = found["boxes"], found["page"]
+    assert "note 0" in boxes
     assert [pair for pair in combinations(boxes, 2) if overlap(boxes[pair[0]], boxes[pair[1]])] == []
     for name, (left, top, right, bottom) in boxes.items():
         assert left >= 0, name
