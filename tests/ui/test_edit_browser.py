@@ -9,9 +9,9 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import Floats
-from higvf_console.commands import Freeze, LoadScenario, Pick, ResetRun, Stop
+from higvf_console.commands import AskReset, Freeze, LoadScenario, Pick, ResetStop, Stop
 from higvf_console.edits import AddThing, ChangeThing, MoveThing, ToggleLink
-from higvf_console.session.scenario import parse_scenario
+from higvf_console.session.scenario import load_scenario, parse_scenario
 from higvf_console.state import PathKind
 from tests.browser import (
     close_notifications,
@@ -32,21 +32,38 @@ pytestmark = pytest.mark.browser
 HAND = np.stack([np.linspace(720, 1050, 60), 340 + 120 * np.sin(np.linspace(0, 3, 60))], axis=1)
 
 
-@pytest.fixture
-def running() -> Iterator[Running]:
-    """The firefighting scenario, frozen at its start."""
+@pytest.fixture(scope="module")
+def whole_console() -> Iterator[Running]:
+    """The firefighting scenario, live; starting it takes seconds."""
     with console_at_work("firefighting") as running:
-        running.push(Freeze(True), ResetRun())
         yield running
 
 
-@pytest.fixture
-def page(chromium: Browser, running: Running) -> Iterator[Page]:
+@pytest.fixture(scope="module")
+def whole_page(chromium: Browser, whole_console: Running) -> Iterator[Page]:
     """A page of 1280 x 720 that shows it."""
-    page = open_console(chromium, running.url, 1280, 720)
-    close_notifications(page)
+    page = open_console(chromium, whole_console.url, 1280, 720)
     yield page
     page.context.close()
+
+
+@pytest.fixture
+def running(whole_console: Running) -> Running:
+    """The console, frozen at the start of its scenario as shipped."""
+    scenario = load_scenario("firefighting")
+    whole_console.push(Freeze(True), AskReset(), ResetStop(), LoadScenario(scenario.text, scenario.name), Pick(0))
+    wait_until(lambda: whole_console.given(Pick) and not whole_console.state.intent.stopped)
+    whole_console.session.commands.clear()
+    return whole_console
+
+
+@pytest.fixture
+def page(whole_page: Page, running: Running) -> Page:  # noqa: ARG001 - it shows that
+    """The page, at its first tab, with the tool that draws paths."""
+    take(whole_page, "path")
+    tab(whole_page, "Steer")
+    close_notifications(whole_page)
+    return whole_page
 
 
 def take(page: Page, tool: str) -> None:
@@ -166,8 +183,7 @@ def test_a_scenario_is_saved_and_loaded_again(page: Page, running: Running, tmp_
     take(page, "circle")
     click(page, 200, 600)
     wait_until(lambda: running.given(AddThing))
-    tab(page, "Edit")
-    page.get_by_text("Files", exact=True).click()
+    unfold_files(page)
     with page.expect_download() as download:
         press(page, "Save scenario")
     file = tmp_path / "saved.yaml"
@@ -187,6 +203,12 @@ def test_a_scenario_is_saved_and_loaded_again(page: Page, running: Running, tmp_
     assert "robots" in running.session.snapshot.events[-1].text
 
 
+def unfold_files(page: Page) -> None:
+    tab(page, "Edit")
+    if not page.get_by_role("button", name="Save scenario", exact=True).is_visible():
+        page.get_by_text("Files", exact=True).click()
+
+
 def choose(page: Page, button: str, file: Path) -> None:
     with page.expect_file_chooser() as chooser:
         press(page, button)
@@ -198,8 +220,7 @@ def test_obstacles_are_made_of_an_overhead_image(page: Page, running: Running, t
     plan[8:20, 90:110] = 40  # 200 m x 120 m, dark, at the upper right
     file = tmp_path / "plan.png"
     cv2.imwrite(str(file), plan)
-    tab(page, "Edit")
-    page.get_by_text("Files", exact=True).click()
+    unfold_files(page)
     choose(page, "Overhead image", file)
     wait_until(lambda: running.console._view.background)  # pyright: ignore[reportPrivateUsage]
     press(page, "Dark")

@@ -284,6 +284,7 @@ def test_a_page_under_the_identity_of_another_makes_the_older_connection_a_page_
     send(second, type="PageMessage", topic="hello", body={"identity": identity})
     wait_until(lambda: roles._identities.get(older) not in (None, identity))  # pyright: ignore[reportPrivateUsage]
     assert not roles.steers(older)
+    wait_until(lambda: identity not in roles._identities.values())  # pyright: ignore[reportPrivateUsage]
 
 
 @pytest.mark.parametrize("identity", [None, 7, "short", "x" * 65])
