@@ -6,7 +6,22 @@ import numpy as np
 import pytest
 
 from higvf_console.ui.panels.html import style_html
-from higvf_console.ui.theme import CSS, DARK, LIGHT, NOMINAL, TEXT_SIZES, THEMES, Look, Palette, hex_rgb
+from higvf_console.ui.theme import (
+    CSS,
+    DARK,
+    LIGHT,
+    LIGHT_GAIN,
+    NOMINAL,
+    TEXT_SIZES,
+    THEMES,
+    Look,
+    Palette,
+    batch_rgb,
+    hex_rgb,
+    line_rgb,
+    mesh_rgb,
+    vertex_rgb,
+)
 
 BOTH = pytest.mark.parametrize("palette", [DARK, LIGHT], ids=["dark", "light"])
 # WCAG 2.2, success criteria 1.4.3 and 1.4.11: https://www.w3.org/TR/WCAG22/
@@ -100,3 +115,42 @@ def test_a_text_size_scales_lettering_and_leaves_marks_alone() -> None:
     assert large.text / NOMINAL.text == large.axis_text / NOMINAL.axis_text == pytest.approx(TEXT_SIZES["Large"])
     assert large.robot == NOMINAL.robot
     assert THEMES["Dark"] == Look().palette
+
+
+def aces(light: np.ndarray) -> np.ndarray:
+    """three.js' film curve, from its shader."""
+    matrix_in = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
+    matrix_out = np.array([[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]])
+    v = matrix_in @ (light / 0.6)
+    return np.clip(
+        matrix_out @ ((v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081)), 0, 1
+    )
+
+
+def to_linear(encoded: np.ndarray) -> np.ndarray:
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def to_bytes(linear: np.ndarray) -> np.ndarray:
+    return 255 * np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+@pytest.mark.parametrize(
+    ("colour", "tolerance"),  # bright saturated colours lie a little beyond what the curve can reach
+    [("#141414", 3), ("#1c2127", 3), ("#8b96a5", 3), ("#cc79a7", 3), ("#56b4e9", 13), ("#d55e00", 13)],
+)
+def test_a_colour_is_seen_as_it_is_written_in_spite_of_the_film_curve(colour: str, tolerance: int) -> None:
+    written = np.array(hex_rgb(colour))
+    mesh = aces(LIGHT_GAIN * to_linear(np.array(mesh_rgb(colour)) / 255))
+    line = aces(to_linear(np.array(line_rgb(colour)) / 255))
+    assert np.abs(to_bytes(mesh) - written).max() <= tolerance
+    assert np.abs(to_bytes(line) - written).max() <= tolerance
+
+
+@pytest.mark.parametrize("colour", ["#56b4e9", "#d55e00", "#009e73", "#cc79a7"])
+def test_batches_and_line_ends_whose_bytes_are_linear_show_the_same_colour(colour: str) -> None:
+    written = np.array(hex_rgb(colour))
+    batch = aces(LIGHT_GAIN * np.array(batch_rgb(colour)) / 255)
+    vertex = aces(np.array(vertex_rgb(colour)) / 255)
+    assert np.abs(to_bytes(batch) - written).max() < 12
+    assert np.abs(to_bytes(vertex) - written).max() < 12
