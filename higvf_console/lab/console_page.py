@@ -21,8 +21,8 @@ _CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-sta
 # lowest priority: drawing must not take from the console what no card would take.
 _FLAGS = (
     "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist", "--disable-gpu-compositing", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    "--no-first-run", "--gpu-launcher=nice -n 19",
+    "--ignore-gpu-blocklist", "--disable-gpu-compositing", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync", "--no-first-run", "--gpu-launcher=nice -n 19",
 )  # fmt: skip
 _READY = "() => window.higvf && window.__viserMutable?.cameraControl"
 _NO_HINTS = "localStorage.setItem('higvf-hints', '[\"away\"]')"

@@ -1,11 +1,11 @@
 """The session's watch over its channels: who may command, who has gone silent, and what is done about it.
 
 A channel that is lost, or back and not yet acknowledged, may stop and pause the team and move the cursor, nothing else.
-If it was steering when it, or the page that had control, was lost, commands of the session end that: they are recorded
-like any other, so that a replay agrees. After `NextTask` v_h = 0, and the shared intention,
-dv_s/dt = w1 v_t - (w0 + w1) v_s + neighbours, leaves the human's for the robots' own with time constant 1 / (w0 + w1),
-0.13 s by default, and no velocity jumps. A team that has no task of its own, and one that is to hold, stands from the
-next control period on.
+If it was steering when it, or the page that had control, was lost, commands of the session end that, and the
+priorities that it gave: they are recorded like any other, so that a replay agrees. After `NextTask` v_h = 0, and the
+shared intention, dv_s/dt = w1 v_t - (w0 + w1) v_s + neighbours, leaves the human's for the robots' own with time
+constant 1 / (w0 + w1), 0.13 s by default, and no velocity jumps. A team that has no task of its own, and one that is to
+hold, stands from the next control period on.
 """
 
 from collections.abc import Mapping
@@ -22,6 +22,7 @@ from higvf_console.commands import (
     NextTask,
     OperatorCommand,
     Pause,
+    Prioritise,
     ResetRun,
     Resume,
     Stop,
@@ -51,6 +52,11 @@ _OUTCOME = {
     OnLost.HOLD: "The team holds.",
     OnLost.KEEP: "Its path stays in force.",
 }
+
+
+def _valued(state: SimState) -> set[tuple[float, ...]]:
+    """The priorities in force: robot, fire, factor."""
+    return set(map(tuple, state.intent.priority.tolist()))
 
 
 class Said(NamedTuple):
@@ -94,6 +100,7 @@ class Supervisor:
     def applied(self, said: Said, time: float, before: SimState, after: SimState) -> tuple[Event, ...]:
         """Takes note of a command applied at session `time` [s]: who steers, what the operator has acknowledged."""
         channel, command = said
+        self._priority_by |= dict.fromkeys(_valued(after) - _valued(before), channel)
         match command:
             case StrokeEnd() if after.intent.path is not before.intent.path:
                 self._path_by = channel
@@ -144,6 +151,7 @@ class Supervisor:
         self._withheld: dict[str, int] = {}
         self._path_by = ""
         self._clutch_by = ""
+        self._priority_by: dict[tuple[float, ...], str] = {}  # rows of priorities, by the channel that gave them
         self._deserted = ""  # the channel of which the page that had control is lost
 
     def _may(self, name: str, command: OperatorCommand) -> bool:
@@ -162,10 +170,12 @@ class Supervisor:
             done.append(Clutch(closed=False, time=now, source=SOURCE))
         following = state.motion.path_status in ACTING
         on_path = self._path_by == name and following
+        favoured = sorted({int(row[0]) for row in _valued(state) if self._priority_by.get(row) == name})
         on_lost = self._limits[name].on_lost
-        if on_lost is OnLost.AUTONOMY and on_path:
-            done.append(NextTask(time=now, source=SOURCE))
-        if on_lost is OnLost.HOLD and (done or on_path) and not state.intent.paused:
+        if on_lost is OnLost.AUTONOMY:
+            done += [NextTask(time=now, source=SOURCE)] if on_path else []
+            done += [Prioritise(robot=robot, time=now, source=SOURCE) for robot in favoured]
+        if on_lost is OnLost.HOLD and (done or on_path or favoured) and not state.intent.paused:
             done.append(Pause(time=now, source=SOURCE))
         return done
 

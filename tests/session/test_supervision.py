@@ -18,6 +18,7 @@ from higvf_console.commands import (
     OperatorCommand,
     Pause,
     Pick,
+    Prioritise,
     ResetRun,
     Resume,
     Stop,
@@ -103,6 +104,18 @@ def test_or_in_a_hold_or_is_kept_as_the_scenario_says(team: Scenario) -> None:
     keep = run_to(Session(limited(team, "keep"), [Device(*at_once(*DRAWN))]), 3.3)
     assert keep.snapshot.state.motion.path_status == PathStatus.FOLLOWING
     assert not keep.snapshot.state.intent.paused
+
+
+@pytest.mark.parametrize("on_lost", ["autonomy", "hold", "keep"])
+def test_the_priorities_of_a_lost_channel_end_too_and_those_of_another_stay(team: Scenario, on_lost: str) -> None:
+    own, others = ([Prioritise((0,), robot, 4.0)] for robot in (0, 1))
+    devices = [Device(*at_once(*own)), FakeInterface("bci", *at_once(*others))]
+    session = run_to(Session(limited(team, on_lost), devices), 2.9)
+    both = [[0.0, 0.0, 4.0], [1.0, 0.0, 4.0]]
+    assert session.snapshot.state.intent.priority.tolist() == both
+    run_to(session, 3.3)
+    assert session.snapshot.state.intent.priority.tolist() == (both[1:] if on_lost == "autonomy" else both)
+    assert session.snapshot.state.intent.paused is (on_lost == "hold")
 
 
 @pytest.mark.parametrize(("how", "ends"), [(ControlChange.LOST, True), (ControlChange.TAKEN, False)])
