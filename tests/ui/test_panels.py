@@ -72,10 +72,11 @@ def test_the_operator_line_names_robot_and_progress_either_way_round() -> None:
     assert "no path" in operator_line(STATE)
 
 
-def test_a_violated_clearance_stands_out_and_an_unknown_one_is_a_dash() -> None:
+def test_a_violated_clearance_stands_out_and_where_nothing_is_near_that_is_said() -> None:
     assert "alarm" in clearance_line(4.0, -0.2)
     assert "alarm" not in clearance_line(4.0, 0.2)
-    assert "inf" not in clearance_line(math.inf, math.inf)
+    assert clearance_line(math.inf, math.inf) == "nothing near so far"
+    assert clearance_line(math.inf, 0.2).startswith("nothing near ")
 
 
 def test_the_filter_line_counts_robots_without_a_safe_velocity() -> None:

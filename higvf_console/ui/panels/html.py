@@ -1,5 +1,6 @@
 """The words and colours of the panels' HTML: one style sheet, and everything escaped that goes into it."""
 
+import math
 from html import escape
 
 from higvf_console.sim.setup import Severity
@@ -107,3 +108,11 @@ def clock(seconds: float) -> str:
 def area(square_metres: float) -> str:
     """An area with thin spaces between the thousands."""
     return f"{square_metres:,.0f}".replace(",", "\u202f")
+
+
+def nearness(clearance: float) -> str:
+    """The smallest of some clearances [m], infinite where nothing was near; a violation stands out."""
+    if not math.isfinite(clearance):
+        return "nothing near"
+    shown = f"{clearance:.1f} m"
+    return f'<span class="alarm">{shown}</span>' if clearance < 0.0 else shown

@@ -1,6 +1,5 @@
 """The look ahead: what the stroke would lead to, and the word that commits it."""
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from higvf_console.session.preview import FiresOut, Preview
 from higvf_console.sim.operator import proposal, waiting
 from higvf_console.state import NOBODY
 from higvf_console.ui.panels.callbacks import one_of, reaction
-from higvf_console.ui.panels.html import DASH, area, block
+from higvf_console.ui.panels.html import area, block, nearness
 
 if TYPE_CHECKING:
     from higvf_console.session.previewer import Previewer
@@ -77,7 +76,10 @@ def preview_html(preview: Preview, proposed: int = NOBODY) -> str:
         rows.append(("Proposed", f'<span class="operator">robot {proposed + 1}</span>'))
     if preview.start.motion.fire_burning.any():
         rows += [("Burnt", burnt_line(preview)), ("Fires out", fires_line(preview))]
-    rows += [("Clearance", clearance_line(preview.clearance)), ("Path", path_line(preview))]
+    rows += [
+        ("Clearance", nearness(preview.clearance)),
+        ("Path", path_line(preview)),
+    ]
     lines = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in rows)
     warned = "".join(f'<div class="warn">{warning}</div>' for warning in warnings(preview))
     return f"<dl>{lines}</dl>{warned}"
@@ -105,14 +107,6 @@ def fires_line(preview: Preview) -> str:
 def fire_order(out: FiresOut) -> str:
     """Fires by the numbers that people see."""
     return _ARROW.join(str(fire + 1) for fire, _ in out) or "none"
-
-
-def clearance_line(clearance: float) -> str:
-    """The smallest distance to anything; a violation stands out."""
-    if not math.isfinite(clearance):
-        return DASH
-    shown = f"{clearance:.1f} m"
-    return (f'<span class="alarm">{shown}</span>' if clearance < 0.0 else shown) + ' <span class="dim">least</span>'
 
 
 def path_line(preview: Preview) -> str:

@@ -9,7 +9,7 @@ from higvf_console.commands import Acknowledge
 from higvf_console.interface import ChannelHealth, ChannelState, PointerSink
 from higvf_console.state import PathKind, PathStatus, SimState
 from higvf_console.ui.panels.callbacks import reaction
-from higvf_console.ui.panels.html import DASH, TIMES, block, clock, text
+from higvf_console.ui.panels.html import TIMES, block, clock, nearness, text
 from higvf_console.ui.panels.log import alarms_text
 from higvf_console.ui.scene import View
 from higvf_console.ui.theme import CSS
@@ -107,14 +107,9 @@ def operator_line(state: SimState) -> str:
 
 def clearance_line(now: float, least: float) -> str:
     """The smallest distance to anything, now and in the run; a violation stands out."""
-    return f'{_metres(now)} <span class="dim">now,</span> {_metres(least)} <span class="dim">least</span>'
-
-
-def _metres(clearance: float) -> str:
-    if not math.isfinite(clearance):
-        return DASH
-    shown = f"{clearance:.1f} m"
-    return f'<span class="alarm">{shown}</span>' if clearance < 0.0 else shown
+    if not math.isfinite(least):
+        return f"{nearness(least)} so far"
+    return f'{nearness(now)} <span class="dim">now,</span> {nearness(least)} <span class="dim">least</span>'
 
 
 def filter_line(snapshot: "Snapshot") -> str:
