@@ -32,6 +32,7 @@ from higvf_console.commands import (
 from higvf_console.edits import AddThing, DeleteThing
 from higvf_console.session.editing.layout import Layout, layout_of
 from higvf_console.session.editing.things import centres, thing_at
+from higvf_console.sim.operator import waiting
 from higvf_console.state import Motion
 from higvf_console.ui import pointer
 from higvf_console.ui.grips import Drag, gripped, result_of
@@ -203,6 +204,8 @@ class Hand:
             self._view.field = next_field(self._view.field)
         elif name == "delete":
             self._delete()
+        elif name == "discard" and not waiting(snapshot.state.drawing, snapshot.time):
+            self._put_away(client_id)
         elif name in commands:
             self._push(commands[name])
         elif name.startswith("tool_"):
@@ -211,6 +214,13 @@ class Hand:
             robot = int(name.removeprefix("pick_")) - 1
             if 0 <= robot < len(snapshot.state.motion.position):
                 self._push(Pick(robot))
+
+    def _put_away(self, client_id: int) -> None:
+        """Lets go of what is chosen for editing; where nothing is, of the tool."""
+        if self._view.selected is not None:
+            self._view.selected = None
+        else:
+            self.tool(client_id, Tool.PATH)
 
     def _delete(self) -> None:
         if (place := self._view.selected) is not None:

@@ -35,7 +35,7 @@ KEYMAP: tuple[KeyBinding, ...] = (
     KeyBinding("P", "pause", "Pause or resume: robots hold and still give way, the world goes on"),
     KeyBinding("1 … 9", "pick", "Influence the robot of that number"),
     KeyBinding("Enter", "confirm", "Commit what waits: the drawn path, the proposed robot"),
-    KeyBinding("Esc", "discard", "Cancel the stroke that is being drawn, or discard what waits"),
+    KeyBinding("Esc", "discard", "Cancel the stroke, discard what waits, let go of what is chosen, then of the tool"),
     KeyBinding("C", "clear_path", "Clear the path"),
     KeyBinding("R", "reverse_path", "Reverse the path"),
     KeyBinding("Ctrl Z", "undo", "Undo what was done last"),

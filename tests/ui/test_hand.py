@@ -7,7 +7,17 @@ import numpy as np
 import pytest
 
 from higvf_console.arrays import floats
-from higvf_console.commands import BendPath, OperatorCommand, Pick, Redo, StrokeBegin, StrokeEnd, StrokePoints, Undo
+from higvf_console.commands import (
+    BendPath,
+    Discard,
+    OperatorCommand,
+    Pick,
+    Redo,
+    StrokeBegin,
+    StrokeEnd,
+    StrokePoints,
+    Undo,
+)
 from higvf_console.control.gains import Gains, RobotGains
 from higvf_console.edits import AddThing, ChangeThing, DeleteThing, MoveThing, Thing, ToggleLink
 from higvf_console.session.editing.layout import layout_of
@@ -43,7 +53,7 @@ class Held(NamedTuple):
 
 def held(setup: Setup, tool: Tool = Tool.PATH) -> Held:
     given, shown = list[OperatorCommand](), list[Tool]()
-    snapshot = SimpleNamespace(setup=setup, state=setup.start, frozen=False)
+    snapshot = SimpleNamespace(setup=setup, state=setup.start, frozen=False, time=0.0)
     session = SimpleNamespace(setup=setup, snapshot=snapshot, viewport=None)
     roles = cast(Roles, SimpleNamespace(push=given.append, steers={PAGE}.__contains__))
     steer = SimpleNamespace(stroke_end=lambda use: StrokeEnd(use=use.value))  # pyright: ignore[reportUnknownLambdaType]
@@ -100,6 +110,23 @@ def test_a_drag_that_is_cancelled_or_holds_nothing_does_nothing() -> None:
     hand.drag([1000.0, 600.0], [1100.0, 600.0])
     assert hand.given == []
     assert hand.view.drag is None
+
+
+def test_escape_lets_go_of_what_is_chosen_then_of_the_tool_but_first_discards_what_waits() -> None:
+    hand = held(burning(), Tool.EDIT)
+    hand.hand.click(PAGE, floats([600.0, 350.0]))
+    hand.hand.key(PAGE, "discard")
+    assert hand.view.selected is None
+    assert hand.shown == [Tool.EDIT]
+    hand.hand.key(PAGE, "discard")
+    assert hand.shown == [Tool.EDIT, Tool.PATH]
+    assert hand.given == []
+    setup = burning()
+    drawing = setup.start.drawing._replace(proposed=1)
+    waits = held(setup._replace(start=setup.start._replace(drawing=drawing)), Tool.EDIT)
+    waits.hand.key(PAGE, "discard")
+    assert waits.given == [Discard()]
+    assert waits.shown == [Tool.EDIT]
 
 
 def test_the_square_of_what_is_chosen_resizes_it() -> None:
