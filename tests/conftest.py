@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from higvf_console.ui import keys
@@ -18,6 +19,9 @@ from tests.browser import (
     open_stage,
     wait_for_stop,
 )
+
+settings.register_profile("untimed", deadline=None)  # how long an example takes is no property of ours
+settings.load_profile("untimed")
 
 NO_CHROMIUM = f"no Chromium ({', '.join(CHROMIUM_NAMES)}): install the package 'chromium', or name it by HIGVF_CHROMIUM"
 

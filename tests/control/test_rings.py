@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
@@ -23,7 +23,6 @@ def rings_of(setup: Setup):
     return find_rings(setup.start.motion, setup.world, R_O)
 
 
-@settings(deadline=None)  # the first call compiles
 @given(st.lists(st.tuples(st.floats(-90, 90), st.floats(-90, 90)), min_size=3, max_size=40, unique=True))
 def test_the_hull_is_that_of_an_independent_library(points: list[tuple[float, float]]) -> None:
     cloud = floats(points)

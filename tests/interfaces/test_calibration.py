@@ -35,7 +35,7 @@ def seen_from_aside(ground: Floats, tilt: float) -> Floats:
     return floats(flat / (1 + tilt * flat[:, :1] / SCREEN[0]))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(tilt=st.floats(-0.3, 0.6), x=st.floats(0, 1200), y=st.floats(0, 700), count=st.sampled_from([4, 5]))
 def test_points_between_the_targets_are_mapped_exactly(tilt: float, x: float, y: float, count: int) -> None:
     looked = targets(ARENA, count)

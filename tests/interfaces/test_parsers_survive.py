@@ -33,7 +33,7 @@ SCRIPT = "- when: {extinguished: 1}\n  after_s: 0.5\n  do: stroke\n  points_m: [
 SEEDS = (TOBII, PLAIN, LOG, LINES, SCRIPT)
 GAZE_NAMES = [None, *(known.name for known in GAZE_FORMATS)]
 LOG_NAMES = [None, *(known.name for known in DECISION_FORMATS)]
-hard = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+hard = settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 cells = st.sampled_from(
     ["", "0", "1", "-1", "1e308", "-1e308", "1e-320", "nan", "inf", "1,5", "Valid", "Invalid", "Eye Tracker", "9" * 400,
      '"', "fist", "\x00", "time", "٣"]

@@ -35,7 +35,7 @@ def spans(found: Classified) -> Floats:
     return floats(np.stack([found.time[found.first], found.time[found.last]], axis=1), -1, 2)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seed=st.integers(0, 1000), size=st.integers(1, 900), method=st.sampled_from(METHODS))
 def test_pieces_have_the_fixations_of_the_whole(seed: int, size: int, method: str) -> None:
     whole = looked(seed, 12.0 if size < 50 else 30.0)

@@ -32,7 +32,7 @@ MARKERS = (
 HEADER = "BrainVision Data Exchange Header File Version 1.0\n[Common Infos]\nMarkerFile=file\nSamplingInterval=4000\n"
 EVENTS = "onset\tduration\ttrial_type\tconfidence\n1\t0\tfist\t0.5\n2\tn/a\tn/a\t\n"
 TEXTS = tuple(text.encode() for text in (OPENBCI, OLD, MYO, MUSE, MARKERS, HEADER, EVENTS))
-hard = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+hard = settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 cells = st.sampled_from(
     ["", "0", "1", "-1", "255", "1e308", "-1e308", "1e-320", "nan", "inf", "1,5", "10:00:00.5", "9" * 400, '"', "n/a",
      "1700000000000", "\x00", "%", "٣", "fist"]

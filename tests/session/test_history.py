@@ -135,7 +135,7 @@ def test_after_a_stop_no_undo_sets_the_team_in_motion() -> None:
 STEPS = st.one_of(GIVEN, st.sampled_from([(Undo(),), (Redo(),), (ResetRun(),)]), st.integers(1, 20))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(before=st.lists(STEPS, max_size=6), after=st.lists(st.sampled_from([Undo(), Redo()]), min_size=1, max_size=6))
 def test_whatever_was_done_undo_and_redo_never_lift_a_stop_or_the_pause_after_it(
     before: list[int | tuple[OperatorCommand, ...]], after: list[OperatorCommand]

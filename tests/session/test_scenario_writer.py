@@ -131,7 +131,7 @@ EDITS = st.one_of(
 )  # fmt: skip
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(edits=st.lists(EDITS, max_size=6), ticks=st.sampled_from([0, 3]))
 def test_an_edited_world_is_read_as_it_was_written(edits: list[OperatorCommand], ticks: int) -> None:
     run = run_of(parse_scenario(SCENE, "scene.yaml"), *edits, ticks=ticks)

@@ -100,7 +100,7 @@ def test_a_part_that_cannot_be_drawn_is_refused(path: Path, points: list[list[fl
 
 
 @pytest.mark.parametrize("path", [OPEN, CLOSED], ids=["open", "closed"])
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(share=st.floats(0.0, 1.0), x=st.floats(-100.0, 100.0), y=st.floats(-100.0, 100.0))
 def test_a_dragged_point_takes_the_path_with_it_and_leaves_what_is_far_alone(
     path: Path, share: float, x: float, y: float

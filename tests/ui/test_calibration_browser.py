@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import floats
-from higvf_console.commands import Discard, OperatorCommand
+from higvf_console.commands import OperatorCommand
 from higvf_console.interface import ChannelHealth, ChannelState, OperatorContext
 from higvf_console.reports import CalibrationReport, CaptureReport
 from tests.browser import open_console, screenshot, to_page, turn_wheel, wait_until
@@ -16,6 +16,7 @@ from tests.consoles import Running, console_at_work
 pytestmark = pytest.mark.browser
 
 # The middle of the target in the page [CSS px], or None while nothing is to be looked at.
+_IN_HAND = "button[data-tool][aria-pressed=true]"
 _TARGET = """
 () => {
   for (const host of document.body.children) {
@@ -82,9 +83,8 @@ def page(chromium: Browser, running: Running) -> Iterator[Page]:
     page.context.close()
 
 
-def test_the_targets_are_shown_over_their_ground_points_until_esc(
-    page: Page, running: Running, tracker: Tracker
-) -> None:
+def test_the_targets_are_shown_over_their_ground_points_until_esc(page: Page, tracker: Tracker) -> None:
+    page.locator("button[data-tool='edit']").click()
     turn_wheel(page, to_page(page, [[600, 350]])[0], -500.0)  # a zoomed view is fitted first
     page.get_by_role("button", name="Calibrate gaze").click()
     wait_until(lambda: tracker.begun == 1 and page.evaluate(_TARGET))
@@ -100,7 +100,7 @@ def test_the_targets_are_shown_over_their_ground_points_until_esc(
     assert page.get_by_role("button", name="Calibrate gaze").is_disabled()
     page.keyboard.press("Escape")
     wait_until(lambda: tracker.cancelled == 1 and page.evaluate(_TARGET) is None)
-    assert running.given(Discard) == [], "Esc gives up the calibration and nothing else"
+    assert page.locator(_IN_HAND).get_attribute("data-tool") == "edit", "Esc gives up the calibration and nothing else"
     wait_until(lambda: "given up" in page.locator(".hg", has_text="Calibration").last.inner_text())
     page.keyboard.press("Escape")
-    wait_until(lambda: running.given(Discard))
+    wait_until(lambda: page.locator(_IN_HAND).get_attribute("data-tool") == "path")

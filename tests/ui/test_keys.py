@@ -217,6 +217,8 @@ def test_the_key_list_shows_every_key_and_closes_again(page: Page, stage: Stage)
     page.keyboard.press("?")
     card.wait_for()
     screenshot(page, "keys")
+    covers, stop = card.bounding_box(), page.locator("button.stop").bounding_box()
+    assert covers and stop and covers["y"] + covers["height"] < stop["y"], "its last rows are behind the red button"
     for binding in keys.KEYMAP:
         expect(card).to_contain_text(binding.text)
     press_stop(page)

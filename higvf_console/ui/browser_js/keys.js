@@ -38,9 +38,10 @@
         box-shadow: 0 0 0 1px var(--hg-border, #4b5563); }
       .ask:hover { background: var(--hg-key, #2b323c); }
       .veil { position: absolute; inset: 0; display: none; pointer-events: auto; align-items: center;
+        padding: 24px 16px 108px; /* the last row ends above the red button */
         justify-content: center; background: rgba(0, 0, 0, 0.35); }
       .veil.open { display: flex; }
-      .card { width: min(860px, 92vw); max-height: 88vh; overflow: auto; padding: 22px 26px 18px; border-radius: 14px;
+      .card { width: min(860px, 92vw); max-height: 100%; overflow: auto; padding: 22px 26px 18px; border-radius: 14px;
         color: var(--hg-text, #dbe2ea); background: var(--hg-card, #161b21);
         box-shadow: 0 12px 48px rgba(0, 0, 0, 0.5); border: 1px solid var(--hg-card_rule, #343c46); }
       h2 { margin: 0 0 12px; font-size: 17px; font-weight: 600; }

@@ -38,7 +38,7 @@ def steps(run: Run, ticks: int) -> tuple[float, bool]:
 
 
 @pytest.mark.parametrize("scene", SCENES)
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(plan=PLANS)
 def test_no_edit_and_no_undo_brings_anybody_nearer_to_anything_than_allowed(
     scene: str, plan: list[int | tuple[OperatorCommand, ...]]
@@ -57,7 +57,7 @@ def test_no_edit_and_no_undo_brings_anybody_nearer_to_anything_than_allowed(
 
 
 @pytest.mark.parametrize("scene", SCENES)
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(plan=PLANS, last=GIVEN)
 def test_undo_and_redo_at_once_are_exact_and_a_refusal_changes_nothing(
     scene: str, plan: list[int | tuple[OperatorCommand, ...]], last: tuple[OperatorCommand, ...]

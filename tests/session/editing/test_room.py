@@ -1,7 +1,7 @@
 """The distance from the nearest obstacle is that from the nearest of all of them, one by one."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from higvf_console.arrays import floats
@@ -14,7 +14,6 @@ from tests.session.editing.deeds import edited_run
 OBSTACLES = layout_of(edited_run().setup).obstacles
 
 
-@settings(deadline=None)
 @given(points=st.lists(st.tuples(st.floats(0.0, 1200.0), st.floats(0.0, 700.0)), min_size=1, max_size=20))
 def test_the_room_at_a_point_is_the_least_gap_to_any_obstacle(points: list[tuple[float, float]]) -> None:
     gaps = [gap for _, gap in obstacle_gaps(floats(points), OBSTACLES)]
