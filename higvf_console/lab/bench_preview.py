@@ -201,7 +201,7 @@ def _lateness(session: Session, ahead: bool, seconds: float) -> Lateness:
     loop = Thread(target=session.run, args=(stopping,))
     loop.start()
     start = time.perf_counter()
-    while (lasted := time.perf_counter() - start) < seconds or len(begun) < 2 * _SETTLING:
+    while (lasted := time.perf_counter() - start) < seconds or (len(begun) < 2 * _SETTLING and loop.is_alive()):
         time.sleep(0.05)
     stopping.set()
     loop.join()

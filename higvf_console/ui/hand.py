@@ -204,10 +204,10 @@ class Hand:
             self._view.field = next_field(self._view.field)
         elif name == "delete":
             self._delete()
-        elif name == "discard" and not waiting(snapshot.state.drawing, snapshot.time):
-            self._put_away(client_id)
         elif name in commands:
             self._push(commands[name])
+            if name == "discard" and not waiting(snapshot.state.drawing, snapshot.time):
+                self._put_away(client_id)
         elif name.startswith("tool_"):
             self.tool(client_id, Tool(name.removeprefix("tool_")))
         elif name.startswith("pick_"):

@@ -109,7 +109,7 @@ def test_a_preset_is_one_step_and_its_name_is_known(page: Page, running: Running
     scenario = running.session.scenario.gains
     wait_until(lambda: preset_name(gains_of(running), scenario) == "Cautious")
     page.locator(".hg tr", has_text="Cruise speed").get_by_text("36").wait_for()
-    assert field(page, "● Speed limit m/s").input_value() == "67.5"
+    wait_until(lambda: field(page, "● Speed limit m/s").input_value() == "67.5")
     page.mouse.move(640, 300)
     page.wait_for_timeout(500)
     screenshot(page, f"tune-{theme}")
