@@ -58,6 +58,7 @@ class Session:
         viewport: how the operator's screen lies over the arena; set by the view.
         commands: applied so far, without cursors and stroke points, which come by the thousand.
         error: what halted the engine; None while all is well.
+        answered: set when the snapshot has come to show what one of `commands` did; cleared by who shows it.
     """
 
     def __init__(
@@ -86,6 +87,7 @@ class Session:
         self.viewport: Viewport | None = None
         self.commands: list[AppliedCommand] = []
         self.error: Exception | None = None
+        self.answered = Signal()
         self._run = Run(scenario.setup(seed), scenario.filter, scenario)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
@@ -141,7 +143,7 @@ class Session:
         Args:
             advance: False polls, applies and publishes only (between the ticks of a slowed clock).
         """
-        started = perf_counter()
+        started, known = perf_counter(), len(self.commands)
         self._attend()
         if self._frozen:
             advance, self._steps_due = self._steps_due > 0, max(0, self._steps_due - 1)
@@ -150,6 +152,8 @@ class Session:
             if self._recorder is not None:
                 self._record(self._recorder.step, self._run.state.motion)
         self._publish(started)
+        if len(self.commands) > known:
+            self.answered.set()
 
     def run(self, stopping: Signal) -> None:
         """Ticks at the pace of the clock until `stopping` is set; an engine that fails halts the team, not the loop."""

@@ -32,17 +32,17 @@ class TightRow(NamedTuple):
 
 
 def tight_rows(robot: int, moved: Moved, setup: Setup) -> list[TightRow]:
-    """The active rows of a robot in one control period, the tightest first: as many as its trace counts."""
-    count = int(moved.trace.active_rows[robot])
-    if count == 0:
-        return []
+    """The active rows of a robot in one control period, the tightest first: as many as its trace counts.
+
+    Without one the same is done, so that a panel that shows a first moment has loaded all kernels.
+    """
     around = _around(moved, setup)
     rows, other = np.empty((most_rows(around), 3)), np.empty(most_rows(around), np.int64)
     used = rows_of(robot, around, rows, other)
     slack = rows[:used, 2] - rows[:used, :2] @ moved.after.velocity[robot]
     neighbours = [int(j) for j in other[:used] if j != NO_ROBOT]
     dangers = _neighbour_dangers(robot, neighbours, around) + _still_dangers(robot, moved, around, setup)
-    return [dangers[row] for row in np.argsort(slack, kind="stable")[:count]]
+    return [dangers[row] for row in np.argsort(slack, kind="stable")[: moved.trace.active_rows[robot]]]
 
 
 def seen_positions(moved: Moved, setup: Setup) -> Floats:

@@ -46,7 +46,7 @@ FRAME = 1 / 30  # [s]
 # Between two frames, at least [s]: viser looks 60 times a second whether there is anything to send, and sends nothing
 # while a frame is being shown. Frames without a gap between them would starve the pages.
 REST = 1 / 50
-FRAMES_PER_PANEL = 6  # panels are renewed five times a second
+FRAMES_PER_PANEL = 6  # panels are renewed five times a second, in turn, so that no frame waits for all of them
 
 _log = logging.getLogger(__name__)
 
@@ -141,22 +141,27 @@ class Console:
         self._thread.start()
 
     def run(self, stopping: threading.Event) -> None:
-        """Shows the latest snapshot 30 times a second, on a busy machine less often, until `stopping` is set."""
-        due = time.perf_counter()
+        """Shows the latest snapshot 30 times a second, on a busy machine less often, until `stopping` is set.
+
+        What answers the operator is shown out of turn: nobody who acts waits for a frame as well as for the control period.
+        """
+        due, answered = time.perf_counter(), self._session.answered
         while not stopping.is_set():
+            answered.clear()
             self.show(self._session.snapshot)
             now = time.perf_counter()
-            due = max(due + FRAME, now + REST)
-            stopping.wait(due - now)
+            due = max(due + FRAME if now >= due else due, now + REST)
+            answered.wait(due - now)
 
     def show(self, snapshot: "Snapshot") -> None:
         """Shows one snapshot. A part that fails is logged once and does not keep the others from showing."""
         with self._server.atomic():
             self._try("scene", lambda: self._show_scene(snapshot))
             self._try("calibration", lambda: self._calibration.update(snapshot.inputs.capture))
-            if self._frames % FRAMES_PER_PANEL == 0:
-                for panel in self._panels:
-                    self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))
+            turn = self._frames % FRAMES_PER_PANEL
+            for panel in self._panels[turn::FRAMES_PER_PANEL]:
+                self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))
+            if turn == 0:
                 self._try("roles", self._roles.update)
         self._server.flush()  # viser would wait for the end of its own window of 1/60 s
         self._frames += 1

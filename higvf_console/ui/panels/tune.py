@@ -40,6 +40,7 @@ class TunePanel:
         self._asked_at = -math.inf
         self._latest: Event | None = None
         self._before = self._latest
+        self._described: tuple[Gains, Gains, str] | None = None
         names: dict[str, Any] = dict.fromkeys((*PRESETS, OWN))
         self._preset = gui.add_dropdown(
             "Preset", tuple(names), hint="Factors of the scenario's values; what it does not name is as in the scenario"
@@ -106,15 +107,24 @@ class TunePanel:
         self._hear(snapshot.events)
         self._send()
         mirror(self._preset, preset_name(self._gains, self._scenario) or OWN)
-        self._head.content = block(f'<span class="dim">{text(about(self._gains, self._group))}</span>')
         for name, field in self._fields.items():
-            value, usual = parameter(self._gains, name), parameter(self._scenario, name)
-            field.visible = name.split(".")[0] == self._group
-            field.label = label_of(name, differs=value != usual)
-            field.hint = hint_of(name, usual)
             if name not in self._typed:
+                value = parameter(self._gains, name)
                 mirror(field, shown(value) if isinstance(field, viser.GuiTextHandle) else value, TYPED_S + SETTLE_S)
         self._note.content = block(note_html(self._group, self._wrong))
+        described = (self._gains, self._scenario, self._group)
+        if self._described != described:
+            self._described = described
+            self._describe()
+
+    def _describe(self) -> None:
+        """Shows the fields of the group, what each means, and what differs."""
+        self._head.content = block(f'<span class="dim">{text(about(self._gains, self._group))}</span>')
+        for name, field in self._fields.items():
+            usual = parameter(self._scenario, name)
+            field.visible = name.split(".")[0] == self._group
+            field.label = label_of(name, differs=parameter(self._gains, name) != usual)
+            field.hint = hint_of(name, usual)
         different = differences(self._gains, self._scenario)
         self._changed.content = block(changed_html(different))
         self._reset.disabled = not any(name.split(".")[0] == self._group for name, *_ in different)
