@@ -52,7 +52,7 @@ class StrokeEnd(Command):
     Attributes:
         smoothing: standard deviation by which the path may leave the points [m]; None = the scenario's.
         robot: index of the robot that shall feel it; None = the one that is influenced now.
-        preview: the path waits for a Confirm; nothing moves along it before.
+        preview: the path, new or amended, waits for a Confirm; nothing moves along it before.
         use: a `StrokeUse`, or its word.
         ending: of a new path, see `ShapePath`.
         pace: likewise.
@@ -114,7 +114,13 @@ class Confirm(Command):
 
 @dataclass(frozen=True)
 class Discard(Command):
-    """What waits is dropped: the pending path and the proposed robot."""
+    """What waits is dropped: the pending path and the proposed robot.
+
+    Attributes:
+        proposal: whether the robot too; else the path alone.
+    """
+
+    proposal: bool = True
 
 
 @dataclass(frozen=True)
@@ -149,12 +155,12 @@ class ClearPath(Command):
 
 @dataclass(frozen=True)
 class ReversePath(Command):
-    """The path is followed the other way round."""
+    """The path, the one that waits if one does, is followed the other way round."""
 
 
 @dataclass(frozen=True)
 class ShapePath(Command):
-    """The desired path is followed in another way; None leaves a thing as it is.
+    """The path, the one that waits if one does, is followed in another way; None leaves a thing as it is.
 
     Attributes:
         ending: what happens at its end: release, hold or loop.
@@ -171,15 +177,17 @@ class ShapePath(Command):
 
 @dataclass(frozen=True)
 class BendPath(Command):
-    """A point of the desired path is dragged; the path on both sides of it gives way smoothly.
+    """A point of the path is dragged, of the one that waits if one does; both sides of it give way smoothly.
 
     Attributes:
         grip: (2,) where the path is gripped: its nearest point [m].
         point: (2,) where that goes [m].
+        preview: the bent path waits for a Confirm.
     """
 
     grip: Floats
     point: Floats
+    preview: bool = False
 
 
 @dataclass(frozen=True)

@@ -162,6 +162,7 @@ class Drawing(NamedTuple):
         pending_robot: index of the robot that it was drawn for; NOBODY = the one that is influenced then.
         proposed: index of the robot that a decoder is unsure to have been asked for; NOBODY when none is.
         proposed_until: when that proposal lapses [s of session time].
+        pending_mends: whether it is the path in force, repaired: it goes on where that is, and takes its place.
         paths: drawn so far, to be taken up again; the oldest first.
     """
 
@@ -172,6 +173,7 @@ class Drawing(NamedTuple):
     ask_reset: bool
     pending: Path = NO_PATH
     pending_robot: int = NOBODY
+    pending_mends: bool = False
     proposed: int = NOBODY
     proposed_until: float = math.inf
     paths: tuple[Path, ...] = ()

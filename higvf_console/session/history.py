@@ -226,7 +226,7 @@ def _asked_back(motion: Motion, intent: Intent, source: SimState, goal: SimState
 def _drawing_back(now: Moment, source: Moment, goal: Moment) -> Drawing:
     """What waits, and the list of paths, where the deed changed them."""
     drawing, was, then = now.state.drawing, source.state.drawing, goal.state.drawing
-    for name in ("pending", "pending_robot", "paths"):
+    for name in ("pending", "pending_robot", "pending_mends", "paths"):
         if getattr(was, name) is not getattr(then, name):
             drawing = drawing._replace(**{name: getattr(then, name)})
     return drawing

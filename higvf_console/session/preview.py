@@ -97,6 +97,8 @@ def wish(state: SimState, setup: Setup, end: StrokeEnd | None = None) -> SimStat
     else:
         return None
     wished = apply_command(state, command, setup)[0]
+    if wished.drawing.pending.kind != PathKind.NONE and wished.drawing.pending is not state.drawing.pending:
+        wished = apply_command(wished, Confirm(), setup)[0]  # a repair of the path that waits
     return None if wished.intent is state.intent else wished
 
 

@@ -53,7 +53,7 @@ from higvf_console.control.paths import sketch_path
 from higvf_console.edits import Edit
 from higvf_console.errors import PathError
 from higvf_console.sim.outcome import Outcome, no_robot, path_dropped, proposal_dropped, refuse, say, with_drawing
-from higvf_console.sim.path_commands import PATHS_KEPT, finish, follow, forget, repaired, reverse, shaped, take_up
+from higvf_console.sim.path_commands import PATHS_KEPT, finish, follow, forget, mended, repaired, shaped, take_up
 from higvf_console.sim.path_edits import amended, bent
 from higvf_console.sim.priority import prioritise, prioritise_inside
 from higvf_console.sim.setup import Event, Setup, Severity
@@ -68,7 +68,7 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
     time = state.motion.tick * setup.gains.safety.control_period
     match command:
         case StrokeBegin():
-            return with_drawing(path_dropped(state), stroke=_NO_STROKE, stroke_source=command.source), ()
+            return with_drawing(state, stroke=_NO_STROKE, stroke_source=command.source), ()
         case StrokePoints(points=points):
             return _grow(state, command.source, points), ()
         case StrokeCancel():
@@ -85,8 +85,8 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
             return _propose(state, command, time)
         case Confirm():
             return _confirm(state, time)
-        case Discard():
-            return _discard(state, time)
+        case Discard(proposal=robot_too):
+            return _discard(state, time, robot_too=robot_too)
         case Pause():
             return _pause(state, True), say(time, "paused", "Paused: the team holds and still yields.")
         case Resume() if state.intent.stopped:
@@ -104,12 +104,12 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
         case ClearPath():
             return follow(state, NO_PATH), say(time, "path", "The path is cleared.")
         case ReversePath():
-            return reverse(state, time)
+            return repaired(state, time, lambda path: path._replace(direction=-path.direction))
         case ShapePath():
             return repaired(state, time, lambda path: shaped(path, command), anew=command.duration is not None)
-        case BendPath(grip=grip, point=point):
+        case BendPath(grip=grip, point=point, preview=waits):
             place = clipped(floats(point, 1, 2), setup.arena)[0][0]
-            return repaired(state, time, lambda path: bent(path, floats(grip, 2), place))
+            return repaired(state, time, lambda path: bent(path, floats(grip, 2), place), waits=waits)
         case TakeUpPath(number=number):
             return take_up(state, number, time)
         case ForgetPath(number=number):
@@ -155,7 +155,7 @@ def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) 
     if command.use == StrokeUse.PRIORITY:
         return prioritise_inside(state, points, setup, time)
     if command.use == StrokeUse.AMEND:
-        return repaired(state, time, lambda path: amended(path, points, smoothing))
+        return repaired(state, time, lambda path: amended(path, points, smoothing), waits=command.preview)
     try:
         path = shaped(sketch_path(points, smoothing), command)
     except PathError as error:
@@ -172,7 +172,7 @@ def _wait(state: SimState, path: Path, robot: int, time: float) -> Outcome:
     if robot != NOBODY and not 0 <= robot < robots:
         return state, no_robot(robot, robots, time)
     said = say(time, "pending", f"A path of {path.length:.0f} m waits to be committed.")
-    return with_drawing(state, pending=path, pending_robot=robot), said
+    return with_drawing(state, pending=path, pending_robot=robot, pending_mends=False), said
 
 
 def _commit(state: SimState, path: Path, robot: int, time: float) -> Outcome:
@@ -207,13 +207,17 @@ def _confirm(state: SimState, time: float) -> Outcome:
         state, events = _pick(state, robot, time)
     if drawing.pending.kind == PathKind.NONE:
         return state, events
-    state, said = _commit(state, drawing.pending, drawing.pending_robot, time)
+    if drawing.pending_mends and state.intent.path.kind != PathKind.NONE:
+        state, said = mended(path_dropped(state), drawing.pending, time)
+    else:
+        state, said = _commit(state, drawing.pending, drawing.pending_robot, time)
     return state, events + said
 
 
-def _discard(state: SimState, time: float) -> Outcome:
-    dropped = path_dropped(proposal_dropped(state))
-    return dropped, say(time, "discarded", "What waited is discarded.") if waiting(state.drawing, time) else ()
+def _discard(state: SimState, time: float, *, robot_too: bool) -> Outcome:
+    waited = waiting(state.drawing, time if robot_too else math.inf)
+    dropped = path_dropped(proposal_dropped(state) if robot_too else state)
+    return dropped, say(time, "discarded", "What waited is discarded.") if waited else ()
 
 
 def _pick(state: SimState, robot: int, time: float) -> Outcome:

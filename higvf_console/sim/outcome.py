@@ -32,7 +32,7 @@ def with_drawing(state: SimState, **changes: object) -> SimState:
 
 def path_dropped(state: SimState) -> SimState:
     """The state without a path that waits."""
-    return with_drawing(state, pending=NO_PATH, pending_robot=NOBODY)
+    return with_drawing(state, pending=NO_PATH, pending_robot=NOBODY, pending_mends=False)
 
 
 def proposal_dropped(state: SimState) -> SimState:

@@ -59,16 +59,42 @@ def shaped(path: Path, command: ShapePath | StrokeEnd) -> Path:
     return path
 
 
-def repaired(state: SimState, time: float, repair: Callable[[Path], Path], *, anew: bool = False) -> Outcome:
-    """The path in force, repaired: it goes on where it is, its duration perhaps `anew`."""
-    old = state.intent.path
+def in_hand(state: SimState) -> Path:
+    """The path that a repair changes: the one that waits, else the one in force."""
+    pending = state.drawing.pending
+    return state.intent.path if pending.kind == PathKind.NONE else pending
+
+
+def repaired(
+    state: SimState, time: float, repair: Callable[[Path], Path], *, anew: bool = False, waits: bool = False
+) -> Outcome:
+    """The path `in_hand`, repaired.
+
+    Args:
+        state: now.
+        time: of the session [s].
+        repair: makes the new path of the old one; a PathError is said, and changes nothing.
+        anew: whether the duration of the path in force begins again.
+        waits: whether what becomes of the path in force waits for a Confirm. A path that waits goes on waiting.
+    """
+    old = in_hand(state)
     try:
         if old.kind == PathKind.NONE:
             raise PathError("there is none to change")
         path = repair(old)
     except PathError as error:
         return state, refuse(time, f"The path stays as it is: {error}.")
-    motion = state.motion
+    if waits or old is not state.intent.path:
+        mends = state.drawing.pending_mends or old is state.intent.path
+        said = say(time, "pending", f"The path that waits is now {path_words(path)}.")
+        return with_drawing(state, pending=path, pending_mends=mends), said
+    return mended(state, path, time, anew=anew)
+
+
+def mended(state: SimState, path: Path, time: float, *, anew: bool | None = None) -> Outcome:
+    """`path` in place of the one in force: it goes on where that is. `anew` = None: if the durations differ."""
+    old, motion = state.intent.path, state.motion
+    anew = path.duration != old.duration if anew is None else anew
     w = motion.path_parameter
     if path.spline is not old.spline:
         x, y = path_points(old, floats([w]))[0].tolist()
@@ -92,6 +118,7 @@ def path_words(path: Path) -> str:
     words = (
         "an endless line" if path.length == math.inf else f"{'closed' if path.closed else 'open'}, {path.length:.0f} m"
     )
+    words += ", in reverse" if path.direction < 0 else ""
     words += "" if path.ending == PathEnding.RELEASE else f", {ending_word(path)} at its end"
     words += "" if path.pace == 1.0 else f", at {path.pace:.0%} pace"
     return words + ("" if path.duration == math.inf else f", for {path.duration:g} s")
@@ -118,16 +145,6 @@ def forget(state: SimState, number: int, time: float) -> Outcome:
 def _no_path(number: int, paths: int, time: float) -> tuple[Event, ...]:
     known = f"the list has paths 1 to {paths}" if paths else "the list is empty"
     return refuse(time, f"There is no path {number + 1}: {known}.")
-
-
-def reverse(state: SimState, time: float) -> Outcome:
-    """Follows the path the other way round."""
-    path = state.intent.path
-    if path.kind == PathKind.NONE:
-        return state, refuse(time, "There is no path to reverse.")
-    motion = state.motion._replace(path_status=int(PathStatus.FOLLOWING), path_idle=0.0, path_gap=math.inf)
-    reversed_path = state.intent._replace(path=path._replace(direction=-path.direction))
-    return state._replace(motion=motion, intent=reversed_path), say(time, "path", "The path is followed in reverse.")
 
 
 def finish(state: SimState, time: float) -> Outcome:

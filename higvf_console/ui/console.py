@@ -143,7 +143,7 @@ class Console:
     def run(self, stopping: threading.Event) -> None:
         """Shows the latest snapshot 30 times a second, on a busy machine less often, until `stopping` is set.
 
-        What answers the operator is shown out of turn: nobody who acts waits for a frame as well as for the control period.
+        What answers the operator is shown out of turn: who acts waits for the control period, not for a frame besides.
         """
         due, answered = time.perf_counter(), self._session.answered
         while not stopping.is_set():

@@ -113,10 +113,10 @@ def wished(drag: Drag, layout: Layout, motion: Motion) -> dict[str, float]:
     return {**numbers, drag.handle: min(max(value, quantity.low), quantity.high)}
 
 
-def result_of(drag: Drag, layout: Layout, motion: Motion) -> list[OperatorCommand]:
-    """The commands that letting go amounts to."""
+def result_of(drag: Drag, layout: Layout, motion: Motion, *, waits: bool = False) -> list[OperatorCommand]:
+    """The commands that letting go amounts to; a bent path perhaps waits."""
     if drag.bends:
-        return [BendPath(grip=drag.start, point=drag.now)]
+        return [BendPath(grip=drag.start, point=drag.now, preview=waits)]
     if drag.link != NOBODY:
         at = centres(layout, motion)
         other = int(np.argmin(np.hypot(*(at - drag.now).T)))

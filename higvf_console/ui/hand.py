@@ -119,7 +119,7 @@ class Hand:
         if drag is not None and len(points):
             self._view.drag = drag = drag._replace(now=points[-1])
         if phase == "end" and drag is not None:
-            for command in result_of(drag, *self._moment()):
+            for command in result_of(drag, *self._moment(), waits=not self._view.commit_at_once):
                 self._push(command)
         if phase in ("cancel", "end"):
             self._view.drag = None

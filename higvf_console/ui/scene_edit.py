@@ -4,6 +4,7 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.errors import PathError
 from higvf_console.session.editing.layout import layout_of
 from higvf_console.session.editing.things import Place, centres, exists, numbers_of
+from higvf_console.sim.path_commands import in_hand
 from higvf_console.sim.path_edits import bent
 from higvf_console.sim.setup import Setup
 from higvf_console.state import NOBODY, SimState
@@ -63,7 +64,7 @@ class EditLayer:
 
     def _bent(self, drag: Drag, state: SimState) -> Floats:
         try:
-            path = bent(state.intent.path, drag.start, drag.now)
+            path = bent(in_hand(state), drag.start, drag.now)
         except PathError:
             return _NOTHING
         return shapes.segments(path_outline(path, self._canvas.arena)[1])

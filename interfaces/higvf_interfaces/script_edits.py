@@ -105,7 +105,8 @@ def _shape_path(fields: Fields) -> OperatorCommand:
 
 
 def _bend_path(fields: Fields) -> OperatorCommand:
-    return BendPath(floats(fields.numbers("grip_m", 2)), floats(fields.numbers("to_m", 2)))
+    grip, point = floats(fields.numbers("grip_m", 2)), floats(fields.numbers("to_m", 2))
+    return BendPath(grip, point, preview=fields.flag("preview", False))
 
 
 def _take_up_path(fields: Fields) -> OperatorCommand:
@@ -153,7 +154,7 @@ ACTIONS: Mapping[str, EditAction] = MappingProxyType(
         "set_parameters": EditAction(("parameters",), _set_parameters),
         "prioritise": EditAction(("fires", "robot", "factor"), _prioritise),
         "shape_path": EditAction(("ending", "pace", "duration_s", "closed"), _shape_path),
-        "bend_path": EditAction(("grip_m", "to_m"), _bend_path),
+        "bend_path": EditAction(("grip_m", "to_m", "preview"), _bend_path),
         "take_up_path": EditAction(("number",), _take_up_path),
         "forget_path": EditAction(("number",), _forget_path),
     }

@@ -173,6 +173,8 @@ def test_what_is_left_out_of_the_shape_of_a_path_stays_as_it_is(write: Write, at
 
 def test_a_stroke_says_what_it_is_for_and_how_its_path_is_followed(write: Write, at: ContextAt) -> None:
     end = given(write, at, "stroke, points_m: [[0, 0], [1, 1]], use: amend, ending: loop, pace: 0.5, duration_s: 9")
+    bend = given(write, at, "bend_path, grip_m: [1, 2], to_m: [3, 4], preview: true")
+    assert bend["preview"] is True
     assert (end["use"], end["ending"], end["pace"], end["duration"]) == ("amend", "loop", 0.5, 9.0)
 
 

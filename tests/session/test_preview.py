@@ -56,6 +56,22 @@ def assert_happens(preview: Preview, states: Sequence[SimState]) -> None:
     assert preview.tracks.tobytes() == went.tobytes()
 
 
+def test_what_is_foreseen_of_a_repair_of_a_pending_path_is_bit_for_bit_what_its_confirmation_brings(
+    setup: Setup,
+) -> None:
+    waits = after(setup, [*DRAWING, StrokeEnd(robot=1, preview=True)], moved_on(setup))
+    drawing = after(
+        setup, [StrokeBegin(), StrokePoints(floats([(300.0, 400.0), (400.0, 500.0), (500.0, 350.0)]))], waits
+    )
+    wished = wish(drawing, setup, StrokeEnd(use="amend"))
+    assert wished is not None
+    preview = foresee(drawing, wished, setup, 5.0)
+    assert preview is not None
+    assert preview.start.intent.path.length > waits.drawing.pending.length
+    states = run_on(setup, after(setup, [StrokeEnd(use="amend", preview=True), Confirm()], drawing), 250)
+    assert_happens(preview, states)
+
+
 def test_what_is_foreseen_of_a_pending_path_is_bit_for_bit_what_its_confirmation_brings(setup: Setup) -> None:
     state = after(setup, [*DRAWING, StrokeEnd(robot=1, preview=True)], moved_on(setup))
     states = run_on(setup, after(setup, [Confirm()], state), 250)

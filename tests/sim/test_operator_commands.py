@@ -124,13 +124,16 @@ def test_a_robot_that_does_not_exist_cannot_be_picked(setup: Setup, robot: int) 
     assert f"no robot {robot + 1}: the team has robots 1 to 3" in events[0].text
 
 
+UP = [(100, 350), (100, 500), (100, 600)]
+
+
 def drawn(robot: int | None = None) -> list[OperatorCommand]:
     """A stroke that waits."""
     return [*stroke(LINE)[:2], StrokeEnd(robot=robot, preview=True)]
 
 
 def test_a_stroke_that_waits_changes_nothing_that_a_robot_feels(setup: Setup) -> None:
-    before, _ = after(setup, [*stroke([(100, 350), (100, 500), (100, 600)]), Pick(1)])
+    before, _ = after(setup, [*stroke(UP), Pick(1)])
     state, events = after(setup, drawn(robot=2), before)
     assert (state.motion, state.intent) == (before.motion, before.intent)
     assert state.drawing.pending.length == pytest.approx(400.0, abs=1.0)
@@ -154,15 +157,31 @@ def test_a_path_that_waits_is_the_named_robot_s_or_that_of_the_one_influenced_at
     assert after(setup, [*drawn(), Pick(1), Confirm()])[0].intent.influenced == 1
 
 
-@pytest.mark.parametrize("ending", [Discard(), Stop(), ResetRun(), StrokeBegin()])
-def test_a_discard_a_stop_a_reset_and_a_new_stroke_drop_the_path_that_waits(
-    setup: Setup, ending: OperatorCommand
+@pytest.mark.parametrize(
+    "ending", [[Discard()], [Discard(proposal=False)], [Stop()], [ResetRun()], [ClearPath(), *stroke(UP), ClearPath()]]
+)
+def test_a_discard_a_stop_a_reset_and_a_new_path_drop_the_path_that_waits(
+    setup: Setup, ending: list[OperatorCommand]
 ) -> None:
-    state, _ = after(setup, [*drawn(), ending])
+    state, _ = after(setup, [*drawn(), *ending])
     assert state.drawing.pending is NO_PATH
     confirmed, events = after(setup, [Confirm()], state)
     assert confirmed.intent.path is NO_PATH
     assert events[-1].text == "There is nothing to confirm."
+
+
+@pytest.mark.parametrize("end", [StrokeCancel(), StrokeEnd(preview=True), StrokeEnd(use="scribble")])
+def test_a_stroke_that_comes_to_nothing_leaves_the_path_that_waits(setup: Setup, end: OperatorCommand) -> None:
+    before, _ = after(setup, drawn())
+    state, _ = after(setup, [StrokeBegin(), StrokePoints(floats([(600, 400)])), end], before)
+    assert state.drawing.pending is before.drawing.pending
+
+
+def test_a_path_alone_can_be_discarded_and_the_proposed_robot_stays(setup: Setup) -> None:
+    state, events = after(setup, [*drawn(), ProposePick(2, within=5.0), Discard(proposal=False)])
+    assert (state.drawing.pending, state.drawing.proposed) == (NO_PATH, 2)
+    assert events[-1].text == "What waited is discarded."
+    assert after(setup, [Discard(proposal=False)], state) == (state, [])
 
 
 def test_a_stroke_that_waits_for_a_robot_that_does_not_exist_is_refused(setup: Setup) -> None:

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from higvf_console.arrays import Floats, floats
 from higvf_console.commands import (
     BendPath,
+    ClearPath,
+    Confirm,
     ForgetPath,
     OperatorCommand,
     ReversePath,
@@ -164,6 +166,58 @@ def test_a_path_repaired_while_it_is_followed_goes_on_from_where_it_is() -> None
         assert new.intent.path.length > state.intent.path.length
         assert new.motion.path_parameter == pytest.approx(done, abs=10.0)
         assert new.drawing.paths == (new.intent.path,)
+
+
+DETOUR = floats([[600.0, 350.0], [650.0, 450.0], [700.0, 360.0]])
+GRIP, POINT = floats([700.0, 350.0]), floats([700.0, 420.0])
+
+
+def repairs(waits: bool) -> dict[str, list[OperatorCommand]]:
+    return {
+        "amend": [StrokeBegin(), StrokePoints(DETOUR), StrokeEnd(use="amend", preview=waits)],
+        "bend": [BendPath(GRIP, POINT, preview=waits)],
+    }
+
+
+@pytest.mark.parametrize("repair", ["amend", "bend"])
+def test_a_repair_that_waits_moves_nothing_and_once_confirmed_is_the_repair_at_once(repair: str) -> None:
+    setup, state = following()
+    waits = commanded(setup, state, repairs(True)[repair])
+    assert (waits.motion, waits.intent) == (state.motion, state.intent)
+    confirmed, at_once = commanded(setup, waits, [Confirm()]), commanded(setup, state, repairs(False)[repair])
+    assert confirmed.intent.path.length == at_once.intent.path.length > state.intent.path.length
+    assert confirmed.motion.path_parameter == at_once.motion.path_parameter > 50.0, "it goes on where it was"
+    assert confirmed.drawing.paths == (confirmed.intent.path,), "in the list it takes the place of the old one"
+    assert (confirmed.drawing.pending, confirmed.drawing.pending_mends) == (NO_PATH, False)
+
+
+@pytest.mark.parametrize(
+    ("commands", "longer"),
+    [
+        *((commands, True) for commands in repairs(False).values()),
+        ([ReversePath()], False),
+        ([ShapePath(pace=0.5, ending="hold")], False),
+    ],
+)
+def test_while_a_path_waits_it_is_the_one_that_is_repaired(commands: list[OperatorCommand], longer: bool) -> None:
+    setup, state = following()
+    drawn = stroke(WAY.tolist())
+    waits = commanded(setup, state, [*drawn[:2], StrokeEnd(smoothing=0.0, preview=True)])
+    new = commanded(setup, waits, commands)
+    assert (new.motion, new.intent) == (state.motion, state.intent)
+    path, old = new.drawing.pending, waits.drawing.pending
+    assert path is not old
+    assert (path.length > old.length) is longer
+    confirmed = commanded(setup, new, [Confirm()])
+    assert confirmed.intent.path is path
+    assert len(confirmed.drawing.paths) == 2, "it is a path of its own"
+
+
+def test_a_repair_that_waits_for_a_path_that_has_been_cleared_since_becomes_a_path_of_its_own() -> None:
+    setup, state = following()
+    state = commanded(setup, state, [*repairs(True)["bend"], ClearPath(), Confirm()])
+    assert state.motion.path_status == PathStatus.FOLLOWING
+    assert state.drawing.paths[-1] is state.intent.path
 
 
 def test_a_bend_stays_within_the_arena() -> None:

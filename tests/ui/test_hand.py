@@ -156,6 +156,16 @@ def test_a_link_goes_from_robot_to_robot_and_a_path_is_bent_from_where_it_is_hel
     assert (bend.grip.tolist(), bend.point.tolist()) == ([500.0, 500.0], [520.0, 560.0])
 
 
+@pytest.mark.parametrize("at_once", [True, False])
+def test_a_bent_path_waits_unless_it_is_committed_at_once(at_once: bool) -> None:
+    hand = held(burning(), Tool.BEND)
+    hand.view.commit_at_once = at_once
+    hand.drag([500.0, 500.0], [520.0, 560.0])
+    (bend,) = hand.given
+    assert isinstance(bend, BendPath)
+    assert bend.preview is not at_once
+
+
 def test_keys_undo_redo_delete_and_take_up_tools() -> None:
     hand = held(burning(), Tool.EDIT)
     hand.hand.key(PAGE, "delete")  # nothing is chosen

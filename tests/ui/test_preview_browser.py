@@ -7,9 +7,9 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import Confirm, Discard, Freeze, Pick, ProposePick, ResetRun, Resume, SetSpeed
+from higvf_console.commands import BendPath, Confirm, Discard, Freeze, Pick, ProposePick, ResetRun, Resume, SetSpeed
 from higvf_console.session.preview import Preview
-from higvf_console.state import NO_PATH, NOBODY, PathKind
+from higvf_console.state import NO_PATH, NOBODY, Path, PathKind
 from tests.browser import draw, open_console, screenshot, to_page, wait_until
 from tests.consoles import Running, console_at_work
 
@@ -55,10 +55,10 @@ def visible(page: Page, node: str) -> bool:
     return page.evaluate("(node) => window.__viserMutable.nodeRefFromName[node].visible", node)
 
 
-def draw_and_wait(page: Page, running: Running, hand: Floats = HAND) -> Preview:
-    """Draws a stroke; what is foreseen of the path that waits."""
+def draw_and_wait(page: Page, running: Running, hand: Floats = HAND, beside: Path = NO_PATH) -> Preview:
+    """Draws a stroke; what is foreseen of the path that waits, which is another than one before."""
     draw(page, to_page(page, hand))
-    wait_until(lambda: running.state.drawing.pending is not NO_PATH)
+    wait_until(lambda: running.state.drawing.pending is not beside)
     path = running.state.drawing.pending
 
     def of_this_path() -> list[Preview]:
@@ -136,6 +136,22 @@ def test_a_path_that_waits_is_drawn_anew_and_the_proposed_robot_stays(page: Page
     page.get_by_role("button", name="Commit", exact=True).click()
     wait_until(lambda: running.state.intent.influenced == 2 and running.state.drawing.proposed == NOBODY)
     wait_until(lambda: not visible(page, "/ghost/proposed"))
+
+
+def test_a_path_that_waits_is_repaired_before_it_is_committed(page: Page, running: Running) -> None:
+    first = draw_and_wait(page, running).start.intent.path
+    page.keyboard.press("g")
+    detour = np.linspace(HAND[30], [830, 600], 10).tolist() + np.linspace([830, 600], HAND[70], 10).tolist()
+    second = draw_and_wait(page, running, floats(detour), beside=first).start.intent.path
+    assert second.length > first.length + 100.0
+    page.keyboard.press("b")
+    draw_and_wait(page, running, np.linspace([830, 590], [860, 640], 10), beside=second)
+    page.keyboard.press("t")
+    screenshot(page, "preview-repaired")
+    assert running.state.intent.path is NO_PATH, "nothing moves along a path that waits"
+    page.keyboard.press("Enter")
+    wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
+    assert len(running.given(BendPath)) == 1
 
 
 @pytest.mark.parametrize(("width", "height"), [(1280, 720), (1920, 1080)])

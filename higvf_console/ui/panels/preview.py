@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import viser
 
-from higvf_console.commands import Confirm, Discard, StrokeBegin, StrokeCancel
+from higvf_console.commands import Confirm, Discard
 from higvf_console.interface import PointerSink
 from higvf_console.session.preview import FiresOut, Preview
 from higvf_console.sim.operator import proposal, waiting
@@ -42,14 +42,8 @@ class PreviewPanel:
         self._actions.on_click(reaction(self._act))
 
     def _act(self, value: object) -> None:
-        # A stroke takes the place of the path that waits; cancelled at once, it leaves the proposed robot alone.
-        actions: dict[str, Any] = {
-            _COMMIT: (Confirm(),),
-            _REDRAW: (StrokeBegin(), StrokeCancel()),
-            _DISCARD: (Discard(),),
-        }
-        for command in one_of(value, actions):
-            self._sink.push(command)
+        actions: dict[str, Any] = {_COMMIT: Confirm(), _REDRAW: Discard(proposal=False), _DISCARD: Discard()}
+        self._sink.push(one_of(value, actions))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows what waits and what is foreseen."""

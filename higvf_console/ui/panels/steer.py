@@ -23,7 +23,7 @@ from higvf_console.commands import (
 from higvf_console.interface import PointerSink
 from higvf_console.quantity import quantities
 from higvf_console.session.preview import LONGEST, SHORTEST
-from higvf_console.sim.path_commands import FASTEST, SLOWEST, path_words
+from higvf_console.sim.path_commands import FASTEST, SLOWEST, in_hand, path_words
 from higvf_console.state import NO_PATH, Path, PathEnding, PathKind
 from higvf_console.ui.panels.callbacks import mirror, number_in, one_of, reaction, truth
 from higvf_console.ui.panels.html import TIMES, block
@@ -97,7 +97,7 @@ class SteerPanel:
         self._at_once = gui.add_checkbox(
             "Commit at once",
             self._view.commit_at_once,
-            hint="On: a path is followed when you end its stroke. Off: it waits for Commit (Enter) or Discard (Esc)",
+            hint="On: a path, new or repaired, is followed at once. Off: it waits for Commit (Enter) or Discard (Esc)",
         )
         self._at_once.on_update(reaction(lambda value: setattr(self._view, "commit_at_once", truth(value))))
         self._horizon = gui.add_slider(
@@ -117,7 +117,7 @@ class SteerPanel:
 
     def stroke_end(self, use: StrokeUse = StrokeUse.PATH, robot: int | None = None) -> StrokeEnd:
         """The end of a stroke that is drawn now, for a robot (index from 0) or the one that is influenced."""
-        waits = use is StrokeUse.PATH and not self._view.commit_at_once
+        waits = use in (StrokeUse.PATH, StrokeUse.AMEND) and not self._view.commit_at_once
         return StrokeEnd(
             smoothing=self.smoothing, robot=robot, preview=waits, use=use.value, ending=self.ending, pace=self.pace,
             duration=self.duration,
@@ -138,7 +138,7 @@ class SteerPanel:
         self._sink.push(one_of(value, actions))
 
     def _shape(self, **terms: Any) -> None:
-        """The next paths are followed so, and the one in force from now on."""
+        """The next paths are followed so, and the one that waits, or is in force, from now on."""
         for name, value in terms.items():
             setattr(self, name, value)
         if self._path.kind != PathKind.NONE:
@@ -165,7 +165,7 @@ class SteerPanel:
         if snapshot.scenario is not self._scenario:
             self._take(snapshot.scenario)
         self._picker.show(state.intent.influenced, len(state.motion.position))
-        self._show_path(state.intent.path)
+        self._show_path(in_hand(state))
         if state.drawing.paths is not self._paths:
             self._paths = state.drawing.paths
             self._drawn.options = self._names()
