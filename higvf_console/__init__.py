@@ -11,8 +11,13 @@ Where to start reading:
 The public names below are imported when they are first used, so that `import higvf_console` is quick.
 """
 
+import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+# The matrices here are small: threads of BLAS gain nothing on them, but wait for each other on a busy machine (25 ms
+# for 2 ms), and their number would be felt in the last bits. Whoever sets the variable has it so.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 if TYPE_CHECKING:
     from higvf_console.commands import OperatorCommand

@@ -158,12 +158,13 @@ class Console:
         with self._server.atomic():
             self._try("scene", lambda: self._show_scene(snapshot))
             self._try("calibration", lambda: self._calibration.update(snapshot.inputs.capture))
+        self._server.flush()  # viser would wait for the end of its own window of 1/60 s, as the panels may
+        with self._server.atomic():
             turn = self._frames % FRAMES_PER_PANEL
             for panel in self._panels[turn::FRAMES_PER_PANEL]:
                 self._try(type(panel).__name__, lambda panel=panel: panel.update(snapshot))
             if turn == 0:
                 self._try("roles", self._roles.update)
-        self._server.flush()  # viser would wait for the end of its own window of 1/60 s
         self._frames += 1
         if snapshot.scenario is not self._scenario:
             self._scenario = snapshot.scenario

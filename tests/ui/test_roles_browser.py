@@ -112,6 +112,13 @@ def echoed(page: Page) -> bool:
     return page.evaluate(f"() => {hosts}.some((line) => line?.points.length)")
 
 
+def opacities(page: Page) -> list[str]:
+    """Of the tools, and of one widget of each sort."""
+    sorts = [".hg-tools", *(f".mantine-{sort}" for sort in ("Button-root", "Input-wrapper", "Slider-root"))]
+    found = "(sorts) => sorts.map((sort) => getComputedStyle(document.querySelector(sort)).opacity)"
+    return page.evaluate(found, sorts)
+
+
 def send(page: Page, **message: Any) -> None:
     page.evaluate("(message) => window.__viserMutable.sendMessage(message)", message)
 
@@ -121,6 +128,14 @@ def test_the_first_page_steers_and_each_page_says_so(first: Page, second: Page) 
     wait_until(lambda: says(second, "Browser 1 steers, you watch"))
     screenshot(first, "roles-steers")
     screenshot(second, "roles-watches")
+
+
+def test_what_a_page_that_watches_cannot_change_is_pale(first: Page, second: Page) -> None:
+    for steers, watches in ((first, second), (second, first)):
+        wait_until(lambda page=steers: says(page, "You steer") and set(opacities(page)) == {"1"})
+        wait_until(lambda page=watches: set(opacities(page)) == {"0.45"})
+        if steers is first:
+            click(second, "Take over")
 
 
 def test_a_page_that_watches_cannot_draw_pick_or_press_keys(first: Page, second: Page, running: Running) -> None:

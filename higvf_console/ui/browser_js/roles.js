@@ -130,6 +130,7 @@
       const before = role;
       role = latest;
       note.until = -Infinity;
+      document.body.classList.toggle("hg-watches", !role.steers);
       if (before?.steers && !role.steers) {
         page.part("pointer")?.cancel();
         if (role.holder) say(`${role.holder} steers now`);
@@ -154,6 +155,7 @@
 
     remove() {
       putAway();
+      document.body.classList.remove("hg-watches");
       clearInterval(checking);
       forget();
       overlay.remove();

@@ -26,6 +26,7 @@
     <div class="tools" role="toolbar" aria-label="Tools"></div>`,
     2147483645,
   );
+  overlay.classList.add("hg-tools");
   const strip = overlay.shadowRoot.querySelector(".tools");
   const looks = new Map(config.tools.map((tool) => [tool.name, tool]));
   const buttons = new Map();

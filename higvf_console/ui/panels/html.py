@@ -67,6 +67,9 @@ _STYLE = """
 .hg .good { color: var(--hg-progress); }
 .hg .alarm { color: var(--hg-alarm); font-weight: 600; }
 .hg .operator { color: var(--hg-operator); font-weight: 600; }
+/* A page that watches may look at everything; what it cannot change is pale. */
+.hg-watches :is(.hg-tools, .mantine-Button-root, .mantine-Input-wrapper, .mantine-Slider-root, .mantine-Checkbox-body)
+  { opacity: .45; }
 [role=tab] { padding-inline: 4px !important; flex: 1 1 auto; justify-content: center; }
 .mantine-Notification-description { color: var(--hg-dim) !important; }
 .mantine-Notifications-root { top: auto !important; bottom: var(--hg-notes-bottom, 18px) !important;
