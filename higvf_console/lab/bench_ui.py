@@ -9,8 +9,8 @@ frames               animation frames of the page in a second; without a graphic
                      priority draws them
 latency              from the dispatch of the last pointer event of a stroke, by the page's clock, to the arrival of
                      the first message with other robot positions at the second client, by the system's clock: the
-                     page's script, both ways over the loopback, the wait for the control period and for the frame of
-                     the view, and what the three take from each other. The team stands until then. A device's own
+                     page's script, both ways over the loopback, the wait for the control period, the view, and what
+                     the three take from each other. The team stands until then. A device's own
                      delay, and drawing what has arrived, are not in it
 """
 

@@ -215,7 +215,8 @@ def _confirm(state: SimState, time: float) -> Outcome:
 
 
 def _discard(state: SimState, time: float, *, robot_too: bool) -> Outcome:
-    waited = waiting(state.drawing, time if robot_too else math.inf)
+    robot = proposal(state.drawing, time) if robot_too else NOBODY
+    waited = state.drawing.pending.kind != PathKind.NONE or robot != NOBODY
     dropped = path_dropped(proposal_dropped(state) if robot_too else state)
     return dropped, say(time, "discarded", "What waited is discarded.") if waited else ()
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
+from higvf_console.arrays import floats
 from higvf_console.commands import (
     ControlChange,
     Freeze,
@@ -21,6 +22,7 @@ from higvf_console.commands import (
     SetSpeed,
     Stop,
 )
+from higvf_console.edits import MoveThing
 from higvf_console.session.scenario import load_scenario
 from higvf_console.state import PathKind, PathStatus
 from tests.browser import draw, open_console, press_stop, screenshot, to_page, turn_wheel, wait_for_console, wait_until
@@ -333,6 +335,23 @@ def test_when_the_page_that_steers_is_lost_its_path_ends_in_autonomy_and_the_nex
     second.locator(".hg .log", has_text="is lost: Browser 2 steers").wait_for()
     screenshot(second, "roles-lost")
     second.get_by_role("tab", name="Steer").click()
+
+
+def test_what_a_hand_holds_is_let_go_where_it_was_when_its_page_vanishes(
+    running: Running, open_page: Callable[[str], Page]
+) -> None:
+    third = open_page(running.url)
+    click(third, "Take over")
+    wait_until(lambda: says(third, "You steer"))
+    third.keyboard.press("m")
+    fire = running.session.setup.world.fire_position[0]
+    draw(third, to_page(third, np.linspace(fire, fire + floats([40.0, 60.0]), 10)), finish="")
+    view = running.console._view  # pyright: ignore[reportPrivateUsage]
+    wait_until(lambda: view.drag is not None)
+    third.close()
+    wait_until(lambda: view.drag is None)
+    assert not running.given(MoveThing)
+    assert (running.session.setup.world.fire_position[0] == fire).all()
 
 
 @pytest.mark.parametrize(("width", "height"), [(1280, 720), (1000, 640)])

@@ -25,6 +25,7 @@ from higvf_console.session.editing.things import NUMBERS, Place, centres, how_ma
 from higvf_console.session.history import History
 from higvf_console.session.run import Run
 from higvf_console.session.scenario import load_scenario
+from higvf_console.sim.path_commands import ACTING
 from higvf_console.state import PathStatus
 from tests.session.editing.deeds import HAIR, assert_same, edited_run, give, refused, shortfalls
 from tests.teams import stroke
@@ -120,10 +121,12 @@ def test_a_fire_that_needs_more_robots_than_are_left_needs_all_of_them() -> None
     assert run.setup.world.fire_needs.tolist() == [2, 2]
 
 
-def test_whoever_is_influenced_when_that_robot_is_deleted_the_human_intention_is_over() -> None:
+@pytest.mark.parametrize("status", ACTING)
+def test_whoever_is_influenced_when_that_robot_is_deleted_the_human_intention_is_over(status: PathStatus) -> None:
     run = edited_run()
     give(run, *stroke([(700.0, 300.0), (500.0, 450.0), (200.0, 500.0)], 2))
     run.step()
+    run.state = run.state._replace(motion=run.state.motion._replace(path_status=int(status)))
     give(run, DeleteThing("robot", 2))
     assert (run.state.intent.influenced, run.state.motion.path_status) == (0, PathStatus.FINISHED)
     for _ in range(20):
