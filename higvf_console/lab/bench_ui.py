@@ -5,13 +5,13 @@ screen that reads as fast as the console sends (`lab.wire`). All three share thi
 
 bytes and messages   that the second client gets in a second while the team moves: what a page that keeps up gets
 server CPU           processor time of the console's process, engine included, as a share of one core
-frames               animation frames of the page in a second; without a graphics card, a process of the lowest
-                     priority draws them
+frames               animation frames of the page in a second; without a graphics card the processor draws them, for
+                     root at nice -8, which Chromium gives itself: the console then waits for it
 latency              from the dispatch of the last pointer event of a stroke, by the page's clock, to the arrival of
                      the first message with other robot positions at the second client, by the system's clock: the
                      page's script, both ways over the loopback, the wait for the control period, the view, and what
-                     the three take from each other. The team stands until then. A device's own
-                     delay, and drawing what has arrived, are not in it
+                     the three take from each other. The team stands until then. A device's own delay, and
+                     drawing what has arrived, are not in it
 """
 
 import math

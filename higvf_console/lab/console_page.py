@@ -115,15 +115,6 @@ def cpu_seconds(process: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def _drawing() -> str:
-    """How a graphics card is stood in for: by the processor, at the lowest priority, or it would take from the console.
-
-    Chromium gives the process that draws nice -8 where it may, as root may; so that process loses the right to.
-    """
-    humbly = "setpriv --bounding-set -sys_nice " if os.geteuid() == 0 and shutil.which("setpriv") else ""
-    return f"--gpu-launcher={humbly}nice -n 19"
-
-
 @contextmanager
 def chromium() -> Generator[Any]:
     """A headless Chromium, as Playwright's `Browser`.
@@ -139,7 +130,7 @@ def chromium() -> Generator[Any]:
     if path is None:
         raise HigvfError("suite ui needs Chromium: install the package 'chromium', or name it by HIGVF_CHROMIUM")
     with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=path, args=[*_FLAGS, _drawing()])
+        browser = driver.chromium.launch(executable_path=path, args=list(_FLAGS))
         try:
             yield browser
         finally:
