@@ -15,8 +15,8 @@ import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-# The matrices here are small: threads of BLAS gain nothing on them, but wait for each other on a busy machine (p99 of the
-# eigenvalues of 100 robots: 25 ms, with one thread 1 ms). Whoever sets the variable has it so.
+# The matrices here are small: threads of BLAS gain nothing on them, but wait for each other on a busy machine (p99 of
+# the eigenvalues of 100 robots: 25 ms, with one thread 1 ms). Whoever sets the variable has it so.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 if TYPE_CHECKING:

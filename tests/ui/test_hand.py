@@ -156,6 +156,17 @@ def test_a_link_goes_from_robot_to_robot_and_a_path_is_bent_from_where_it_is_hel
     assert (bend.grip.tolist(), bend.point.tolist()) == ([500.0, 500.0], [520.0, 560.0])
 
 
+def test_what_is_held_is_let_go_where_it_was_when_nobody_steers_any_more() -> None:
+    hand = held(burning(), Tool.EDIT)
+    hand.hand.stroke(PAGE, "start", floats([[600.0, 350.0]]))
+    hand.hand.stroke(PAGE, "update", floats([[640.0, 400.0]]))
+    assert hand.view.drag is not None
+    hand.hand.hand_over(None)
+    hand.hand.stroke(PAGE, "end", floats([], 0, 2))
+    assert hand.view.drag is None
+    assert not [command for command in hand.given if isinstance(command, MoveThing)]
+
+
 @pytest.mark.parametrize("at_once", [True, False])
 def test_a_bent_path_waits_unless_it_is_committed_at_once(at_once: bool) -> None:
     hand = held(burning(), Tool.BEND)
