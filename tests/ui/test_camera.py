@@ -70,7 +70,7 @@ def test_the_arena_fits_a_page_of_any_shape_and_after_a_reload(page: Page) -> No
         wait_until(lambda: is_fitted(page))
     page.reload()
     wait_for_console(page)
-    assert is_fitted(page)
+    wait_until(lambda: is_fitted(page))
 
 
 @pytest.fixture

@@ -1,8 +1,6 @@
 """Two browsers on one console: one steers, the other watches, and control passes between them by a click."""
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +10,6 @@ from higvf_console.arrays import floats
 from higvf_console.commands import (
     ControlChange,
     Freeze,
-    HandOver,
     OperatorCommand,
     Pause,
     Pick,
@@ -23,10 +20,12 @@ from higvf_console.commands import (
     Stop,
 )
 from higvf_console.edits import MoveThing
-from higvf_console.session.scenario import load_scenario
 from higvf_console.state import PathKind, PathStatus
+from higvf_console.ui import steering
+from higvf_console.ui.roles import Roles
 from tests.browser import draw, open_console, press_stop, screenshot, to_page, turn_wheel, wait_for_console, wait_until
 from tests.consoles import Running, console_at_work
+from tests.roles import button, changes, click, patient_scenario, says, send, strip
 from tests.teams import stroke
 
 pytestmark = pytest.mark.browser
@@ -36,11 +35,8 @@ HAND = np.stack([np.linspace(720, 1050, 60), 340 + 120 * np.sin(np.linspace(0, 3
 
 @pytest.fixture(scope="module")
 def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
-    """The firefighting scenario, live, with patience for a machine that reloads slowly."""
-    file = Path(tmp_path_factory.mktemp("roles")) / "patient.yaml"
-    text = load_scenario("firefighting").text.replace("inputs:", "inputs:\n  mouse: {stale: 30, lost: 60}", 1)
-    file.write_text(text, encoding="utf-8")
-    with console_at_work(str(file)) as running:
+    """The firefighting scenario, live."""
+    with console_at_work(patient_scenario(tmp_path_factory.mktemp("roles"))) as running:
         yield running
 
 
@@ -75,29 +71,9 @@ def _from_the_start(running: Running, first: Page, second: Page) -> None:
     close_notifications(first, second)
 
 
-def strip(page: Page) -> Any:
-    return page.locator(".roles.open")
-
-
-def button(page: Page, name: str) -> Any:
-    return strip(page).locator("button").filter(has_text=name)
-
-
-def click(page: Page, name: str) -> None:
-    button(page, name).click()
-
-
-def says(page: Page, text: str) -> bool:
-    return strip(page).count() > 0 and text in strip(page).inner_text()
-
-
 def close_notifications(*pages: Page) -> None:
     for page in pages:
         page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((x) => x.click())")
-
-
-def changes(running: Running) -> list[tuple[str, str, str]]:
-    return [(c.how, c.page, c.operator) for c in running.given(HandOver) if isinstance(c, HandOver)]
 
 
 def logged(running: Running, text: str) -> bool:
@@ -119,10 +95,6 @@ def opacities(page: Page) -> list[str]:
     sorts = [".hg-tools", *(f".mantine-{sort}" for sort in ("Button-root", "Input-wrapper", "Slider-root"))]
     found = "(sorts) => sorts.map((sort) => getComputedStyle(document.querySelector(sort)).opacity)"
     return page.evaluate(found, sorts)
-
-
-def send(page: Page, **message: Any) -> None:
-    page.evaluate("(message) => window.__viserMutable.sendMessage(message)", message)
 
 
 def test_the_first_page_steers_and_each_page_says_so(first: Page, second: Page) -> None:
@@ -279,40 +251,13 @@ def test_a_page_that_is_reloaded_keeps_its_control(first: Page, second: Page, ru
     wait_until(lambda: running.state.intent.influenced == 1)
 
 
-def test_a_second_tab_is_a_page_of_its_own(first: Page, second: Page, running: Running) -> None:
-    with first.context.expect_page() as opened:
-        first.evaluate("() => void window.open(location.href)")  # which copies the tab's storage
-    copy = opened.value
-    copy.set_default_timeout(120_000)
-    wait_for_console(copy)
-    wait_until(lambda: says(copy, "Browser 1 steers, you watch"))
-    assert says(first, "You steer, 2 watch")
-    copy.close()
-    assert changes(running) == []
-    assert says(second, "Browser 1 steers")
-
-
-def test_a_page_under_the_identity_of_another_makes_the_older_connection_a_page_of_its_own(
-    second: Page, running: Running
-) -> None:
-    roles = running.console._roles  # pyright: ignore[reportPrivateUsage]
-    older = roles._steering or 0  # pyright: ignore[reportPrivateUsage]
-    identity = roles._identities[older]  # pyright: ignore[reportPrivateUsage]
-    send(second, type="PageMessage", topic="hello", body={"identity": identity})
-    wait_until(lambda: roles._identities.get(older) not in (None, identity))  # pyright: ignore[reportPrivateUsage]
-    assert not roles.steers(older)
-    wait_until(lambda: identity not in roles._identities.values())  # pyright: ignore[reportPrivateUsage]
-
-
-@pytest.mark.parametrize("identity", [None, 7, "short", "x" * 65])
-def test_an_identity_that_is_none_is_refused(
-    second: Page, running: Running, identity: object, caplog: pytest.LogCaptureFixture
-) -> None:
-    send(second, type="PageMessage", topic="hello", body={"identity": identity})
-    send(second, type="PageMessage", topic="control", body={"act": "seize"})
-    wait_until(lambda: "refused a 'control' message" in caplog.text)
-    assert "refused a 'hello' message" in caplog.text
-    assert changes(running) == []
+def let_time_pass(roles: Roles, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Makes the last sign of life of the page that steers an old one; the others count as awake."""
+    monkeypatch.setattr(steering, "AWAKE", 60.0)
+    with roles._lock:  # pyright: ignore[reportPrivateUsage]
+        control = roles._control  # pyright: ignore[reportPrivateUsage]
+        pages = (page._replace(heard=0.0) if page.identity == control.holder else page for page in control.pages)
+        roles._control = control._replace(pages=tuple(pages))  # pyright: ignore[reportPrivateUsage]
 
 
 def test_when_the_page_that_steers_is_lost_its_path_ends_in_autonomy_and_the_next_in_line_steers(
@@ -326,7 +271,7 @@ def test_when_the_page_that_steers_is_lost_its_path_ends_in_autonomy_and_the_nex
     click(second, "Request")
     wait_until(lambda: says(second, "you asked"))
     third.close()
-    monkeypatch.setattr(running.console._roles, "_patience", 5.0)  # pyright: ignore[reportPrivateUsage]
+    let_time_pass(running.console._roles, monkeypatch)  # pyright: ignore[reportPrivateUsage]
     wait_until(lambda: says(second, "You steer"))
     wait_until(lambda: running.state.motion.path_status == PathStatus.FINISHED)
     assert changes(running)[-1][:2] == (ControlChange.LOST, "Browser 2")

@@ -1,0 +1,68 @@
+"""The identity by which a page is known: a tab that was copied, two connections under one, and what is none."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.browser import PATIENCE, open_console, wait_for_console, wait_until
+from tests.consoles import Running, console_at_work
+from tests.roles import changes, patient_scenario, says, send
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
+    """The firefighting scenario, live."""
+    with console_at_work(patient_scenario(tmp_path_factory.mktemp("identities"))) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def page(chromium: Browser, running: Running) -> Iterator[Page]:
+    """The page that steers."""
+    page = open_console(chromium, running.url)
+    yield page
+    page.context.close()
+
+
+def test_a_second_tab_is_a_page_of_its_own(page: Page, running: Running) -> None:
+    wait_until(lambda: len(changes(running)) == 1)  # the page has come, and steers
+    with page.context.expect_page() as opened:
+        page.evaluate("() => void window.open(location.href)")  # which copies the tab's storage
+    copy = opened.value
+    copy.set_default_timeout(PATIENCE * 1000)
+    wait_for_console(copy)
+    wait_until(lambda: says(copy, "Browser 1 steers, you watch"))
+    wait_until(lambda: says(page, "You steer, 1 watches"))
+    copy.close()
+    assert len(changes(running)) == 1
+
+
+def test_a_page_under_the_identity_of_another_makes_the_older_connection_a_page_of_its_own(
+    page: Page,
+    running: Running,
+    chromium: Browser,  # noqa: ARG001 - the page must be open
+) -> None:
+    forger = open_console(chromium, running.url)
+    roles = running.console._roles  # pyright: ignore[reportPrivateUsage]
+    older = roles._steering or 0  # pyright: ignore[reportPrivateUsage]
+    identity = roles._identities[older]  # pyright: ignore[reportPrivateUsage]
+    send(forger, type="PageMessage", topic="hello", body={"identity": identity})
+    wait_until(lambda: roles._identities.get(older) not in (None, identity))  # pyright: ignore[reportPrivateUsage]
+    assert not roles.steers(older)
+    wait_until(lambda: identity not in roles._identities.values())  # pyright: ignore[reportPrivateUsage]
+    forger.context.close()
+
+
+@pytest.mark.parametrize("identity", [None, 7, "short", "x" * 65])
+def test_an_identity_that_is_none_is_refused(
+    page: Page, running: Running, identity: object, caplog: pytest.LogCaptureFixture
+) -> None:
+    before = changes(running)
+    send(page, type="PageMessage", topic="hello", body={"identity": identity})
+    send(page, type="PageMessage", topic="control", body={"act": "seize"})
+    wait_until(lambda: "refused a 'control' message" in caplog.text)
+    assert "refused a 'hello' message" in caplog.text
+    assert changes(running) == before
