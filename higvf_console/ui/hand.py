@@ -33,7 +33,8 @@ from higvf_console.edits import AddThing, DeleteThing
 from higvf_console.session.editing.layout import Layout, layout_of
 from higvf_console.session.editing.things import centres, thing_at
 from higvf_console.sim.operator import waiting
-from higvf_console.state import Motion
+from higvf_console.sim.path_commands import in_hand
+from higvf_console.state import Motion, PathKind
 from higvf_console.ui import pointer
 from higvf_console.ui.grips import Drag, gripped, result_of
 from higvf_console.ui.panels.steer import SteerPanel
@@ -68,6 +69,7 @@ class Hand:
         self._session, self._view, self._steer, self._roles = session, view, steer, roles
         self._show_tool = show_tool
         self._drawing: int | None = None
+        self._use = StrokeUse.PATH
         self._tools: dict[int, Tool] = {}
         self._viewports: dict[int, Viewport] = {}
 
@@ -80,18 +82,17 @@ class Hand:
     @property
     def use(self) -> StrokeUse:
         """What the stroke is for that is drawn now."""
-        tool = Tool.PATH if self._drawing is None else self._tools.get(self._drawing, Tool.PATH)
-        return USES.get(tool, StrokeUse.PATH)
+        return StrokeUse.PATH if self._drawing is None else self._use
 
     def stroke(self, client_id: int, phase: pointer.Phase, points: Floats) -> None:
         """A stroke begins, grows and ends; one of a page that has lost control since is not taken up again."""
         tool = self._tools.get(client_id, Tool.PATH)
         if phase == "start":
-            self._drawing = client_id
+            self._drawing, self._use = client_id, self._use_of(tool)
         elif client_id != self._drawing:
             return
         if tool in USES:
-            self._draw(tool, phase, points)
+            self._draw(phase, points)
         elif tool in ADDS:
             if phase == "end":
                 self._add(client_id, tool, points[-1])
@@ -100,7 +101,14 @@ class Hand:
         if phase in ("cancel", "end"):
             self._drawing = None
 
-    def _draw(self, tool: Tool, phase: pointer.Phase, points: Floats) -> None:
+    def _use_of(self, tool: Tool) -> StrokeUse:
+        """What a stroke of a tool is for; where there is no path to redraw a part of, it is a path."""
+        use = USES.get(tool, StrokeUse.PATH)
+        if use is StrokeUse.AMEND and in_hand(self._session.snapshot.state).kind == PathKind.NONE:
+            return StrokeUse.PATH
+        return use
+
+    def _draw(self, phase: pointer.Phase, points: Floats) -> None:
         if phase == "start":
             self._push(StrokeBegin())
         if phase == "cancel":
@@ -108,7 +116,7 @@ class Hand:
         elif len(points):
             self._push(StrokePoints(points=points))
         if phase == "end":
-            self._push(self._steer.stroke_end(USES[tool]))
+            self._push(self._steer.stroke_end(self._use))
 
     def _drag(self, client_id: int, tool: Tool, phase: pointer.Phase, points: Floats) -> None:
         """Something is held; where it would go is shown, and is done when the hand lets go."""

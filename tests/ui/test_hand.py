@@ -16,9 +16,11 @@ from higvf_console.commands import (
     StrokeBegin,
     StrokeEnd,
     StrokePoints,
+    StrokeUse,
     Undo,
 )
 from higvf_console.control.gains import Gains, RobotGains
+from higvf_console.control.paths import line_path
 from higvf_console.edits import AddThing, ChangeThing, DeleteThing, MoveThing, Thing, ToggleLink
 from higvf_console.session.editing.layout import layout_of
 from higvf_console.session.editing.things import Place
@@ -68,6 +70,13 @@ def burning() -> Setup:
     return team(robots=[(100.0, 100.0), (300.0, 100.0)], fires=[(600.0, 350.0, 30.0)])
 
 
+def on_its_way() -> Setup:
+    """A team that follows a path."""
+    setup = burning()
+    path = line_path(100.0, 100.0, 0.4)
+    return setup._replace(start=setup.start._replace(intent=setup.start.intent._replace(path=path)))
+
+
 def test_a_click_picks_the_nearest_robot_within_reach_and_nobody_beyond() -> None:
     assert robot_near(TRIANGLE, floats([64, 325]), 26.0) == 1
     assert robot_near(TRIANGLE, floats([300, 300]), 26.0) is None
@@ -86,10 +95,16 @@ def test_a_click_picks_a_unicycle_by_its_body_not_by_its_look_ahead_point() -> N
 
 @pytest.mark.parametrize("tool", USES)
 def test_a_stroke_is_for_what_the_tool_says(tool: Tool) -> None:
-    hand = held(burning(), tool)
+    hand = held(on_its_way(), tool)
     hand.drag([100.0, 100.0], [200.0, 150.0])
     assert [type(command) for command in hand.given] == [StrokeBegin, StrokePoints, StrokePoints, StrokeEnd]
     assert cast(StrokeEnd, hand.given[-1]).use == USES[tool]
+
+
+def test_a_stroke_that_would_redraw_a_part_of_no_path_draws_one() -> None:
+    hand = held(burning(), Tool.AMEND)
+    hand.drag([100.0, 100.0], [200.0, 150.0])
+    assert cast(StrokeEnd, hand.given[-1]).use == StrokeUse.PATH
 
 
 def test_what_is_dragged_moves_by_as_much_as_the_hand() -> None:

@@ -41,11 +41,10 @@ def test_a_second_tab_is_a_page_of_its_own(page: Page, running: Running) -> None
 
 
 def test_a_page_under_the_identity_of_another_makes_the_older_connection_a_page_of_its_own(
-    page: Page,
-    running: Running,
-    chromium: Browser,  # noqa: ARG001 - the page must be open
+    page: Page, running: Running
 ) -> None:
-    forger = open_console(chromium, running.url)
+    assert page.context.browser is not None
+    forger = open_console(page.context.browser, running.url)
     roles = running.console._roles  # pyright: ignore[reportPrivateUsage]
     older = roles._steering or 0  # pyright: ignore[reportPrivateUsage]
     identity = roles._identities[older]  # pyright: ignore[reportPrivateUsage]
