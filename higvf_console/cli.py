@@ -19,6 +19,7 @@ from threading import Thread
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
 
+from higvf_console import scheduling
 from higvf_console.arguments import parser
 from higvf_console.errors import HigvfError
 
@@ -255,6 +256,7 @@ def _serve(session: "Session", given: argparse.Namespace) -> int:
     token, stopping = given.token or new_token(), Signal()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with suppress(KeyboardInterrupt), ExitStack() as ends:  # the stack is undone from last to first
+        scheduling.go_first()
         server = open_server(given.host, given.port, token, session.scenario.title)
         ends.callback(server.stop)
         console = Console(session, server)
@@ -264,6 +266,7 @@ def _serve(session: "Session", given: argparse.Namespace) -> int:
         loop.start()
         ends.callback(loop.join)
         ends.callback(stopping.set)
+        scheduling.stand_back()
         print(f"Console: {login_url(server, token)}\nCtrl-C ends it.", flush=True)
         if not given.no_browser and _has_display():
             webbrowser.open(login_url(server, token))

@@ -5,7 +5,6 @@ the page, strokes at the rate of a real device.
 """
 
 import os
-import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,27 +13,11 @@ from typing import Literal, TypeAlias, TypeVar
 
 import numpy as np
 import viser
-from playwright.sync_api import Browser, Page, Playwright
+from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import Floats
 from higvf_console.ui import camera, guard, keys, pointer
 from higvf_console.viewport import Arena, Viewport
-
-CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-# WebGL without a graphics card, the page put together without one either (a third of the work), and no traffic of the
-# browser's own.
-CHROMIUM_FLAGS = (
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-    "--disable-gpu-compositing",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-)
 
 # Dispatches one pointer event at every point; `rate` 0 = all at once, one event with the others coalesced into it.
 _DRAW = """
@@ -62,11 +45,18 @@ _DRAW = """
 })
 """
 
-# A screen of 5 frames a second: a processor that draws all it can has no time for what is tested.
-_SLOW_SCREEN = """
+# A processor that draws all it can has no time for what is tested: few frames a second, and edges without smoothing.
+_FRAME_REST_MS = 350
+_SLOW_SCREEN = f"""
   const frame = window.requestAnimationFrame.bind(window);
-  window.requestAnimationFrame = (draw) => setTimeout(() => frame(draw), 180);
+  window.requestAnimationFrame = (draw) => setTimeout(() => frame(draw), {_FRAME_REST_MS});
   window.cancelAnimationFrame = clearTimeout;
+"""
+_ROUGH_EDGES = """
+  const context = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    return context.call(this, kind, kind.startsWith("webgl") ? { ...options, antialias: false } : options);
+  };
 """
 
 _TURN = """
@@ -99,23 +89,31 @@ Value = TypeVar("Value")
 Points: TypeAlias = Sequence[Sequence[float]] | Floats
 
 
-def find_chromium() -> str | None:
-    """Path of the system's Chromium, or of the one that HIGVF_CHROMIUM names."""
-    named = os.environ.get("HIGVF_CHROMIUM")
-    return named or next((path for name in CHROMIUM_NAMES if (path := shutil.which(name))), None)
-
-
-def launch(playwright: Playwright, path: str) -> Browser:
-    """A headless Chromium."""
-    return playwright.chromium.launch(executable_path=path, args=list(CHROMIUM_FLAGS))
-
-
 def open_console(
-    browser: Browser, url: str, width: int = 1000, height: int = 640, *, hints: bool = False, touch: bool = False
+    browser: Browser,
+    url: str,
+    width: int = 1000,
+    height: int = 640,
+    *,
+    hints: bool = False,
+    touch: bool = False,
+    smooth: bool = False,
 ) -> Page:
-    """A page of its own session that shows the console, ready to be used; with the hints of a first run if told."""
+    """A page of its own session that shows the console, ready to be used.
+
+    Args:
+        browser: where.
+        url: login link of the console.
+        width: of the page [CSS px].
+        height: likewise.
+        hints: whether it has those of a first run.
+        touch: whether it has a touch screen.
+        smooth: whether the edges in the arena are smoothed, as in pictures to be looked at.
+    """
     context = browser.new_context(viewport={"width": width, "height": height}, has_touch=touch)
     context.add_init_script(_SLOW_SCREEN)
+    if not smooth:
+        context.add_init_script(_ROUGH_EDGES)
     if not hints:
         context.add_init_script("localStorage.setItem('higvf-hints', '[\"away\"]')")
     page = context.new_page()

@@ -6,15 +6,13 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Page, expect
 
+from higvf_console.lab.chromium import NAMES, find_chromium, launched
 from higvf_console.ui import keys
 from tests.browser import (
-    CHROMIUM_NAMES,
     PATIENCE,
     Stage,
-    find_chromium,
-    launch,
     open_console,
     open_stage,
     wait_for_stop,
@@ -23,7 +21,7 @@ from tests.browser import (
 settings.register_profile("untimed", deadline=None)  # how long an example takes is no property of ours
 settings.load_profile("untimed")
 
-NO_CHROMIUM = f"no Chromium ({', '.join(CHROMIUM_NAMES)}): install the package 'chromium', or name it by HIGVF_CHROMIUM"
+NO_CHROMIUM = f"no Chromium ({', '.join(NAMES)}): install the package 'chromium', or name it by HIGVF_CHROMIUM"
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
@@ -39,10 +37,8 @@ def chromium() -> Iterator[Browser]:
     if path is None:
         (pytest.fail if os.environ.get("HIGVF_REQUIRE_BROWSER") == "1" else pytest.skip)(NO_CHROMIUM)
     expect.set_options(timeout=PATIENCE * 1000)
-    with sync_playwright() as playwright:
-        browser = launch(playwright, path)
+    with launched(path) as browser:
         yield browser
-        browser.close()
 
 
 @pytest.fixture

@@ -5,8 +5,7 @@ screen that reads as fast as the console sends (`lab.wire`). All three share thi
 
 bytes and messages   that the second client gets in a second while the team moves: what a page that keeps up gets
 server CPU           processor time of the console's process, engine included, as a share of one core
-frames               animation frames of the page in a second; without a graphics card the processor draws them, for
-                     root at nice -8, which Chromium gives itself: the console then waits for it
+frames               animation frames of the page in a second; without a graphics card the processor draws them
 latency              from the dispatch of the last pointer event of a stroke, by the page's clock, to the arrival of
                      the first message with other robot positions at the second client, by the system's clock: the
                      page's script, both ways over the loopback, the wait for the control period, the view, and what
@@ -26,7 +25,7 @@ import numpy as np
 
 from higvf_console.control.gains import SafetyGains
 from higvf_console.errors import HigvfError
-from higvf_console.lab.console_page import ConsolePage, chromium, console_of, cpu_seconds
+from higvf_console.lab.console_page import ConsolePage, browser_at_hand, console_of, cpu_seconds
 from higvf_console.lab.wire import Watcher, first_motion
 
 TEAMS = (3, 100, 1000)
@@ -101,7 +100,7 @@ def run(teams: Sequence[int] = TEAMS, strokes: int = STROKES, seconds: float = M
     """
     load = os.getloadavg()[0]
     cases: list[dict[str, Any]] = []
-    with chromium() as browser, tempfile.TemporaryDirectory() as folder:
+    with browser_at_hand() as browser, tempfile.TemporaryDirectory() as folder:
         for robots in teams:
             traffic = _traffic(browser, _SHIPPED.get(robots) or _written(Path(folder), robots, fires=True), seconds)
             latency = _latency(browser, _written(Path(folder), robots, fires=False), strokes)

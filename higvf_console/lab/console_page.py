@@ -2,27 +2,19 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
-from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from higvf_console.errors import HigvfError
+from higvf_console.lab.chromium import find_chromium, launched
 
 PATIENCE_S = 300.0  # for a start that compiles the engine
-_CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-# WebGL without a graphics card, and no traffic of the browser's own.
-_FLAGS = (
-    "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist", "--disable-gpu-compositing", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync", "--no-first-run",
-)  # fmt: skip
 _READY = "() => window.higvf && window.__viserMutable?.cameraControl"
 _NO_HINTS = "localStorage.setItem('higvf-hints', '[\"away\"]')"
 
@@ -116,25 +108,16 @@ def cpu_seconds(process: int) -> float:
 
 
 @contextmanager
-def chromium() -> Generator[Any]:
+def browser_at_hand() -> Generator[Any]:
     """A headless Chromium, as Playwright's `Browser`.
 
     Raises:
         HigvfError: Playwright or Chromium is missing; the message says how to get it.
     """
-    try:
-        playwright = import_module("playwright.sync_api")
-    except ImportError as error:
-        raise HigvfError(f"suite ui needs Playwright: pip install 'higvf-console[dev]' ({error})") from error
-    path = os.environ.get("HIGVF_CHROMIUM") or next(filter(None, map(shutil.which, _CHROMIUM)), None)
-    if path is None:
+    if (path := find_chromium()) is None:
         raise HigvfError("suite ui needs Chromium: install the package 'chromium', or name it by HIGVF_CHROMIUM")
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=path, args=list(_FLAGS))
-        try:
-            yield browser
-        finally:
-            browser.close()
+    with launched(path) as browser:
+        yield browser
 
 
 class ConsolePage:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from higvf_console.arrays import floats
 from higvf_console.commands import StrokeEnd, StrokeUse
+from higvf_console.scheduling import stand_back
 from higvf_console.session.preview import USUAL, Preview, foresee, wish
 from higvf_console.session.sections import FilterKind
 from higvf_console.session.session import Session
@@ -80,6 +81,7 @@ class Previewer:
             self._thread = None
 
     def _run(self) -> None:
+        stand_back()
         while not self._stopping.wait(_LOOK):
             try:
                 self.look()

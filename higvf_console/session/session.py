@@ -17,6 +17,7 @@ from higvf_console.commands import Cursor, Freeze, OperatorCommand, SetSpeed, St
 from higvf_console.errors import InputError
 from higvf_console.interface import Interface, OperatorContext, PointerSink, Targets
 from higvf_console.reports import Calibrated
+from higvf_console.scheduling import stand_back
 from higvf_console.session.baseline import Baseline, compute_baseline
 from higvf_console.session.channels import Channels
 from higvf_console.session.failsafe import failure_event, halted
@@ -296,6 +297,7 @@ class Session:
 
     def _keep_baseline(self, stopping: Signal) -> None:
         """Runs every world that is edited or loaded without an operator, on a thread of its own."""
+        stand_back()
         known: Setup | None = None
         while not stopping.wait(_LOOK):
             setup, scenario = self.setup, self.scenario

@@ -12,7 +12,7 @@ import zstandard
 
 from higvf_console.arguments import parser
 from higvf_console.errors import HigvfError
-from higvf_console.lab import bench, bench_ui, console_page
+from higvf_console.lab import bench, bench_ui, chromium, console_page
 from higvf_console.lab.wire import ROBOTS_NODE, Frame, Positions, first_motion, robots_in
 from higvf_console.session.scenario import parse_scenario
 
@@ -94,10 +94,10 @@ def test_what_is_missing_for_the_suite_is_said(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.delenv("HIGVF_CHROMIUM", raising=False)
     monkeypatch.setattr(shutil, "which", {}.get)
-    with pytest.raises(HigvfError, match="install the package 'chromium'"), console_page.chromium():
+    with pytest.raises(HigvfError, match="install the package 'chromium'"), console_page.browser_at_hand():
         pass
-    monkeypatch.setattr(console_page, "import_module", without_playwright)
-    with pytest.raises(HigvfError, match="needs Playwright: pip install"), console_page.chromium():
+    monkeypatch.setattr(chromium, "import_module", without_playwright)
+    with pytest.raises(HigvfError, match="needs Playwright: pip install"), chromium.launched("chromium"):
         pass
 
 
