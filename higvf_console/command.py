@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+SESSION = "session"  # source of the commands that the session itself gives
+
 
 @dataclass(frozen=True, kw_only=True)
 class Command:

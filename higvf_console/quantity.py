@@ -43,7 +43,10 @@ def checked(name: str, value: object, quantity: Quantity) -> float:
     wanted = f"a number from {quantity.low:g} to {quantity.high:g} {quantity.unit}".rstrip(" -")
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ScenarioError(f"{name}: {value!r} is not {wanted}")
-    number = float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf if value > 0 else -math.inf
     inside = quantity.low <= number <= quantity.high
     if math.isnan(number) or not inside:
         raise ScenarioError(f"{name}: {value!r} is out of range; give {wanted}")

@@ -39,8 +39,9 @@ from higvf_console.session.editing.edit import edited
 from higvf_console.session.editing.freehand import outline_of
 from higvf_console.session.history import Deed, History, Moment, Tally, redo, undo
 from higvf_console.session.scenario import parse_scenario
-from higvf_console.sim.operator import apply_command
+from higvf_console.sim.operator import apply_command, started_again
 from higvf_console.sim.setup import Event, Severity
+from higvf_console.state import PathKind
 
 Done = tuple[Moment, History, tuple[Event, ...]]
 _REMEMBERED = (
@@ -79,7 +80,7 @@ def _asked(now: Moment, history: History, command: OperatorCommand) -> Done:
         moment = moment._replace(tally=Tally())
     if isinstance(command, Stop):
         return moment, history.stopped(), events
-    said = [event for event in events if event.kind != "refused"]
+    said = [event for event in events if event.kind not in ("refused", "clipped")]
     if isinstance(command, _REMEMBERED) and said and _differs(now, moment):
         rows = same_rows(len(state.motion.position)), same_rows(len(state.motion.fire_radius))
         history = _remembered(now, moment, history, command, said[-1].text, *rows)
@@ -117,8 +118,7 @@ def _outlined(now: Moment, history: History) -> Done:
 def _loaded(now: Moment, history: History, command: LoadScenario) -> Done:
     scenario = parse_scenario(command.text, command.name, command.polygons)
     setup = scenario.setup(int(now.setup.gains.robots.seed))
-    intent = now.state.intent
-    start = setup.start._replace(intent=setup.start.intent._replace(paused=intent.stopped, stopped=intent.stopped))
+    start = started_again(now.state, setup)
     moment = Moment(setup, start, Tally(), scenario.filter, scenario)
     rows = same_rows(len(start.motion.position)), same_rows(len(start.motion.fire_radius))
     said = f"The scenario '{scenario.title}' is loaded."
@@ -132,7 +132,18 @@ def _remembered(
 ) -> History:
     whole = isinstance(command, ResetRun | LoadScenario)
     kind = type(command).__name__
-    return history.with_deed(Deed(_time(now), kind, text, now, moment, robots, fires, whole))
+    return history.with_deed(Deed(_time(now), kind, text, now, moment, robots, fires, whole, _mends(now, command)))
+
+
+def _mends(now: Moment, command: Command) -> bool:
+    """Whether a command changes the path in force, and does not replace it."""
+    match command:
+        case ReversePath() | ShapePath() | BendPath() | StrokeEnd(use=StrokeUse.AMEND):
+            return True
+        case Confirm():
+            return now.state.drawing.pending_mends and now.state.intent.path.kind != PathKind.NONE
+        case _:
+            return False
 
 
 def _say(now: Moment, kind: str, text: str) -> tuple[Event, ...]:

@@ -2,7 +2,8 @@
 
 Time does not run back: an undo takes the difference that a deed made out of the present moment. Robots stay where they
 have come to since, but for those that the deed itself moved; a fire keeps what it has grown. Where no time has passed,
-all is as it was to the last bit. Where the deed was a reset or another scenario, the former run comes back as a whole.
+all is as it was to the last bit. Without a repair, a path is followed from where the team has come to on it. Where the
+deed was a reset or another scenario, the former run comes back as a whole, but for what the operator's hand is doing.
 
 An undo never sets the team in motion after a STOP: that takes pauses out of the history.
 """
@@ -15,16 +16,19 @@ import numpy as np
 from higvf_console.arrays import Ints
 from higvf_console.control.paths import EVERYWHERE, nearest
 from higvf_console.errors import ScenarioError
-from higvf_console.session.editing.carry import NEW, carried, inverse, led_on
+from higvf_console.session.editing.carry import NEW, carried, inverse, led_on, same_rows, waiting_on
 from higvf_console.session.editing.layout import Layout, layout_of
 from higvf_console.session.editing.safe_places import crowded, diagonal, nearest_fit, placed, robot_fits
 from higvf_console.session.scenario import Scenario
 from higvf_console.session.sections import FilterKind
 from higvf_console.sim.certificates import Worst
+from higvf_console.sim.outcome import proposal_dropped, with_drawing
+from higvf_console.sim.path_commands import ACTING, same_place
 from higvf_console.sim.setup import Setup
-from higvf_console.state import Drawing, Intent, Motion, PathKind, SimState
+from higvf_console.state import Drawing, Intent, Motion, Path, PathKind, SimState
 
 KEPT = 200  # deeds
+_WAITING = ("pending", "pending_robot", "pending_mends")  # what a drawing has of the path that waits
 
 
 class Tally(NamedTuple):
@@ -75,6 +79,7 @@ class Deed(NamedTuple):
         robots: row before of each robot after, or `NEW`.
         fires: likewise.
         whole: whether the former run as a whole comes back when it is undone.
+        mends: whether it changed the path in force, and the team went on along it.
     """
 
     time: float
@@ -85,6 +90,7 @@ class Deed(NamedTuple):
     robots: Ints
     fires: Ints
     whole: bool
+    mends: bool
 
 
 class Entry(NamedTuple):
@@ -127,9 +133,11 @@ def undo(history: History, now: Moment) -> tuple[History, Moment, str]:
     if not history.done:
         raise ScenarioError("there is nothing to undo")
     deed = history.done[-1]
-    rows = inverse(deed.robots, len(deed.before.state.motion.position))
-    fires = inverse(deed.fires, len(deed.before.state.motion.fire_radius))
-    moment = _turned(now, deed.after, deed.before, rows, fires, deed.whole)
+    if deed.whole:
+        moment = _as_a_whole(now, deed.before)
+    else:
+        moment = _turned(now, deed.after, deed.before, *_rows_back(deed), deed.mends)
+    deed = deed._replace(after=_with_progress(deed.after, now))
     return History(history.done[:-1], (deed, *history.undone)), moment, f"Undone: {deed.text}"
 
 
@@ -142,19 +150,59 @@ def redo(history: History, now: Moment) -> tuple[History, Moment, str]:
     if not history.undone:
         raise ScenarioError("there is nothing to do again")
     deed = history.undone[0]
-    moment = _turned(now, deed.before, deed.after, deed.robots, deed.fires, deed.whole)
+    if deed.whole:
+        moment = _as_a_whole(now, deed.after)
+    else:
+        moment = _turned(now, deed.before, deed.after, deed.robots, deed.fires, deed.mends)
+    deed = deed._replace(before=_with_progress(deed.before, now))
     return History((*history.done, deed), history.undone[1:]), moment, f"Done again: {deed.text}"
 
 
-def _turned(now: Moment, source: Moment, goal: Moment, robots: Ints, fires: Ints, whole: bool) -> Moment:
+def rows_before(history: History, *, undone: bool) -> tuple[Ints, Ints]:
+    """Row that each robot, and each fire, had before what the history came by, or `NEW`.
+
+    Args:
+        history: just now.
+        undone: whether it came by an undo, else by a deed or a redo.
+
+    Returns:
+        (N,), (M,) rows; none where the whole run has become another.
+    """
+    deed = history.undone[0] if undone else history.done[-1]
+    if deed.whole:
+        return same_rows(0), same_rows(0)
+    return _rows_back(deed) if undone else (deed.robots, deed.fires)
+
+
+def _rows_back(deed: Deed) -> tuple[Ints, Ints]:
+    """Row after of each robot and of each fire before, or `NEW`."""
+    motion = deed.before.state.motion
+    return inverse(deed.robots, len(motion.position)), inverse(deed.fires, len(motion.fire_radius))
+
+
+def _with_progress(moment: Moment, now: Moment) -> Moment:
+    """A moment of the past, for the way back to it, as far along its path as the team has come since."""
+    state, motion = moment.state, now.state.motion
+    if state.intent.path is not now.state.intent.path or state.motion.path_parameter == motion.path_parameter:
+        return moment
+    progress = {name: getattr(motion, name) for name in ("path_parameter", "path_status", "path_left")}
+    return moment._replace(state=state._replace(motion=state.motion._replace(**progress)))
+
+
+def _as_a_whole(now: Moment, goal: Moment) -> Moment:
+    """Another moment in place of the present one, but for what the operator's hand is doing."""
+    intent, present = goal.state.intent, now.state.intent
+    intent = intent._replace(paused=intent.paused or present.paused, stopped=present.stopped)
+    state = proposal_dropped(now.state._replace(motion=goal.state.motion, intent=intent))
+    back = {name: getattr(goal.state.drawing, name) for name in (*_WAITING, "paths")}
+    return goal._replace(state=with_drawing(state, **back))
+
+
+def _turned(now: Moment, source: Moment, goal: Moment, robots: Ints, fires: Ints, mends: bool) -> Moment:
     """The present moment with the difference between two moments of the past."""
-    if whole:
-        intent, present = goal.state.intent, now.state.intent
-        intent = intent._replace(paused=intent.paused or present.paused, stopped=present.stopped)
-        return goal._replace(state=goal.state._replace(intent=intent))
     if now.state.motion is source.state.motion:
         intent = goal.state.intent._replace(paused=_paused(now, source, goal), stopped=now.state.intent.stopped)
-        state = SimState(goal.state.motion, intent, _drawing_back(now, source, goal))
+        state = SimState(goal.state.motion, intent, _drawing_back(now, source, goal, robots))
         return now._replace(setup=goal.setup, state=state, tally=goal.tally)
     layout = layout_of(goal.setup)
     count = len(now.state.motion.fire_radius)
@@ -170,8 +218,8 @@ def _turned(now: Moment, source: Moment, goal: Moment, robots: Ints, fires: Ints
     if led_by != goal.state.intent.influenced:
         intent = intent._replace(influenced=goal.state.intent.influenced)
     intent = intent._replace(paused=_paused(now, source, goal))
-    motion, intent = _asked_back(motion, intent, source.state, goal.state)
-    state = SimState(motion, intent, _drawing_back(now, source, goal))
+    motion, intent = _asked_back(motion, intent, source.state, goal.state, mends)
+    state = SimState(motion, intent, _drawing_back(now, source, goal, robots))
     tally = now.tally._replace(extinguished=_numbers_back(now.tally, goal.tally, fires))
     return now._replace(setup=goal.setup, state=state, tally=tally)
 
@@ -211,25 +259,38 @@ def _paused(now: Moment, source: Moment, goal: Moment) -> bool:
     return intent.paused if was == then else then or intent.stopped
 
 
-def _asked_back(motion: Motion, intent: Intent, source: SimState, goal: SimState) -> tuple[Motion, Intent]:
+def _asked_back(motion: Motion, intent: Intent, source: SimState, goal: SimState, mends: bool) -> tuple[Motion, Intent]:
     """Path and priorities, where the deed changed them."""
     was, then = source.intent, goal.intent
     if was.priority.tobytes() != then.priority.tobytes():
         intent = intent._replace(priority=then.priority)
     of_path = (was.path is not then.path, source.motion.path_status != goal.motion.path_status)
     if any(of_path) or source.motion.path_left != goal.motion.path_left:
+        goes_on = mends and intent.path.kind != PathKind.NONE
+        motion = _mended(motion, intent.path, source, goal) if goes_on else _rejoined(motion, goal, intent.influenced)
         intent = intent._replace(path=then.path)
-        motion = _rejoined(motion, goal, intent.influenced)
     return motion, intent
 
 
-def _drawing_back(now: Moment, source: Moment, goal: Moment) -> Drawing:
+def _drawing_back(now: Moment, source: Moment, goal: Moment, robots: Ints) -> Drawing:
     """What waits, and the list of paths, where the deed changed them."""
-    drawing, was, then = now.state.drawing, source.state.drawing, goal.state.drawing
-    for name in ("pending", "pending_robot", "pending_mends", "paths"):
-        if getattr(was, name) is not getattr(then, name):
-            drawing = drawing._replace(**{name: getattr(then, name)})
-    return drawing
+    drawing, was, then = waiting_on(now.state.drawing, robots), source.state.drawing, goal.state.drawing
+    if was.pending is not then.pending:
+        drawing = drawing._replace(**{name: getattr(then, name) for name in _WAITING})
+    return drawing if was.paths is then.paths else drawing._replace(paths=then.paths)
+
+
+def _mended(motion: Motion, path: Path, source: SimState, goal: SimState) -> Motion:
+    """On the path without, or with, a repair, where the team has come to on the one in force."""
+    was, then = source.motion, goal.motion
+    revives = (was.path_status in ACTING) != (then.path_status in ACTING)
+    lasts = source.intent.path.duration == goal.intent.path.duration
+    return motion._replace(
+        path_parameter=same_place(path, goal.intent.path, motion.path_parameter),
+        path_status=then.path_status if revives else motion.path_status,
+        path_left=motion.path_left if lasts else then.path_left,
+        path_idle=0.0, path_gap=math.inf,
+    )  # fmt: skip
 
 
 def _rejoined(motion: Motion, goal: SimState, robot: int) -> Motion:

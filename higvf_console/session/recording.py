@@ -77,12 +77,9 @@ class Recorder:
 
         Args:
             command: what was applied.
-            scenario: in force from then on; it keeps what the images of a loaded one came to. A LoadScenario that it
-                does not follow from was refused: nothing has changed, and nothing is written.
+            scenario: in force from then on; it keeps what the images of a loaded one came to.
         """
         if isinstance(command, LoadScenario) and scenario is not None:
-            if scenario.text != command.text:
-                return
             command = dataclasses.replace(command, polygons=scenario.obstacles.polygons)
         fields = {field.name: _plain(getattr(command, field.name)) for field in dataclasses.fields(command)}
         self._write({"tick": self._ticks, "command": type(command).__name__, **fields})

@@ -66,7 +66,7 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
             "filter": scenario.filter.value, "inputs": written_inputs(scenario.inputs, scenario.limits),
             "demo": list(scenario.demo), "duration_s": scenario.duration,
         }  # fmt: skip
-    text = yaml_text({key: value for key, value in content.items() if value not in ({}, [], "")})
+    text = yaml_text({key: value for key, value in content.items() if key == "links" or value not in ({}, [], "")})
     try:
         parse_scenario(text, scenario.source if scenario is not None else "scenario.yaml")
     except ScenarioError as error:

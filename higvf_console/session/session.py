@@ -13,7 +13,19 @@ from threading import Thread
 from time import perf_counter
 from typing import Any, NamedTuple, cast
 
-from higvf_console.commands import Cursor, Freeze, OperatorCommand, SetSpeed, Step, StrokePoints
+from higvf_console.command import SESSION
+from higvf_console.commands import (
+    Cursor,
+    Freeze,
+    LoadScenario,
+    OperatorCommand,
+    Redo,
+    SetSpeed,
+    Step,
+    StrokePoints,
+    Undo,
+)
+from higvf_console.edits import Edit
 from higvf_console.errors import InputError
 from higvf_console.interface import Interface, OperatorContext, PointerSink, Targets
 from higvf_console.reports import Calibrated
@@ -21,6 +33,7 @@ from higvf_console.scheduling import stand_back
 from higvf_console.session.baseline import Baseline, compute_baseline
 from higvf_console.session.channels import Channels
 from higvf_console.session.failsafe import failure_event, halted
+from higvf_console.session.history import rows_before
 from higvf_console.session.input_reports import InputReports, Reporter, calibration_event
 from higvf_console.session.marker_outlet import MarkerOutlet
 from higvf_console.session.recording import Recorder
@@ -28,7 +41,7 @@ from higvf_console.session.run import Run
 from higvf_console.session.scenario import Scenario
 from higvf_console.session.sections import FilterKind
 from higvf_console.session.snapshot import Snapshot
-from higvf_console.session.supervision import SOURCE, Said, Supervisor
+from higvf_console.session.supervision import Said, Supervisor
 from higvf_console.sim.metrics import loss_area
 from higvf_console.sim.setup import Event, Setup, Severity
 from higvf_console.viewport import Viewport
@@ -203,27 +216,34 @@ class Session:
             commands, events = self._supervisor.watch(self._run.time, self._run.state)
             self._add(events)
             for command in commands:
-                self._apply(command, SOURCE)
+                self._apply(command, SESSION)
         self._beats += 1
 
     def _apply(self, command: OperatorCommand, channel: str) -> None:
-        before = self._run.state
+        was = self._run.scenario
         try:
-            events = self._run.apply(command)
+            self._give(command, channel)
         except Exception as error:  # a device may send what no type checker saw; the state is as it was
             source = getattr(command, "source", "?")
             text = f"Input '{source}' sent {type(command).__name__}, which cannot be used: {error}"
             self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
             return
-        self._add(events)
-        self._add(self._supervisor.applied(Said(channel, command), self._run.time, before, self._run.state))
-        self._set_clock(command)
         if not isinstance(command, Cursor | StrokePoints):
             self.commands.append(AppliedCommand(self._run.time, command))
             if self._markers is not None:
                 self._markers.command(self._run.time, command)
-        if self._recorder is not None:
+        refused = isinstance(command, LoadScenario) and self._run.scenario is was
+        if self._recorder is not None and not refused:
             self._record(self._recorder.command, command, self._run.scenario)
+
+    def _give(self, command: OperatorCommand, channel: str) -> None:
+        """Gives a command its meaning, for the run, the channels and the clock."""
+        before, history = self._run.state, self._run.history
+        self._add(self._run.apply(command))
+        changed = self._run.history is not history and isinstance(command, Edit | Undo | Redo)
+        rows = rows_before(self._run.history, undone=isinstance(command, Undo)) if changed else None
+        self._add(self._supervisor.applied(Said(channel, command), self._run.time, before, self._run.state, rows))
+        self._set_clock(command)
 
     def _set_clock(self, command: OperatorCommand) -> None:
         match command:
@@ -247,9 +267,9 @@ class Session:
     def _record(self, write: Any, *arguments: object) -> None:
         try:
             write(*arguments)
-        except OSError as error:
+        except (OSError, TypeError, ValueError) as error:  # the last two: what JSON does not know
             self._recorder = None
-            text = f"The recording ends here: {error.strerror or error}."
+            text = f"The recording ends here: {getattr(error, 'strerror', None) or error}."
             self._add((Event(self._run.time, Severity.ALARM, "recording", text),))
 
     def _add(self, events: tuple[Event, ...]) -> None:

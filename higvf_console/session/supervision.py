@@ -11,9 +11,10 @@ hold, stands from the next control period on.
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from higvf_console.arrays import Ints
+from higvf_console.command import SESSION
 from higvf_console.commands import (
     Acknowledge,
-    ClearPath,
     Clutch,
     ControlChange,
     Cursor,
@@ -27,7 +28,6 @@ from higvf_console.commands import (
     Resume,
     Stop,
     StrokeCancel,
-    StrokeEnd,
 )
 from higvf_console.interface import ChannelHealth, ChannelState, OperatorContext
 from higvf_console.session.channel_state import (
@@ -40,23 +40,18 @@ from higvf_console.session.channel_state import (
     observed,
 )
 from higvf_console.session.channels import Channels
+from higvf_console.session.claims import Claims, claimed
 from higvf_console.session.faults import Line, problem
 from higvf_console.sim.path_commands import ACTING
 from higvf_console.sim.setup import Event, Severity
 from higvf_console.state import SimState
 
-SOURCE = "session"  # of the commands given here
 _CONSOLE = "mouse"  # a person's hand at the console: any command but a cursor acknowledges itself
 _OUTCOME = {
     OnLost.AUTONOMY: "The team goes on with its own task.",
     OnLost.HOLD: "The team holds.",
     OnLost.KEEP: "Its path stays in force.",
 }
-
-
-def _valued(state: SimState) -> set[tuple[float, ...]]:
-    """The priorities in force: robot, fire, factor."""
-    return set(map(tuple, state.intent.priority.tolist()))
 
 
 class Said(NamedTuple):
@@ -88,26 +83,34 @@ class Supervisor:
     def poll(self, context: OperatorContext) -> tuple[list[Said], tuple[Event, ...]]:
         """The commands that count now, and what there is to say of the rest."""
         given, events = self._channels.poll(context)
+        overslept, self._overslept = self._overslept, False
         said: list[Said] = []
         for name in self._channels.names:
             for command in self._lines[name].carry(given.get(name, ()), context.time):
+                if overslept and self._replays(name) and not isinstance(command, Stop):
+                    continue  # it was given, and done, before the run was set back
                 if self._may(name, command):
                     said.append(Said(name, command))
                 else:
                     self._withheld[name] = self._withheld.get(name, 0) + 1
         return said, tuple(events)
 
-    def applied(self, said: Said, time: float, before: SimState, after: SimState) -> tuple[Event, ...]:
-        """Takes note of a command applied at session `time` [s]: who steers, what the operator has acknowledged."""
+    def applied(
+        self, said: Said, time: float, before: SimState, after: SimState, rows: tuple[Ints, Ints] | None = None
+    ) -> tuple[Event, ...]:
+        """Takes note of a command applied at session `time` [s]: who steers, what the operator has acknowledged.
+
+        Args:
+            said: what was applied.
+            time: now.
+            before: the state before it.
+            after: the state after it.
+            rows: (N,), (M,) row before of each robot and each fire after it; None = as they were.
+        """
         channel, command = said
-        self._priority_by |= dict.fromkeys(_valued(after) - _valued(before), channel)
+        self._claims = claimed(self._claims, channel, command, before, after, rows)
+        self._overslept |= after.motion.tick > before.motion.tick
         match command:
-            case StrokeEnd() if after.intent.path is not before.intent.path:
-                self._path_by = channel
-            case ClearPath():
-                self._path_by = ""
-            case Clutch(closed=closed):
-                self._clutch_by = channel if closed else ""
             case Acknowledge(channel=name):
                 return self._acknowledge(name, time)
             case InjectFault():
@@ -149,10 +152,13 @@ class Supervisor:
         self._states: dict[str, ChannelState] = {}
         self._lines = {name: Line() for name in self._channels.names}
         self._withheld: dict[str, int] = {}
-        self._path_by = ""
-        self._clutch_by = ""
-        self._priority_by: dict[tuple[float, ...], str] = {}  # rows of priorities, by the channel that gave them
+        self._claims = Claims()
+        self._overslept = False  # whether an undo has just put the clock forward
         self._deserted = ""  # the channel of which the page that had control is lost
+
+    def _replays(self, name: str) -> bool:
+        """Whether a channel follows the session clock."""
+        return name != _CONSOLE and all(health.heard is None for channel, health in self.health if channel == name)
 
     def _may(self, name: str, command: OperatorCommand) -> bool:
         if self._states.get(name) not in OUT_OF_SERVICE:
@@ -164,19 +170,19 @@ class Supervisor:
         """What ends the steering of a channel that is lost; nothing where it was not steering."""
         done: list[OperatorCommand] = []
         if state.drawing.stroke_source == name:
-            done.append(StrokeCancel(time=now, source=SOURCE))
-        if self._clutch_by == name and state.drawing.clutch:
-            done += [StrokeCancel(time=now, source=SOURCE)] if not done and state.drawing.stroke_source else []
-            done.append(Clutch(closed=False, time=now, source=SOURCE))
+            done.append(StrokeCancel(time=now, source=SESSION))
+        if self._claims.clutch == name and state.drawing.clutch:
+            done += [StrokeCancel(time=now, source=SESSION)] if not done and state.drawing.stroke_source else []
+            done.append(Clutch(closed=False, time=now, source=SESSION))
         following = state.motion.path_status in ACTING
-        on_path = self._path_by == name and following
-        favoured = sorted({int(row[0]) for row in _valued(state) if self._priority_by.get(row) == name})
+        on_path = self._claims.path == name and following
+        favoured = self._claims.robots(name)
         on_lost = self._limits[name].on_lost
         if on_lost is OnLost.AUTONOMY:
-            done += [NextTask(time=now, source=SOURCE)] if on_path else []
-            done += [Prioritise(robot=robot, time=now, source=SOURCE) for robot in favoured]
+            done += [NextTask(time=now, source=SESSION)] if on_path else []
+            done += [Prioritise(robot=robot, time=now, source=SESSION) for robot in favoured]
         if on_lost is OnLost.HOLD and (done or on_path or favoured) and not state.intent.paused:
-            done.append(Pause(time=now, source=SOURCE))
+            done.append(Pause(time=now, source=SESSION))
         return done
 
     def _acknowledge(self, name: str, time: float) -> tuple[Event, ...]:

@@ -11,6 +11,7 @@ from typing import assert_never
 import numpy as np
 
 from higvf_console.arrays import Floats, floats
+from higvf_console.command import SESSION
 from higvf_console.commands import (
     Acknowledge,
     AskReset,
@@ -71,6 +72,8 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
             return with_drawing(state, stroke=_NO_STROKE, stroke_source=command.source), ()
         case StrokePoints(points=points):
             return _grow(state, command.source, points), ()
+        case StrokeEnd() | StrokeCancel() if not _draws(state.drawing, command.source):
+            return state, ()
         case StrokeCancel():
             return with_drawing(state, stroke=_NO_STROKE, stroke_source=""), ()
         case StrokeEnd():
@@ -119,7 +122,7 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
         case NextTask():
             return finish(state, time)
         case ResetRun():
-            return setup.start, say(0.0, "reset", "The run starts again.")
+            return started_again(state, setup), say(0.0, "reset", "The run starts again.")
         case Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
             return state, ()
         case LoadScenario() | Undo() | Redo() | Edit():
@@ -134,6 +137,12 @@ def clipped(points: Floats, arena: Arena) -> tuple[Floats, bool]:
     """Stroke points (n, 2) kept within the arena, and whether any had left it."""
     inside = np.clip(points, [arena.x_min, arena.y_min], [arena.x_max, arena.y_max])
     return inside, bool((inside != points).any())
+
+
+def started_again(now: SimState, setup: Setup) -> SimState:
+    """The start of a run; a STOP of the run before still holds."""
+    stopped, start = now.intent.stopped, setup.start
+    return start._replace(intent=start.intent._replace(stopped=stopped, paused=start.intent.paused or stopped))
 
 
 def proposal(drawing: Drawing, time: float) -> int:
@@ -176,7 +185,10 @@ def _wait(state: SimState, path: Path, robot: int, time: float) -> Outcome:
 
 
 def _commit(state: SimState, path: Path, robot: int, time: float) -> Outcome:
-    state, events = path_dropped(state), ()
+    robots, events = len(state.motion.position), ()
+    if robot != NOBODY and not 0 <= robot < robots:
+        return state, no_robot(robot, robots, time)
+    state = path_dropped(state)
     if robot != NOBODY:
         state, events = _pick(state, robot, time)
     kind = "closed" if path.closed else "open"
@@ -237,6 +249,11 @@ def _grow(state: SimState, source: str, points: Floats) -> SimState:
     if state.drawing.stroke_source != source:
         return state
     return with_drawing(state, stroke=np.vstack([state.drawing.stroke, floats(points, -1, 2)]))
+
+
+def _draws(drawing: Drawing, source: str) -> bool:
+    """Whether a stroke is that of this interface, so that it may end it; the session may end any."""
+    return drawing.stroke_source in ("", source) or source == SESSION
 
 
 def _handed(command: HandOver, time: float) -> tuple[Event, ...]:

@@ -95,17 +95,22 @@ def mended(state: SimState, path: Path, time: float, *, anew: bool | None = None
     """`path` in place of the one in force: it goes on where that is. `anew` = None: if the durations differ."""
     old, motion = state.intent.path, state.motion
     anew = path.duration != old.duration if anew is None else anew
-    w = motion.path_parameter
-    if path.spline is not old.spline:
-        x, y = path_points(old, floats([w]))[0].tolist()
-        w = nearest(path, 0.0, EVERYWHERE, x, y)[0]
     motion = motion._replace(
-        path_parameter=w, path_status=int(PathStatus.FOLLOWING), path_idle=0.0, path_gap=math.inf,
+        path_parameter=same_place(old, path, motion.path_parameter), path_status=int(PathStatus.FOLLOWING),
+        path_idle=0.0, path_gap=math.inf,
         path_left=path.duration if anew else motion.path_left,
     )  # fmt: skip
     paths = tuple(path if other is old else other for other in state.drawing.paths)
     state = with_drawing(state._replace(motion=motion, intent=state.intent._replace(path=path)), paths=paths)
     return state, say(time, "path", f"The path is now {path_words(path)}.")
+
+
+def same_place(old: Path, path: Path, w: float) -> float:
+    """Parameter of `path` at the place that has parameter w on `old`, of which it is a repair."""
+    if path.spline is old.spline:
+        return w
+    x, y = path_points(old, floats([w]))[0].tolist()
+    return nearest(path, 0.0, EVERYWHERE, x, y)[0]
 
 
 def ending_word(path: Path) -> str:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from higvf_console.arrays import Ints
 from higvf_console.sim.path_commands import ACTING
-from higvf_console.state import NOBODY, Intent, Motion, PathStatus, World
+from higvf_console.state import NO_PATH, NOBODY, Drawing, Intent, Motion, PathStatus, World
 
 Number = TypeVar("Number", bound=np.generic)
 NEW = -1  # a row that was not there before
@@ -48,6 +48,14 @@ def led_on(motion: Motion, intent: Intent, robots: Ints, fires: Ints, fires_befo
     priority[:, 1] = _renumbered(priority[:, 1].astype(np.int64), fires, fires_before)
     kept = (priority[:, :2] != NOBODY).all(axis=1)
     return motion, intent._replace(influenced=influenced, priority=np.ascontiguousarray(priority[kept]))
+
+
+def waiting_on(drawing: Drawing, robots: Ints) -> Drawing:
+    """What waits, for the robot that it was for; without a path or a proposal whose robot is gone."""
+    place = {old: new for new, old in enumerate(robots.tolist()) if old != NEW} | {NOBODY: NOBODY}
+    if drawing.pending_robot not in place:
+        drawing = drawing._replace(pending=NO_PATH, pending_robot=NOBODY, pending_mends=False)
+    return drawing._replace(pending_robot=place[drawing.pending_robot], proposed=place.get(drawing.proposed, NOBODY))
 
 
 def inverse(rows: Ints, before: int) -> Ints:

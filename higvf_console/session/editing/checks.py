@@ -54,6 +54,16 @@ def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
         check_start(motion.position, *_burning(world, motion), layout.obstacles, layout.gains, _SOURCE)
 
 
+def check_fires(before: Stand, after: Stand) -> None:
+    """Refuses an edit by which a condition on fires would fail, now or when the run starts again.
+
+    Raises:
+        ScenarioError: the sampling condition or the least stand-off is missed.
+    """
+    for check, groups in _OF_FIRES:
+        _newly(check, groups, before, after)
+
+
 def _newly(check: Callable[[Stand], None], groups: tuple[str, ...], before: Stand, after: Stand) -> None:
     """Raises what is wrong after the edit, unless something of the kind was wrong before.
 
@@ -107,13 +117,16 @@ def _burning(world: World, motion: Motion) -> tuple[Floats, World]:
     return motion.fire_radius[burning], fires
 
 
+_OF_FIRES = (
+    (_robots, ("robots", "safety")),
+    (_rates, ("robots", "safety")),
+    (_stand_off, ("fires",)),
+)
 # Each check, and the groups of tunables that it depends on.
 _CHECKS = (
     (_formation, ("formation",)),
     (_intention, ("intention", "formation")),
-    (_robots, ("robots", "safety")),
-    (_rates, ("robots", "safety")),
-    (_stand_off, ("fires",)),
+    *_OF_FIRES,
 )
 
 

@@ -28,8 +28,8 @@ from higvf_console.edits import (
 )
 from higvf_console.errors import ScenarioError
 from higvf_console.session.editing import bodies
-from higvf_console.session.editing.carry import NEW, carried, led_on, same_rows
-from higvf_console.session.editing.checks import Stand, check_edit, check_walls
+from higvf_console.session.editing.carry import NEW, carried, led_on, same_rows, waiting_on
+from higvf_console.session.editing.checks import Stand, check_edit, check_fires, check_walls
 from higvf_console.session.editing.layout import Layout, layout_of, world_of
 from higvf_console.session.editing.parameters import with_parameters
 from higvf_console.session.editing.safe_places import diagonal, held_words, nearest_fit, placed, resettled, robot_fits
@@ -92,13 +92,16 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
     steered = state.intent.influenced
     still = int((draft.robots == steered).argmax())  # the first robot, where the one that is steered goes
     check_edit(Stand(before, setup.world, state.motion, steered), Stand(layout, world, motion, still), draft.robots)
+    if state.motion.tick > 0:
+        check_fires(Stand(before, setup.world, setup.start.motion, steered), Stand(layout, world, start, still))
     motion, intent = led_on(motion, state.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
     start, start_intent = led_on(start, setup.start.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
     new = Setup(
         layout.arena, world, layout.gains, setup.start._replace(motion=start, intent=start_intent),
         layout.obstacles.polygons,
     )  # fmt: skip
-    return Edited(new, state._replace(motion=motion, intent=intent), draft.robots, draft.fires, draft.text)
+    drawing = waiting_on(state.drawing, draft.robots)
+    return Edited(new, SimState(motion, intent, drawing), draft.robots, draft.fires, draft.text)
 
 
 def _clearance(layout: Layout) -> float:
