@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from higvf_console.sim.setup import Setup
 
 
-_WORTH_SAYING = ("refused", "clipped", "failure")  # events that a headless run tells on standard error
+_WORTH_SAYING = ("refused", "clipped", "failure", "channel", "recording")  # events of which a headless run warns
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -228,10 +228,11 @@ def _input_specs(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
 
 def _run_headless(session: "Session", given: argparse.Namespace) -> int:
     from higvf_console.session.headless import run_headless
+    from higvf_console.sim.setup import Severity
 
     report = json.dumps(run_headless(session, given.duration), indent=2) + "\n"
     for event in session.snapshot.events:
-        if event.kind in _WORTH_SAYING:
+        if event.kind in _WORTH_SAYING and event.severity in (Severity.WARNING, Severity.ALARM):
             _tell(f"{event.time:.2f} s: {event.text}")
     _write("--report", given.report or "-", report)
     return 0

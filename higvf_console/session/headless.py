@@ -23,7 +23,8 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
 
     Returns:
         The report, ready for JSON: fires are numbered from 1, `min_clearance_m` is null when nobody ever came near
-        anything, `attention` is null without gaze, `digest` is the SHA-256 of `TrajectoryDigest`.
+        anything, `channels` tells how each input is at the end, and why, `attention` is null without gaze, `digest` is
+        the SHA-256 of `TrajectoryDigest`.
     """
     dt = session.setup.gains.safety.control_period
     duration = session.scenario.duration if duration is None else duration
@@ -49,6 +50,9 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
             {"time": round(time, 9), "source": command.source, "kind": type(command).__name__}
             for time, command in session.commands
         ],
+        "channels": {
+            name: {"state": health.state.value, "detail": health.detail} for name, health in session.snapshot.channels
+        },
         "attention": attention_section(inputs.attention),
         "calibrations": {name: report._asdict() for name, report in inputs.calibrations},
         "tick_ms": {f"p{share}": round(float(np.percentile(tick_ms or [0.0], share)), 4) for share in (50, 99)},

@@ -8,9 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_interfaces import FakeInterface
+from fake_interfaces import BrokenInterface, FakeInterface
 
+from higvf_console import cli
 from higvf_console.commands import Cursor, Freeze, OperatorCommand, Pick, StrokeBegin, StrokeEnd, StrokePoints
+from higvf_console.interface import InputSpec, Interface
+from higvf_console.session import channels
 from higvf_console.session.headless import run_headless
 from higvf_console.session.scenario import Scenario, load_scenario
 from higvf_console.session.session import Session
@@ -19,7 +22,7 @@ from higvf_console.sim.simulation import advance, roll
 STROKE = np.array([[650.0, 250.0], [500.0, 400.0], [400.0, 400.0], [300.0, 300.0]])
 KEYS = [
     "scenario", "forms", "seed", "duration_s", "ticks", "extinguished", "loss_area_m2", "loss_area_total_m2",
-    "min_clearance_m", "infeasible_ticks", "deadlock_s", "certificates", "commands", "attention",
+    "min_clearance_m", "infeasible_ticks", "deadlock_s", "certificates", "commands", "channels", "attention",
     "calibrations", "tick_ms", "digest",
 ]  # fmt: skip
 
@@ -55,6 +58,25 @@ def test_a_report_lists_the_commands_that_matter(team: Scenario) -> None:
         {"time": 0.5, "source": "gaze", "kind": "StrokeEnd"},
         {"time": 0.5, "source": "bci", "kind": "Pick"},
     ]
+
+
+def test_a_report_tells_how_each_input_is_at_the_end(team: Scenario) -> None:
+    report = run_headless(Session(team, [FakeInterface("plan"), BrokenInterface("glove")]), 1.0)
+    assert report["channels"] == {
+        "plan": {"state": "live", "detail": "at 0.90 s"},
+        "glove": {"state": "lost", "detail": "RuntimeError: cable pulled"},
+    }
+
+
+def test_a_headless_run_warns_of_an_input_that_fails(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def opened(spec: InputSpec) -> Interface:
+        return BrokenInterface(spec.channel)
+
+    monkeypatch.setattr(channels, "open_interface", opened)
+    assert cli.main(["run", "empty", "--headless", "--duration", "0.2", "--input", "glove"]) == 0
+    assert "s: Input 'glove' failed and is off: RuntimeError: cable pulled\n" in capsys.readouterr().err
 
 
 def test_a_run_ends_when_all_fires_are_out(team: Scenario) -> None:
