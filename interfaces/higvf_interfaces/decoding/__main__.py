@@ -56,7 +56,8 @@ def report(source: str, options: Fields) -> dict[str, Any]:
         InputError: the recording, its trials or an option cannot be used.
     """
     kind, mains = options.choice("decoder", "", replay.DECODERS), options.number("mains", 50.0, 0.0, 1000.0, "Hz")
-    record, trials = read_signals(source, signal_request(options)), replay.labelled(source, options)
+    record = read_signals(source, signal_request(options))
+    trials, moved = replay.labelled(source, record, options)
     cautions: list[str] = []
     if kind == "lda":
         result = score_emg(record, trials, mains)
@@ -65,7 +66,7 @@ def report(source: str, options: Fields) -> dict[str, Any]:
     else:
         window = options.number("window", WINDOW, 0.2, 10.0, "s")
         result = score_decoder(kind, record, trials, replay.ssvep_decoder(record, options, mains), window)
-    return _figures(result) | {"notes": [*cautions, *record.notes]}
+    return _figures(result) | {"notes": [*cautions, *moved, *record.notes]}
 
 
 def idle_report(source: str, options: Fields) -> dict[str, Any]:

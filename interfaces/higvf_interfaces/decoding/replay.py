@@ -3,13 +3,14 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from higvf_interfaces.decoding.contract import Decoder, Trial
 from higvf_interfaces.decoding.emg_lda import EmgDecoder, EmgFrontEnd, EmgModel, fit
 from higvf_interfaces.decoding.ssvep import HOP, WINDOW, SsvepDecoder
-from higvf_interfaces.decoding.trials import trials_of
+from higvf_interfaces.decoding.trials import shift_to, trials_of
 from higvf_interfaces.feeds import Due
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.signal_reading import read_decisions, read_signals
@@ -19,6 +20,13 @@ from higvf_interfaces.streams import CLOCK_GRAIN
 
 DECODERS = ("lda", "ssvep")
 _MAINS = 50.0  # [Hz]
+
+
+class Labelled(NamedTuple):
+    """Trials on the clock of their recording, and what was done to put them there."""
+
+    trials: list[Trial]
+    notes: Sequence[str]
 
 
 class DecoderFeed:
@@ -109,44 +117,57 @@ def ssvep_decoder(record: SignalRecord, options: Fields, mains: float) -> SsvepD
     return SsvepDecoder(_targets(options), record.rate, mains, window, hop)
 
 
-def labelled(source: str, options: Fields) -> list[Trial]:
+def labelled(source: str, record: SignalRecord, options: Fields) -> Labelled:
     """The trials of a labelled recording; the option `markers` names another file that has its markers.
 
+    Args:
+        source: file of the recording.
+        record: its signal, on whose clock the trials are.
+        options: of the input.
+
     Raises:
-        InputError: there are no markers, or they make no trials.
+        InputError: there are no markers, they make no trials, or none of them lies within the recording.
     """
     length = options.number("trial_s", None, 0.1, 3600.0, "s") if options.has("trial_s") else None
     marked = options.text("markers") if options.has("markers") else source
-    request = signal_request(options)._replace(format=None, stream=None, channels=())
-    return trials_of(read_decisions(marked, request).decisions, length)
+    log = read_decisions(marked, signal_request(options)._replace(format=None, stream=None, channels=()))
+    kept = _same(marked, source) and log.epoch == record.epoch
+    shift = 0.0 if kept else shift_to(record, log, marked)
+    notes = (f"the markers were moved by {shift:+.3f} s, onto the clock of the recording",) if shift else ()
+    return Labelled(trials_of([d._replace(time=d.time + shift) for d in log.decisions], length), notes)
 
 
-def calibrated(source: str, options: Fields, mains: float) -> EmgModel:
-    """The EMG model of a labelled recording.
+def calibrated(source: str, options: Fields, mains: float) -> tuple[EmgModel, Sequence[str]]:
+    """The EMG model of a labelled recording, and what was done to its markers.
 
     Raises:
         InputError: the recording has no channels of that kind, or too few trials.
     """
-    record, trials = read_signals(source, signal_request(options)), labelled(source, options)
+    record = read_signals(source, signal_request(options))
+    trials, notes = labelled(source, record, options)
     until = options.number("calibrate_to", math.inf, 0.0, math.inf, "s")
     front = EmgFrontEnd(record.rate, mains)
     windows = [window for chunk in record.chunks() for window in front.windows(chunk)]
-    return fit(windows, [trial for trial in trials if trial.end <= until])
+    return fit(windows, [trial for trial in trials if trial.end <= until]), notes
 
 
 def _lda(source: str, record: SignalRecord, options: Fields, mains: float) -> tuple[EmgDecoder, list[str]]:
     calibration = options.text("calibration")
-    model = calibrated(calibration, options, mains)
+    model, moved = calibrated(calibration, options, mains)
     if len(model.deadband) != len(record.names):
         options.fail(
             f"calibration: {calibration} has {len(model.deadband)} channels and the recording {len(record.names)}; "
             "choose the same by channels=NAME+NAME"
         )
-    same = bool(source) and Path(calibration).expanduser().resolve() == Path(source).expanduser().resolve()
-    own = " of the recording that it decodes, so it looks better than it is" if same else ""
+    own = " of the recording that it decodes, so it looks better than it is" if _same(calibration, source) else ""
     until = f" up to {options.values['calibrate_to']} s" if options.has("calibrate_to") else ""
-    notes = [f"calibrated on {len(model.labels)} labels{own}{until}"]
+    notes = [f"calibrated on {len(model.labels)} labels{own}{until}", *moved]
     return EmgDecoder(model, record.rate, mains), notes
+
+
+def _same(one: str, other: str) -> bool:
+    """Whether two names are of one file; the empty name of a live stream is of none."""
+    return bool(other) and Path(one).expanduser().resolve() == Path(other).expanduser().resolve()
 
 
 def _targets(options: Fields) -> dict[str, float]:

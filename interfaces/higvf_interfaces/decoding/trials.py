@@ -5,9 +5,12 @@ from collections.abc import Sequence
 
 from higvf_console.errors import InputError
 from higvf_interfaces.decoding.contract import Trial
-from higvf_interfaces.formats.records import Decision
+from higvf_interfaces.formats import bids_events, brainvision, edf
+from higvf_interfaces.formats.records import CommandLog, Decision
+from higvf_interfaces.formats.signal_records import SignalRecord
 
 _SPAN = re.compile(r"(.*?)[\s_-]*(s|start|onset|e|end|offset)", re.IGNORECASE | re.DOTALL)
+_FROM_START = (bids_events.NAME, brainvision.NAME, edf.MARKED_NAME)  # their times count from the recording's start
 
 
 def trials_of(markers: Sequence[Decision], length: float | None) -> list[Trial]:
@@ -30,6 +33,35 @@ def trials_of(markers: Sequence[Decision], length: float | None) -> list[Trial]:
             f"the {len(markers)} markers are no pairs such as '1s' ... '1e'; give trial_s=SECONDS, which a trial lasts"
         )
     return [Trial(marker.label, marker.time, marker.time + length) for marker in markers]
+
+
+def shift_to(record: SignalRecord, log: CommandLog, place: str) -> float:
+    """What puts the markers of another file on the clock of a signal [s].
+
+    Both tell the device's time at their 0. A log below an hour does not say whether it counts by the device or from the
+    signal's start: it is taken so that most of it lies within the signal, by the device where both fit alike.
+
+    Args:
+        record: the signal.
+        log: the markers.
+        place: file of the markers, for the message.
+
+    Raises:
+        InputError: no marker lies within the signal.
+    """
+    ends = [(float(chunk.times[0]), float(chunk.times[-1])) for chunk in record.chunks() if len(chunk.times)]
+    first, last = (ends[0][0], ends[-1][1]) if ends else (0.0, 0.0)
+    by_device = log.epoch - record.epoch
+    shifts = (0.0,) if log.format in _FROM_START else (by_device,) if log.epoch else (by_device, 0.0)
+    inside = [sum(first <= marker.time + shift <= last for marker in log.decisions) for shift in shifts]
+    if not any(inside):
+        begin, end = log.decisions[0].time + log.epoch, log.decisions[-1].time + log.epoch
+        raise InputError(
+            f"{place}: none of its {len(log.decisions)} markers lies within the recording: they are from {begin:.3f} "
+            f"to {end:.3f} s, the recording from {first + record.epoch:.3f} to {last + record.epoch:.3f} s; both files "
+            "must have one clock"
+        )
+    return shifts[inside.index(max(inside))]
 
 
 def _spans(markers: Sequence[Decision]) -> list[Trial]:

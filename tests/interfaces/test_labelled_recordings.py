@@ -1,0 +1,57 @@
+"""Markers come onto the clock of the signal that they label, whatever file they are in."""
+
+from collections.abc import Callable, Mapping
+
+import pytest
+
+from higvf_console.errors import InputError
+from higvf_interfaces.decoding.replay import labelled
+from higvf_interfaces.fields import Fields
+from higvf_interfaces.formats.signal_reading import read_signals
+from higvf_interfaces.recorded_options import DECODING, RECORDED, signal_request
+
+Write = Callable[..., str]
+DEVICE = 213_543.0  # seconds since the computer started: a usual clock of the Lab Streaming Layer
+
+
+def signal(start: float) -> str:
+    """Forty seconds of one channel at 50 Hz."""
+    return "timestamps,C3\n" + "".join(f"{start + k / 50:.3f},{k % 7}.5\n" for k in range(2000))
+
+
+def markers(start: float) -> str:
+    return "time,label\n" + "".join(f"{start + 7.5 + 5 * k:.3f},{'ab'[k % 2]}\n" for k in range(6))
+
+
+def starts(source: str, options: Mapping[str, object]) -> list[float]:
+    """When the trials of a recording start, on the clock of its signal."""
+    fields = Fields({"trial_s": 2.0, **options}, (*RECORDED, *DECODING), "input emg")
+    record = read_signals(source, signal_request(fields))
+    return [round(trial.start, 2) for trial in labelled(source, record, fields).trials]
+
+
+@pytest.mark.parametrize(
+    ("begins", "marked_from"),
+    [(DEVICE, DEVICE), (100.0, 100.0), (2.0, 2.0), (0.0, 0.0), (DEVICE, 0.0), (9.0, 0.0)],
+    ids=["LSL", "below an hour", "both fit", "from the start", "markers from the start", "nearly both fit"],
+)
+def test_markers_of_another_table_keep_step_with_the_signal(write: Write, begins: float, marked_from: float) -> None:
+    marked = write(markers(marked_from), "marks.csv")
+    assert starts(write(signal(begins)), {"markers": marked}) == [7.5, 12.5, 17.5, 22.5, 27.5, 32.5]
+
+
+def test_onsets_of_bids_events_count_from_the_start_of_the_signal(write: Write) -> None:
+    events = write("onset\tduration\ttrial_type\n7.5\t1\ta\n12.5\t1\tb\n", "events.tsv")
+    assert starts(write(signal(5.0)), {"markers": events}) == [7.5, 12.5]
+
+
+def test_markers_of_one_table_keep_step_where_its_first_row_is_one(write: Write) -> None:
+    rows = "".join(f"{100 + k / 50},{k % 7}.5,{'a' if k in (0, 500) else ''}\n" for k in range(1000))
+    assert starts(write("time,C3,event\n" + rows), {}) == [0, 10]
+
+
+@pytest.mark.parametrize("begins", [0.0, 2 * DEVICE])
+def test_markers_on_another_clock_are_refused(write: Write, begins: float) -> None:
+    marked = write(markers(DEVICE), "marks.csv")
+    with pytest.raises(InputError, match=r"none of its 6 markers .* from 213550\.500 to .*; both files must have one"):
+        starts(write(signal(begins)), {"markers": marked})
