@@ -9,32 +9,31 @@ from higvf_console.arrays import floats
 from higvf_console.commands import (
     AskReset,
     ClearPath,
+    Clutch,
     LoadScenario,
     OperatorCommand,
     Pause,
     Pick,
     Prioritise,
+    ProposePick,
     Redo,
     ResetRun,
     ResetStop,
     Resume,
     ShapePath,
     Stop,
+    StrokeBegin,
+    StrokeEnd,
+    StrokePoints,
     Undo,
 )
 from higvf_console.edits import AddThing, ChangeThing, DeleteThing, MoveThing, SetParameters
 from higvf_console.session.history import KEPT
-from higvf_console.session.run import Run
-from higvf_console.state import PathStatus
-from tests.session.editing.deeds import GIVEN, SCENE, assert_same, edited_run, give, refused
+from higvf_console.state import NOBODY, PathKind, PathStatus
+from tests.session.editing.deeds import GIVEN, SCENE, assert_same, edited_run, give, go, refused
 from tests.teams import stroke
 
 WAY = stroke([(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)])
-
-
-def go(run: Run, ticks: int = 60) -> None:
-    for _ in range(ticks):
-        run.step()
 
 
 def test_without_a_deed_there_is_nothing_to_undo_or_redo() -> None:
@@ -237,3 +236,45 @@ def test_a_second_undo_takes_out_the_deed_before(command: OperatorCommand) -> No
     give(run, Undo(), Undo())
     assert run.setup is before.setup
     assert_same(run.state.intent, before.state.intent)
+
+
+def test_a_larger_scenario_that_was_loaded_is_undone_and_loaded_again() -> None:
+    run = edited_run(ticks=30)
+    larger = SCENE.replace("[640, 300]]", "[640, 300], [760, 300], [760, 250]]").replace(
+        "fires: [", "fires: [{at_m: [1100, 100], radius_m: 10}, "
+    )
+    before = run.moment
+    give(run, Pick(1), LoadScenario(text=larger, name="larger.yaml"))
+    assert (len(run.state.motion.position), len(run.state.motion.fire_radius)) == (6, 3)
+    give(run, Undo())
+    assert_same(run.state.motion, before.state.motion)
+    give(run, Redo(), Undo(), Undo())
+    assert_same(run.state, before.state)
+
+
+def test_undoing_a_reset_leaves_the_hand_as_it_is() -> None:
+    run = edited_run(ticks=5)
+    hand = (Clutch(True), StrokeBegin(source="gaze"), StrokePoints(floats([[700, 300], [500, 450]]), source="gaze"))
+    give(run, *hand, ProposePick(2), ResetRun(), Clutch(False), Undo())
+    drawing = run.state.drawing
+    assert (drawing.clutch, drawing.stroke_source, len(drawing.stroke)) == (False, "", 0)
+    assert drawing.proposed == NOBODY
+    give(run, Stop(), AskReset(), LoadScenario(text=SCENE, name="other.yaml"), Undo())
+    assert refused(run.apply(ResetStop()))
+
+
+def test_a_path_that_waited_comes_back_with_the_run_that_was_reset() -> None:
+    run = edited_run(ticks=5)
+    give(run, *WAY[:2], StrokeEnd(robot=2, preview=True))
+    waits = run.state.drawing.pending
+    give(run, ResetRun())
+    assert run.state.drawing.pending.kind == PathKind.NONE
+    give(run, Undo())
+    assert run.state.drawing.pending is waits
+    assert run.state.drawing.pending_robot == 2
+
+
+def test_a_clipped_stroke_stands_in_the_history_as_the_path_that_it_is() -> None:
+    run = edited_run()
+    give(run, *stroke([(700.0, 300.0), (500.0, -50.0), (300.0, 200.0)]))
+    assert run.history.entries()[-1].text.startswith("Robot 1 follows a new open path")

@@ -4,7 +4,7 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import get_args, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 import cv2
 import numpy as np
@@ -51,7 +51,7 @@ from higvf_console.edits import (
 from higvf_console.errors import InputError
 from higvf_console.session.headless import run_headless
 from higvf_console.session.recording import Recorder, read_recording, replay
-from higvf_console.session.scenario import Scenario
+from higvf_console.session.scenario import Scenario, parse_scenario
 from higvf_console.session.session import Session
 from tests.teams import stroke
 
@@ -302,3 +302,26 @@ def test_a_loaded_scenario_replays_without_the_images_that_it_needed(team: Scena
     (folder / "plan.png").rename(folder / "none.png")
     result = replay(read_recording(tmp_path / "run.jsonl"))
     assert (result.digest, result.agrees) == (digest, True)
+
+
+def test_a_load_that_was_refused_is_not_recorded_though_the_scenario_in_force_has_that_text(tmp_path: Path) -> None:
+    picture = np.full((40, 60), 255, np.uint8)
+    picture[10:30, 20:40] = 0
+    cv2.imwrite(str(tmp_path / "plan.png"), picture)
+    masked = parse_scenario(MASKED, str(tmp_path / "masked.yaml"))
+    recorded(masked, tmp_path / "run.jsonl", (0.4, LoadScenario(text=MASKED, name="masked.yaml")))  # not its folder
+    recording = read_recording(tmp_path / "run.jsonl")
+    assert recording.commands == {}
+    assert replay(recording).agrees
+
+
+def test_a_command_that_cannot_be_written_ends_the_recording_and_not_the_run(team: Scenario, tmp_path: Path) -> None:
+    odd: Any = {0}
+    session = Session(
+        team, [FakeInterface("bci", (0.1, Prioritise(fires=odd)))], recorder=Recorder(tmp_path / "run.jsonl", team, 0)
+    )
+    for _ in range(20):
+        session.tick()
+    assert len(session.snapshot.state.intent.priority) == 1
+    assert any("The recording ends here" in event.text for event in session.snapshot.events)
+    assert session.snapshot.time == pytest.approx(0.4)

@@ -33,6 +33,7 @@ MISTAKES = {
         "fires: [{at_m: [1, 2], radius_m: wide}]", "fires[1].radius_m: 'wide' is not a number from 0.001 to 1e+06 m"
     ),
     "boolean as number": ("duration_s: true", "duration_s: True is not a number"),
+    "beyond all numbers": (f"duration_s: {10**400}", "is out of range; give a number from 0.001 to 1e+06 s"),
     "not a number": ("duration_s: .nan", "duration_s: nan is out of range"),
     "octal is text": ("duration_s: 010", "duration_s: '010' is not a number"),
     "number out of range": ("duration_s: -3", "duration_s: -3 is out of range; give a number from 0.001 to 1e+06 s"),

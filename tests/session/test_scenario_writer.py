@@ -265,3 +265,11 @@ def test_robots_at_their_clearance_to_the_last_bit_can_be_written(team: Scenario
 
 def assert_same_start_position(text: str, motion: Motion) -> None:
     assert parse_scenario(text, "again.yaml").setup().start.motion.position.tobytes() == motion.position.tobytes()
+
+
+def test_a_team_whose_links_are_all_parted_stays_so(team: Scenario) -> None:
+    run = run_of(parse_scenario(team.text + "links: [[1, 2], [2, 3]]\n", "team.yaml"))
+    for pair in ((0, 1), (1, 2)):
+        run.apply(ToggleLink(*pair))
+    assert len(run.setup.world.link_to) == 0
+    assert written(run).links == ()

@@ -13,6 +13,7 @@ from higvf_console.commands import (
     Clutch,
     Cursor,
     Freeze,
+    InjectFault,
     OperatorCommand,
     Pause,
     Pick,
@@ -154,14 +155,18 @@ def test_a_channel_whose_health_raises_is_shown_as_lost(team: Scenario, monkeypa
     assert dict(session.snapshot.channels)["emg"][:2] == (ChannelState.LOST, "OSError: gone")
 
 
-def test_a_command_that_makes_no_sense_is_refused_and_changes_nothing(team: Scenario) -> None:
-    nonsense: Any = Pick("third", source="bci")  # pyright: ignore[reportArgumentType]
-    session = Session(team, [FakeInterface("bci", (0.0, nonsense))])
+@pytest.mark.parametrize(
+    ("kind", "fields"),
+    [(Pick, {"robot": "third"}), (SetSpeed, {"factor": "fast"}), (InjectFault, {"channel": "bci", "seconds": "3"})],
+)
+def test_a_command_that_makes_no_sense_is_refused_and_changes_nothing(
+    team: Scenario, kind: type[OperatorCommand], fields: dict[str, Any]
+) -> None:
+    session = Session(team, [FakeInterface("bci", (0.0, kind(**fields, source="bci")))])
     session.tick()
-    assert session.snapshot.state.intent.influenced == 0
-    assert session.commands == []
+    assert (session.snapshot.state.intent.influenced, session.commands) == (0, [])
     refused = next(event for event in session.snapshot.events if event.kind == "refused")
-    assert refused.text.startswith("Input 'bci' sent Pick, which cannot be used:")
+    assert refused.text.startswith(f"Input 'bci' sent {kind.__name__}, which cannot be used:")
 
 
 def test_a_frozen_clock_stands_while_commands_still_apply(team: Scenario) -> None:

@@ -9,6 +9,7 @@ from fake_interfaces import FakeInterface
 from higvf_console.commands import (
     Acknowledge,
     Clutch,
+    Confirm,
     ControlChange,
     Cursor,
     FaultKind,
@@ -25,8 +26,9 @@ from higvf_console.commands import (
     StrokeBegin,
     StrokeEnd,
     StrokePoints,
+    Undo,
 )
-from higvf_console.interface import ChannelHealth, ChannelState
+from higvf_console.interface import ChannelHealth, ChannelState, OperatorContext
 from higvf_console.session.faults import Line
 from higvf_console.session.recording import Recorder, read_recording, replay
 from higvf_console.session.scenario import Scenario, parse_scenario
@@ -299,3 +301,35 @@ def test_a_recorded_loss_replays_to_the_same_digest(team: Scenario, tmp_path: Pa
         PathStatus.FINISHED if on_lost == "autonomy" else PathStatus.FOLLOWING
     )
     assert replay(read_recording(file)).agrees
+
+
+def test_a_path_that_waited_and_was_confirmed_ends_with_the_page_that_drew_it(team: Scenario) -> None:
+    drawn = at_once(StrokeBegin(), StrokePoints(STROKE), StrokeEnd(preview=True), Confirm())
+    page = FakeInterface("mouse", *drawn, (1.0, HandOver("Browser 2", ControlChange.LOST)))
+    session = run_to(Session(team, [page]), 2.0)
+    assert session.snapshot.state.motion.path_status == PathStatus.FINISHED
+
+
+def test_a_replay_does_not_repeat_itself_when_the_reset_of_a_run_is_undone(team: Scenario) -> None:
+    class Replay(FakeInterface):
+        """Gives a pick a second, by the session clock, and begins again when that is set back."""
+
+        now = 0.0
+
+        def poll(self, context: OperatorContext) -> list[OperatorCommand]:
+            if context.time < self.now:
+                self.now = 0.0
+            due = [Pick(int(second) % 3) for second in (1, 2, 3) if self.now < second <= context.time]
+            self.now = context.time
+            return list(due)
+
+    mouse = FakeInterface("mouse")
+    session = run_to(Session(team, [Replay("bci"), mouse]), 3.5)
+    mouse.push(ResetRun())
+    session.tick()
+    mouse.push(Undo())
+    session.tick()
+    assert session.snapshot.time > 3.4
+    for _ in range(10):
+        session.tick()
+    assert given(session, Pick, "mouse") == 3  # as fakes sign

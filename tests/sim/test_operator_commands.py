@@ -298,3 +298,31 @@ def test_a_stroke_for_nothing_that_is_known_is_refused_with_the_choices() -> Non
     assert state.intent.path.kind == PathKind.NONE
     assert state.drawing.stroke_source == ""
     assert "'nonsense': choose path, amend, priority, obstacle" in events[-1].text
+
+
+def test_a_reset_of_the_run_leaves_a_stop_latched(setup: Setup) -> None:
+    state, _ = after(setup, [Stop(), ResetRun()])
+    assert state.intent.stopped and state.intent.paused
+    state, _ = after(setup, [AskReset(), ResetStop(), ResetRun()], state)
+    assert not state.intent.stopped and not state.intent.paused
+
+
+def test_a_stroke_for_a_robot_that_is_not_there_is_refused_as_a_whole(setup: Setup) -> None:
+    state, events = after(setup, stroke(LINE, robot=8))
+    assert [event.kind for event in events] == ["refused"]
+    assert "There is no robot 9" in events[0].text
+    assert state.intent.path.kind == PathKind.NONE
+    assert state.drawing.paths == ()
+
+
+@pytest.mark.parametrize("end", [StrokeEnd, StrokeCancel])
+def test_a_stroke_is_ended_by_nobody_but_the_interface_that_draws_it_and_the_session(
+    setup: Setup, end: type[StrokeEnd | StrokeCancel]
+) -> None:
+    begin, points, _ = stroke(LINE)
+    drawn, _ = after(setup, [StrokeBegin(source="gaze"), begin, points])
+    state, events = after(setup, [end(source="gaze")], drawn)
+    assert state is drawn and events == []
+    for source in ("mouse", "session"):
+        state, _ = after(setup, [end(source=source)], drawn)
+        assert len(state.drawing.stroke) == 0

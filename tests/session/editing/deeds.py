@@ -124,6 +124,12 @@ def give(run: Run, *commands: OperatorCommand) -> tuple[Event, ...]:
     return events
 
 
+def go(run: Run, ticks: int = 60) -> None:
+    """Control periods go by."""
+    for _ in range(ticks):
+        run.step()
+
+
 def refused(events: tuple[Event, ...]) -> bool:
     return any(event.kind == "refused" for event in events)
 

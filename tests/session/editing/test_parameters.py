@@ -1,12 +1,13 @@
 """Tunables that would make a part of the controller diverge are refused before they apply."""
 
+import numpy as np
 import pytest
 
 from higvf_console.control.forms import CORRECTED, PRINTED, Forms
 from higvf_console.edits import SetParameters
 from higvf_console.session.run import Run
 from higvf_console.session.scenario import parse_scenario
-from tests.session.editing.deeds import SCENE
+from tests.session.editing.deeds import SCENE, edited_run
 
 
 @pytest.mark.parametrize(
@@ -30,3 +31,12 @@ def test_the_corrected_intention_takes_any_weight() -> None:
     run = Run(parse_scenario(SCENE, "a test").setup())
     run.apply(SetParameters({"intention.human_weight": 900.0}))
     assert run.setup.gains.intention.human_weight == 900.0
+
+
+def test_a_value_that_only_the_next_start_would_feel_is_refused_too() -> None:
+    run = edited_run()
+    out = run.state.motion._replace(fire_burning=np.zeros(2, bool), tick=1)
+    run.state = run.state._replace(motion=out)
+    (event,) = run.apply(SetParameters({"fires.stand_off": 1.0}))
+    assert event.kind == "refused"
+    assert "stand_off" in event.text
