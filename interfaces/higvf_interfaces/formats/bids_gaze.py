@@ -3,8 +3,9 @@
     {"SamplingFrequency": 500, "StartTime": 0, "Columns": ["timestamp", "x_coordinate", "y_coordinate", "pupil_size"],
      "PhysioType": "eyetrack", "x_coordinate": {"Units": "pixel"}, "timestamp": {"Units": "ms"}}
 
-Without a column of times, sample k lies at StartTime + k / SamplingFrequency. The screen's size and origin stand in the
-JSON of the events (`StimulusPresentation`), which is taken where it lies beside the table. Missing is "n/a".
+The first sample lies at StartTime, as onsets of the events do; without a column of times, sample k lies k /
+SamplingFrequency behind it. The screen's size and origin stand in the JSON of the events (`StimulusPresentation`),
+which is taken where it lies beside the table. Missing is "n/a".
 """
 
 import json
@@ -48,7 +49,8 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     """Begins to read.
 
     Raises:
-        InputError: no JSON beside the file, no gaze in its columns, or neither times nor a sampling frequency.
+        InputError: no JSON beside the file, no gaze in its columns, neither times nor a sampling frequency, or a
+            StartTime that is no number.
     """
     sidecar = _sidecar(file.path)
     table = _table(sidecar) if sidecar is not None else None
@@ -58,7 +60,9 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
             "x_coordinate and y_coordinate"
         )
     notes: list[str] = []
-    times = _times(file, table, notes)
+    times, start = _times(file, table, notes), table.sidecar.get("StartTime", 0)
+    if not is_number(start):
+        raise InputError(f"{file.path}: StartTime in its JSON is not a number of seconds")
     units = _text(table.sidecar.get(table.columns[table.x]), "Units") or _text(table.sidecar, "SampleCoordinateUnits")
     screen, origin = _presentation(file.path)
 
@@ -75,37 +79,38 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         notes=notes,
         origin=origin,
         screen=screen,
+        start=float(start),
     )
 
 
 def _times(file: TextFile, table: _Table, notes: list[str]) -> "_Times":
     """How a row gets its time: from its column, or by counting."""
     if table.time is None:
-        rate, start = table.sidecar.get("SamplingFrequency"), table.sidecar.get("StartTime", 0)
-        if not is_number(rate) or rate <= 0 or not is_number(start):
+        rate = table.sidecar.get("SamplingFrequency")
+        if not is_number(rate) or rate <= 0:
             raise InputError(f"{file.path}: its JSON has neither a column timestamp nor a SamplingFrequency in Hz")
-        return _Times(None, 1 / float(rate), float(start))
+        return _Times(None, 1 / float(rate))
     unit = _text(table.sidecar.get(table.columns[table.time]), "Units")
     unit = _LONG_UNITS.get(unit.casefold(), unit)
     if unit not in TIME_UNITS:
         place = table.time
         unit = unit_by_steps(floats([number(c[place]) for c in islice(_cells(file, table, []), _FIRST_ROWS)]))
         notes.append(f"{table.columns[place]} has no unit in the JSON: taken as {unit} from its steps")
-    return _Times(table.time, TIME_UNITS[unit], 0.0)
+    return _Times(table.time, TIME_UNITS[unit])
 
 
 class _Times:
-    """Gives rows their times [s]: `place` of the column of times or None, the scale, and the first."""
+    """Gives rows their device times [s]: by the column at `place` or, where that is None, by counting."""
 
-    def __init__(self, place: int | None, scale: float, start: float) -> None:
-        """Counts from `start` where there is no column."""
-        self._place, self._scale, self._start = place, scale, start
+    def __init__(self, place: int | None, scale: float) -> None:
+        """Takes seconds in one unit of the column, or from row to row."""
+        self._place, self._scale = place, scale
         self._count = count()
 
     def __call__(self, cells: list[str]) -> float:
         """Time of the next row [s]."""
         if self._place is None:
-            return self._start + next(self._count) * self._scale
+            return next(self._count) * self._scale
         return number(cells[self._place]) * self._scale
 
 

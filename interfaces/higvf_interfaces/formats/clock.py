@@ -7,7 +7,7 @@ import numpy as np
 
 from higvf_console.arrays import Floats, Ints, floats, ints
 from higvf_console.errors import InputError
-from higvf_interfaces.formats.records import EPOCH_FROM, MAX_HOLE
+from higvf_interfaces.formats.records import MAX_HOLE, log_start
 
 _SAME_TIME = 1e-5  # samples nearer in time are one, given twice [s]
 _RESTART = 1.0  # a step back by more is a restarted clock, by less a row out of order [s]
@@ -18,15 +18,15 @@ _COARSEST = (("s", 0.5), ("ms", 500.0), ("μs", 5e5))  # steps between gaze samp
 class GazeClock:
     """Repairs device times: rows without a time or out of order go, restarts are joined on, long holes shortened."""
 
-    def __init__(self, path: Path, from_first: bool) -> None:
+    def __init__(self, path: Path, start: float | None) -> None:
         """Starts a recording.
 
         Args:
             path: of the file, for messages.
-            from_first: whether 0 is the first sample; else times below an hour are kept as they are.
+            start: of the first sample [s]; None = its own time where that is below an hour, else 0.
         """
         self._path = path
-        self._from_first = from_first
+        self._start = start
         self._raw = math.nan  # newest device time [s]
         self._now = 0.0  # its place on the repaired clock [s]
         self._reached = -np.inf  # newest time that was kept [s]
@@ -44,7 +44,7 @@ class GazeClock:
         raw = seconds[timed]
         if math.isnan(self._raw):
             first = float(raw[0])
-            self.epoch = first if self._from_first or first >= EPOCH_FROM or first < 0 else 0.0
+            self.epoch = log_start(first) if self._start is None else first - self._start
             self._raw, self._now = first, first - self.epoch
         time = self._now + np.cumsum(self._steps(raw))
         reached = np.maximum.accumulate(np.concatenate([[self._reached], time]))

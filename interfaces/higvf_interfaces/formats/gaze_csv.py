@@ -49,7 +49,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         frame=_FRAMES.get(x.unit),
         blocks=blocks_of(rows()),
         notes=notes,
-        from_first=False,
+        start=None,
         has_confidence=confidence is not None,
     )
 

@@ -1,7 +1,8 @@
 """Gaze in XDF files, as LabRecorder writes them from the Lab Streaming Layer. XDF is loaded whole, unlike all others.
 
-The stream is the only one of type Gaze, or the one that `stream=` chooses. Its channels are found by their labels; a
-stream without metadata is told by `x=` and `y=` (a label or a number from 1). A unit of pixels settles the frame.
+The stream is the only one of type Gaze, or the one that `stream=` chooses. All streams of a file keep step: 0 is the
+earliest sample of any. The channels are found by their labels; a stream without metadata is told by `x=` and `y=` (a
+label or a number from 1). A unit of pixels settles the frame.
 """
 
 import re
@@ -16,6 +17,7 @@ from higvf_interfaces.formats import xdf_file
 from higvf_interfaces.formats.records import (
     BLOCK,
     BOTTOM_LEFT,
+    EPOCH_FROM,
     TOP_LEFT,
     GazeBlock,
     GazeStream,
@@ -72,9 +74,14 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
     confidence = labels.index("confidence") if "confidence" in labels else None
     if chosen.texts:
         raise InputError(f"{file.path}: stream {chosen.info.name!r} holds texts and no numbers")
-    samples = load(file.path, chosen)
+    samples = load(file.path, chosen, found.streams)
     values = floats(samples.values)
+    start = _first(samples.time) - samples.earliest
     notes = ["the file is cut off: its readable part is used"] if found.torn else []
+    if start >= EPOCH_FROM:
+        notes.append(
+            f"gaze starts {start:.0f} s behind the earliest stream: perhaps on another clock; shift it by start="
+        )
     return GazeStream(
         format=NAME,
         columns=tuple(labels[place] or f"channel {place + 1}" for place in (x, y, confidence) if place is not None),
@@ -82,6 +89,7 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
         blocks=_blocks(samples.time, values[:, [x, y]], None if confidence is None else values[:, confidence]),
         notes=notes,
         origin=origin,
+        start=start,
         has_confidence=confidence is not None,
         streams=tuple(stream.info for stream in found.streams),
     )
@@ -124,6 +132,11 @@ def _place(where: str, labels: list[str], text: str, option: str) -> int:
 
 def _listed(labels: list[str]) -> str:
     return ", ".join(f"{place} {label}".rstrip() for place, label in enumerate(labels[:40], start=1))
+
+
+def _first(time: Floats) -> float:
+    """The first finite time (n,) [s]; 0 where there is none."""
+    return float(next(iter(time[np.isfinite(time)]), 0.0))
 
 
 def _blocks(time: Floats, points: Floats, confidence: Floats | None) -> Iterator[GazeBlock]:

@@ -40,7 +40,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
             yield number(cell(row, time)), *point, says_yes(cell(row, validity)), math.nan
 
     used = tuple(column.title for column in (time, x, y, validity))
-    return GazeStream(NAME, used, "unit", blocks_of(rows()), notes, from_first=False)
+    return GazeStream(NAME, used, "unit", blocks_of(rows()), notes, start=None)
 
 
 def _find(file: TextFile) -> tuple[Column, Column, Column] | None:

@@ -81,7 +81,7 @@ class GazeFile:
         """Takes what a format yields."""
         self.stream = stream
         self._path = path
-        self._clock = GazeClock(path, stream.from_first)
+        self._clock = GazeClock(path, stream.start)
 
     def blocks(self) -> Iterator[GazeBlock]:
         """The samples, once, at strictly increasing times; where the file breaks off later, its readable part.

@@ -85,7 +85,7 @@ class GazeStream(NamedTuple):
         notes: what was repaired or assumed; grows while the blocks are read.
         origin: as in `GazeRecording`.
         screen: as in `GazeRecording`.
-        from_first: whether time 0 is the first sample; else times below an hour are the session's.
+        start: session time of the first sample [s]; None = its own time where that is below an hour, else 0.
         has_confidence: whether the format gives one.
         epoch: device time that has been taken off the blocks' times already [s].
         streams: all streams of the file, where it holds several.
@@ -98,7 +98,7 @@ class GazeStream(NamedTuple):
     notes: list[str]
     origin: str = TOP_LEFT
     screen: tuple[float, float] | None = None
-    from_first: bool = True
+    start: float | None = 0.0
     has_confidence: bool = False
     epoch: float = 0.0
     streams: tuple[StreamInfo, ...] = ()
@@ -147,5 +147,5 @@ class CommandLog(NamedTuple):
 
 
 def log_start(first: float) -> float:
-    """Device time that becomes 0 in a command log whose first decision is at `first` [s]."""
+    """Device time that becomes 0 in a log whose first entry is at `first` [s]."""
     return first if first >= EPOCH_FROM or first < 0 else 0.0
