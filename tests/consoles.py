@@ -7,7 +7,17 @@ from typing import NamedTuple
 
 import viser
 
-from higvf_console.commands import OperatorCommand
+from higvf_console.commands import (
+    AskReset,
+    Discard,
+    Freeze,
+    OperatorCommand,
+    Pick,
+    ResetRun,
+    ResetStop,
+    Resume,
+    SetSpeed,
+)
 from higvf_console.interface import InputSpec, Interface
 from higvf_console.session.channels import open_interface
 from higvf_console.session.scenario import load_scenario
@@ -34,6 +44,11 @@ class Running(NamedTuple):
     def push(self, *commands: OperatorCommand) -> None:
         for command in commands:
             self.session.pointer.push(command)
+
+    def start_again(self) -> None:
+        """A frozen run at its start, that was not stopped, with robot 1 chosen and nothing that waits."""
+        reset = (AskReset(), ResetStop()) if self.state.intent.stopped else ()
+        self.push(Freeze(True), *reset, SetSpeed(1.0), Discard(), Resume(), ResetRun(), Pick(0))
 
     def shipped_stroke(self) -> list[OperatorCommand]:
         """The commands of the first stroke that the scenario shows."""

@@ -16,7 +16,6 @@ from higvf_console.commands import (
     Pick,
     ResetRun,
     ResetStop,
-    Resume,
     SetSpeed,
     Step,
     Stop,
@@ -63,7 +62,7 @@ def _from_the_start(running: Running, page: Page) -> None:
     """Each test begins with a run of its own, frozen at its start."""
     running.session.commands.clear()
     running.console._view.field = None  # pyright: ignore[reportPrivateUsage]
-    running.push(Freeze(True), SetSpeed(1.0), Resume(), ResetRun(), Pick(0))
+    running.start_again()
     wait_until(lambda: running.given(Pick) and running.state.motion.tick == 0)
     running.session.commands.clear()
     page.evaluate("document.activeElement.blur()")

@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import Floats, floats
-from higvf_console.commands import BendPath, Confirm, Discard, Freeze, Pick, ProposePick, ResetRun, Resume, SetSpeed
+from higvf_console.commands import BendPath, Confirm, Discard, Freeze, ProposePick
 from higvf_console.session.preview import Preview
 from higvf_console.state import NO_PATH, NOBODY, Path, PathKind
 from tests.browser import draw, open_console, screenshot, to_page, wait_until
@@ -38,7 +38,7 @@ def page(chromium: Browser, running: Running) -> Iterator[Page]:
 @pytest.fixture(autouse=True)
 def _waiting_is_on(running: Running, page: Page) -> None:
     """Each test begins with a frozen run at its start, and strokes that wait."""
-    running.push(Freeze(True), SetSpeed(1.0), Discard(), Resume(), ResetRun(), Pick(0))
+    running.start_again()
     wait_until(lambda: running.state.motion.tick == 0 and running.state.intent.influenced == 0)
     running.session.commands.clear()
     at_once = page.get_by_role("checkbox", name="Commit at once")

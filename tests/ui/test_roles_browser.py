@@ -9,14 +9,10 @@ from playwright.sync_api import Browser, Page
 from higvf_console.arrays import floats
 from higvf_console.commands import (
     ControlChange,
-    Freeze,
     OperatorCommand,
     Pause,
     Pick,
-    ResetRun,
     ResetStop,
-    Resume,
-    SetSpeed,
     Stop,
 )
 from higvf_console.edits import MoveThing
@@ -65,7 +61,7 @@ def _from_the_start(running: Running, first: Page, second: Page) -> None:
             click(page, "Take")
         wait_until(lambda page=page, other=other: says(page, "You steer") and button(other, "Take over").count())
     running.session.commands.clear()
-    running.push(Freeze(True), SetSpeed(1.0), Resume(), ResetRun(), Pick(0))
+    running.start_again()
     wait_until(lambda: running.given(Pick) and running.state.motion.tick == 0)
     running.session.commands.clear()
     close_notifications(first, second)

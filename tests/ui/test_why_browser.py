@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import floats
-from higvf_console.commands import Freeze, Pick, ResetRun, SetSpeed
+from higvf_console.commands import Freeze
 from tests.browser import close_notifications, draw, open_console, screenshot, tab, to_page, visible, wait_until
 from tests.consoles import Running, console_at_work
 
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.browser
 def running() -> Iterator[Running]:
     """The firefighting scenario, frozen at its start."""
     with console_at_work("firefighting") as running:
-        running.push(Freeze(True), SetSpeed(1.0), ResetRun(), Pick(0))
+        running.start_again()
         yield running
 
 
