@@ -151,6 +151,8 @@ def test_the_first_steps_are_ticked_when_done_and_come_back_from_the_key_list(
     assert steps(page) == []
     page.locator("button.ask").click()
     screenshot(page, "keys")
+    hidden = page.get_by_role("dialog", name="Keys").evaluate("(list) => list.scrollHeight - list.clientHeight")
+    assert hidden == 0, "all keys are seen at once"
     page.locator("button.again").click()
     assert steps(page) == ["Draw a path", "Pick a robot", "Space stops"]
     page.locator(".strip button").click()

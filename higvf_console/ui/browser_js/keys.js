@@ -50,6 +50,11 @@
       dl { display: grid; grid-template-columns: max-content 1fr max-content 1fr; gap: 8px 14px; margin: 0;
         align-items: baseline; }
       dt { justify-self: end; min-width: 76px; text-align: right; }
+      @media (min-width: 1200px) {
+        .card { width: min(1220px, 95vw); padding: 18px 24px 16px; }
+        dl { grid-template-columns: repeat(3, max-content 1fr); gap: 7px 12px; }
+        h3 ~ dl { grid-template-columns: repeat(4, max-content 1fr); }
+      }
       dd { margin: 0; }
       kbd { display: inline-block; min-width: 26px; padding: 1px 8px; border-radius: 6px; text-align: center;
         font: 600 13px/1.6 ui-monospace, "DejaVu Sans Mono", monospace; color: var(--hg-text, #f1f5f9);

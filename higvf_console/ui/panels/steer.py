@@ -84,7 +84,7 @@ class SteerPanel:
         )
         self._speed.on_update(reaction(lambda value: self._shape(pace=number_in(value, SLOWEST, FASTEST))))
         self._time = gui.add_number(
-            "For s", 0.0, min=0.0, max=LONGEST_DURATION, step=5.0, hint="The path ends after so long; 0 = no limit"
+            "Lasts s", 0.0, min=0.0, max=LONGEST_DURATION, step=5.0, hint="The path ends after so long; 0 = no limit"
         )
         self._time.on_update(reaction(lambda value: self._shape(duration=number_in(value, 0.0, LONGEST_DURATION))))
         meaning = quantities(type(scenario.gains.path))["stroke_smoothing"]
