@@ -58,11 +58,12 @@ def test_the_rate_is_that_of_the_stamps_in_spite_of_bursts_and_holes() -> None:
     assert np.isnan(estimate_rate(floats([1.0, 1.0])))
 
 
-@pytest.mark.parametrize(("rate", "burst"), [(250.0, 0.02), (256.0, 0.25), (500.0, 0.1), (1000.0, 0.25), (2000.0, 0.2)])
-@pytest.mark.parametrize("hole", [0.0, 1.0])
-def test_bursts_that_do_not_divide_what_is_looked_at_leave_the_rate_as_it_is(
-    rate: float, burst: float, hole: float
-) -> None:
-    taken = np.arange(4096) / rate + hole * (np.arange(4096) > 2000)
-    stamps = floats(np.floor(taken / burst) * burst + burst)
-    assert estimate_rate(stamps) == pytest.approx(rate, rel=0.025 if hole else 0.01)
+@pytest.mark.parametrize(("rate", "burst"), [(256.0, 0.3), (500.0, 0.1), (1000.0, 0.25), (2000.0, 0.2)])
+def test_bursts_that_do_not_divide_what_is_looked_at_leave_the_rate_as_it_is(rate: float, burst: float) -> None:
+    taken = np.arange(4096) / rate
+    assert estimate_rate(floats(np.floor(taken / burst) * burst)) == pytest.approx(rate, rel=0.01)
+
+
+def test_a_hole_of_a_second_leaves_the_rate_as_it_is() -> None:
+    stamps = floats(TRUE[:4096] + 1.0 * (np.arange(4096) > 2000))
+    assert estimate_rate(stamps) == pytest.approx(RATE, rel=1e-3)

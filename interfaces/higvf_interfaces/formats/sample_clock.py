@@ -22,21 +22,18 @@ _LAG = 1024  # samples over which the rate is estimated: stamps in whole millise
 def estimate_rate(stamps: Floats) -> float:
     """Rate of bursty stamps (n,) [Hz]; NaN where they do not tell.
 
-    Spans of bursty stamps are whole numbers of bursts, so their median is off by up to one; the mean of those within
-    about a burst of it is not. Those that cross a hole lie further away.
+    Spans of bursty stamps are whole numbers of bursts, so their median is off by up to one; the mean of those near it
+    is not. Spans that cross a hole are left out.
     """
     stamps = stamps[np.isfinite(stamps)]
     lag = min(_LAG, max(1, len(stamps) // 2), len(stamps) - 1)
     if lag < 1:
         return np.nan
-    spans = stamps[lag:] - stamps[:-lag]
-    usual = float(np.median(spans))
-    if not usual > 0:
+    spans = np.sort(stamps[lag:] - stamps[:-lag])
+    usual = float(spans[len(spans) // 2])
+    if not 0 < usual < np.inf:
         return np.nan
-    steps = np.sort(np.diff(stamps))
-    passed = np.cumsum(steps.clip(min=0.0))
-    burst = float(steps[np.searchsorted(passed, passed[-1] / 2)])  # in such steps half of the time goes by
-    return lag / float(np.mean(spans[np.abs(spans - usual) <= min(1.5 * burst, 0.5 * usual)]))
+    return lag / float(np.mean(spans[np.abs(spans - usual) <= min(GAP, 0.5 * usual)]))
 
 
 class SampleClock:
