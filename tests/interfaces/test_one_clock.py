@@ -54,3 +54,16 @@ def test_gaze_of_a_bids_recording_keeps_step_with_its_events(tmp_path: Path, sta
     path.with_suffix(".json").write_text(json.dumps(sidecar))
     gaze = read_gaze(str(path))
     assert (gaze.time[0], jump(gaze)) == (pytest.approx(start), pytest.approx(LOOKED, abs=0.02))
+
+
+@pytest.mark.parametrize("lost", ["", "\t", "   ", "9", "n/a\tn/a"], ids=["blank", "tab", "spaces", "short", "n/a"])
+def test_a_bids_row_without_gaze_keeps_its_place_in_time(tmp_path: Path, lost: str) -> None:
+    path = tmp_path / "sub-1_physio.tsv"
+    path.write_text("\n".join(["1\t2"] * 3 + [lost] * 4 + ["5\t6"] * 3) + "\n")
+    sidecar = {"SamplingFrequency": 10, "StartTime": 0, "Columns": ["x_coordinate", "y_coordinate"]}
+    path.with_suffix(".json").write_text(json.dumps(sidecar))
+    gaze = read_gaze(str(path))
+    assert gaze.time == pytest.approx(np.arange(10) / 10)
+    assert gaze.valid.tolist() == [True] * 3 + [False] * 4 + [True] * 3
+    short = ("4 rows with too few cells are missing gaze",)
+    assert gaze.notes == (() if "\t" in lost else short)

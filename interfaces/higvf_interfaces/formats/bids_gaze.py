@@ -115,12 +115,15 @@ class _Times:
 
 
 def _cells(file: TextFile, table: _Table, notes: list[str]) -> Iterator[list[str]]:
-    for line in file.lines(notes):
+    """Cells of every line: where lines are counted for their times, one without samples must not move the rest."""
+    short = 0
+    for line in file.lines(notes, blank=table.time is None):
         cells = line.split("\t")
-        if len(cells) >= len(table.columns):
-            yield cells
-        elif "rows with too few cells left out" not in notes:
-            notes.append("rows with too few cells left out")
+        whole = len(cells) >= len(table.columns)
+        short += not whole
+        yield cells if whole else [""] * len(table.columns)
+    if short:
+        notes.append(f"{short} rows with too few cells are missing gaze")
 
 
 def _table(sidecar: Mapping[str, object]) -> _Table | None:

@@ -67,8 +67,12 @@ class TextFile(NamedTuple):
                     return column
         return None
 
-    def lines(self, notes: list[str] | None = None) -> Iterator[str]:
-        """Lines without their ends, empty ones left out; where packed data end too early, `notes` say so.
+    def lines(self, notes: list[str] | None = None, *, blank: bool = False) -> Iterator[str]:
+        """Lines without their ends, one by one.
+
+        Args:
+            notes: what says so where packed data end too early.
+            blank: whether empty lines are given, too.
 
         Raises:
             InputError: it is no text, or can no longer be read.
@@ -78,7 +82,7 @@ class TextFile(NamedTuple):
                 while line := stream.readline(_LONGEST_LINE):
                     if len(line) == _LONGEST_LINE:
                         raise InputError(f"{self.path}: has a line of over {_LONGEST_LINE} letters: it is no text")
-                    if line.strip():
+                    if blank or line.strip():
                         yield line.rstrip("\n")
         except (EOFError, zlib.error):
             if notes is not None:
