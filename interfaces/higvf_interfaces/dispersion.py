@@ -8,6 +8,8 @@ import numpy as np
 
 from higvf_console.arrays import Bools, Floats, Ints, bools, ints
 
+_STEP = 64  # samples by which a stretch grows at first
+
 
 def still_stretches(
     time: Floats, points: Floats, steady: Bools, within: float, shortest: float, longest_gap: float
@@ -62,11 +64,13 @@ def _dispersion(points: Floats) -> float:
 
 def _grown(points: Floats, begin: int, last: int, stop: int, within: float) -> int:
     """The last sample up to which [begin, ...] stays within the limit."""
-    low_x, low_y = points[begin : last + 1].min(axis=0).tolist()
-    high_x, high_y = points[begin : last + 1].max(axis=0).tolist()
-    for sample in range(last + 1, stop + 1):
-        x, y = points[sample].tolist()
-        low_x, high_x, low_y, high_y = min(low_x, x), max(high_x, x), min(low_y, y), max(high_y, y)
-        if high_x - low_x + high_y - low_y > within:
-            return sample - 1
+    low, high, step = points[begin : last + 1].min(axis=0), points[begin : last + 1].max(axis=0), _STEP
+    while last < stop:
+        more = points[last + 1 : min(last + step, stop) + 1]
+        lows = np.minimum(low, np.minimum.accumulate(more))
+        highs = np.maximum(high, np.maximum.accumulate(more))
+        out = np.flatnonzero((highs - lows).sum(axis=1) > within)
+        if len(out):
+            return last + int(out[0])
+        low, high, last, step = lows[-1], highs[-1], last + len(more), 2 * step
     return stop

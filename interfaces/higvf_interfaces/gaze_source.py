@@ -1,6 +1,7 @@
 """A gaze recording as an operator's options want it: read again as often as needed, in pixels, on the session clock."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
@@ -9,9 +10,10 @@ from higvf_console.interface import InputSpec
 from higvf_interfaces.emulation import GAZE_ERRORS, GazeErrors, describe, error_model
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.fixations import IVT, METHODS, PX_PER_DEG, Classified
+from higvf_interfaces.formats import gaze_xdf
 from higvf_interfaces.formats.reading import GazeFile, stream_gaze
-from higvf_interfaces.formats.records import GazeBlock, Wanted
-from higvf_interfaces.pieces import Pixels, classify_blocks
+from higvf_interfaces.formats.records import GazeBlock, GazeStream, Wanted
+from higvf_interfaces.pieces import Pixels, piece_by_block
 from higvf_interfaces.screens import choose_screen, on_screen, to_pixels
 
 OPTIONS = (
@@ -47,8 +49,9 @@ class GazeSource:
         self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
         self._errors = error_model(options)
         self.distrusted = self.away = 0
+        self._loaded: tuple[GazeStream, list[GazeBlock]] | None = None
         self.file = self._open()
-        self._unread = True  # an XDF file takes its time to open, so what is open is read first
+        self._unread = True  # what is open is read first
         self.screen = choose_screen(self.file.stream, options, spec.arena)
         self._look_for_gaze()
 
@@ -69,9 +72,9 @@ class GazeSource:
             self.away += int(np.count_nonzero(trusted & ~usable))
             yield block, Pixels(time + self._start, pixels, bools(usable))
 
-    def pieces(self) -> Iterator[Classified]:
-        """The samples from the start, with their fixations."""
-        return classify_blocks((pixels for _, pixels in self.blocks()), self.px_per_deg, self.method)
+    def pieces(self) -> Iterator[Classified | None]:
+        """The samples from the start, with their fixations: an item for each block that is read."""
+        return piece_by_block((pixels for _, pixels in self.blocks()), self.px_per_deg, self.method)
 
     @property
     def format(self) -> str:
@@ -87,7 +90,14 @@ class GazeSource:
         return (*self.file.notes, *self.screen.notes, *away, *doubtful, *made)
 
     def _open(self) -> GazeFile:
-        return stream_gaze(self._spec.source, self._format, self._wanted)
+        """Begins to read the recording; XDF, which is loaded whole, is loaded once."""
+        if self._loaded is None:
+            file = stream_gaze(self._spec.source, self._format, self._wanted)
+            if file.stream.format != gaze_xdf.NAME:
+                return file
+            self._loaded = file.stream, list(file.stream.blocks)
+        stream, blocks = self._loaded
+        return GazeFile(Path(self._spec.source), stream._replace(blocks=iter(blocks)))
 
     def _look_for_gaze(self) -> None:
         samples, valid = 0, False

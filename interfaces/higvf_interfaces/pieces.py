@@ -4,6 +4,7 @@ A piece is handed out when later samples can no longer change it: behind the las
 with what follows, and further from the newest sample than any filter looks. What is held meanwhile is a second or two.
 """
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from higvf_console.arrays import Bools, Floats, bools, floats, ints
 from higvf_interfaces.fixations import IVT, PX_PER_DEG, THRESHOLDS, Classified, classify
 
 HORIZON = 0.3  # as far as gap filling, blink margin, merging and the window of speed reach together [s]
+_TAIL = 1.0  # of a lasting fixation is enough to see it go on [s]
 LONGEST = 65_536  # samples held; a fixation that is longer is cut
 
 
@@ -38,14 +40,16 @@ def classify_blocks(
         method: as `fixations.classify` takes it.
         longest: samples held at most.
     """
+    return (piece for piece in piece_by_block(blocks, px_per_deg, method, longest) if piece is not None)
+
+
+def piece_by_block(
+    blocks: Iterable[Pixels], px_per_deg: float = PX_PER_DEG, method: str = IVT, longest: int = LONGEST
+) -> Iterator[Classified | None]:
+    """As `classify_blocks`, with None for each block that settles nothing: an item costs one block of reading."""
     maker = PieceMaker(px_per_deg, method, longest)
-    for block in blocks:
-        piece = maker.push(block)
-        if piece is not None:
-            yield piece
-    rest = maker.rest()
-    if rest is not None:
-        yield rest
+    yield from map(maker.push, blocks)
+    yield maker.rest()
 
 
 class PieceMaker:
@@ -56,6 +60,7 @@ class PieceMaker:
         self._px_per_deg, self._method, self._longest = px_per_deg, method, longest
         self._held = Pixels(floats([]), floats([], 0, 2), bools([]))
         self._begin = 0  # samples before have been handed out; they are the filters' left side
+        self._lasting = -math.inf  # until when the fixation at `begin` is known to go on [s]
 
     def push(self, block: Pixels) -> Classified | None:
         """What the next samples have settled, if anything."""
@@ -63,10 +68,15 @@ class PieceMaker:
         begin = self._begin
         if not len(held.time):
             return None
+        full = len(held.time) - begin >= self._longest
+        if not full and self._goes_on():
+            self._lasting = float(held.time[-1])
+            return None
         found = classify(*held, self._px_per_deg, method=self._method, begin=begin)
         end = max(begin, _settled(found))
-        if end == begin and len(held.time) - begin >= self._longest:
+        if end == begin and full:
             end = int(np.searchsorted(held.time, held.time[-1] - HORIZON))
+        self._lasting = float(held.time[-1]) if end == begin else -math.inf
         if end == begin:
             return None
         kept = int(np.searchsorted(held.time, held.time[end - 1] - HORIZON))
@@ -81,6 +91,21 @@ class PieceMaker:
             return None
         found = classify(*held, self._px_per_deg, method=self._method, begin=begin)
         return _piece(found, begin, len(held.time))
+
+    def _goes_on(self) -> bool:
+        """Whether the fixation that is held lasts through all that is new, told by its last second and the new alone.
+
+        So a stare costs what its samples cost, and not their square.
+        """
+        held = self._held
+        tail = int(np.searchsorted(held.time, self._lasting - _TAIL))
+        if tail <= self._begin:
+            return False
+        found = classify(held.time[tail:], held.points[tail:], held.valid[tail:], self._px_per_deg, method=self._method)
+        if not len(found.first):
+            return False
+        first, last = found.time[[found.first[0], found.last[0]]]
+        return bool(first <= self._lasting - HORIZON and last >= held.time[-1] - HORIZON)
 
 
 def _joined(first: Pixels, then: Pixels) -> Pixels:

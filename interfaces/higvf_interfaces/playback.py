@@ -1,4 +1,4 @@
-"""Plays classified gaze on the session clock, holding no more of it than the piece that is due."""
+"""Plays classified gaze on the session clock, holding no more of it than what is due in a few seconds."""
 
 from collections.abc import Callable, Iterator
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from higvf_console.arrays import Floats
 from higvf_interfaces.fixations import THRESHOLDS, Classified, Fixation, fixation
+from higvf_interfaces.lookahead import Lookahead
 from higvf_interfaces.streams import CLOCK_GRAIN
 
 
@@ -17,14 +18,16 @@ class GazePlayback:
         first_time: when the first sample is due [s].
     """
 
-    def __init__(self, pieces: Callable[[], Iterator[Classified]]) -> None:
+    def __init__(self, pieces: Callable[[], Iterator[Classified | None]]) -> None:
         """Stands before a recording.
 
         Args:
-            pieces: begins to read the recording; called again whenever the session clock has gone back.
+            pieces: begins to read the recording, as `Lookahead` takes it; called again when the session clock has gone
+                back.
         """
-        self._open = pieces
-        self._rewind()
+        self._pieces = Lookahead(pieces)
+        self.first_time = self._pieces.first_time
+        self._begin()
 
     def advance(self, now: float) -> tuple[bool, list[Fixation]]:
         """Plays on to session time `now` [s], or again from the start where that has gone back.
@@ -33,11 +36,13 @@ class GazePlayback:
             Whether there are new samples, and the fixations that have ended.
         """
         if now < self._now:
-            self._rewind()
+            self._pieces.rewind()
+            self._begin()
         self._now = now
+        self._pieces.read_on(now)
         new, ended = self._play()
-        while self._following is not None and self._following.time[0] <= now + CLOCK_GRAIN:
-            self._take(self._following)
+        while (following := self._following()) is not None and following.time[0] <= now + CLOCK_GRAIN:
+            self._take()
             also_new, also_ended = self._play()
             new, ended = new or also_new, ended + also_ended
         return new, ended
@@ -70,19 +75,24 @@ class GazePlayback:
     @property
     def ended(self) -> bool:
         """Whether everything has been played."""
-        return self._following is None and self._next >= len(self._piece.time)
+        return self._played and self._following() is None
 
-    def _rewind(self) -> None:
-        self._stream = self._open()
+    def _begin(self) -> None:
         self._now = -np.inf
         self.started = False
-        self._take(next(self._stream))
-        self.first_time = float(self._piece.time[0])
+        self._take()
 
-    def _take(self, piece: Classified) -> None:
-        """Goes on with `piece`; what lies before session time 0 is never played."""
-        self._piece = piece
-        self._following = next(self._stream, None)
+    @property
+    def _played(self) -> bool:
+        """Whether the piece has been played; nothing of the next one is due before."""
+        return self._next >= len(self._piece.time)
+
+    def _following(self) -> Classified | None:
+        return self._pieces.following() if self._played else None
+
+    def _take(self) -> None:
+        """Goes on with the next piece; what lies before session time 0 is never played."""
+        self._piece = piece = self._pieces.take()
         self._next = int(np.searchsorted(piece.time, 0.0))
         self._fixation = int(np.searchsorted(piece.time[piece.last], 0.0))
 

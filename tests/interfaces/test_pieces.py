@@ -1,6 +1,7 @@
 """A recording classified piece by piece has the fixations of the recording classified whole."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -57,6 +58,41 @@ def test_a_stare_without_end_is_cut() -> None:
     assert sum(len(piece.time) for piece in pieces) == 5000
     assert max(len(piece.time) for piece in pieces) <= 1100
     assert all(len(piece.first) == 1 for piece in pieces)
+
+
+def stare(seconds: float, rate: float = 120.0) -> Pixels:
+    """A person who looks round, stares for so long, and looks round again."""
+    scan = looked(2, 8.0)
+    count = round(seconds * rate)
+    rng = np.random.default_rng(3)
+    time = [scan.time, 8 + np.arange(count) / rate, 8 + seconds + scan.time]
+    points = [scan.points, 500 + rng.normal(0, 1, (count, 2)), scan.points]
+    valid = [scan.valid, np.ones(count, dtype=np.bool_), scan.valid]
+    return Pixels(floats(np.concatenate(time)), floats(np.concatenate(points)), bools(np.concatenate(valid)))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("size", [5, 256])
+def test_a_long_stare_is_one_fixation_and_costs_what_its_samples_cost(
+    monkeypatch: pytest.MonkeyPatch, method: str, size: int
+) -> None:
+    counted: list[int] = []
+
+    def counting(time: Floats, *arguments: Any, **options: Any) -> Classified:
+        counted.append(len(time))
+        return classify(time, *arguments, **options)
+
+    monkeypatch.setattr("higvf_interfaces.pieces.classify", counting)
+    costs: list[int] = []
+    for seconds in (10.0, 20.0):
+        counted.clear()
+        whole = stare(seconds)
+        pieces = list(classify_blocks(cut(whole, size), method=method))
+        expected = spans(classify(*whole, method=method))
+        assert max(end - start for start, end in expected.tolist()) == pytest.approx(seconds, abs=0.1)
+        np.testing.assert_allclose(np.concatenate([spans(piece) for piece in pieces]), expected, atol=1e-9)
+        costs.append(sum(counted))
+    assert costs[1] < 2 * costs[0], "twice the stare costs less than twice as much, and not four times"
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from threading import Event
+from time import sleep
 from typing import Any
 
 import numpy as np
@@ -76,6 +77,13 @@ class LateAfterReset(Good):
         return [self.signed(Pause(), context._replace(time=self.now))]
 
 
+class SlowToReset(Good):
+    def poll(self, context: OperatorContext) -> Sequence[OperatorCommand]:
+        if context.time < self.now:
+            sleep(1.5 * interface_check.LONGEST)
+        return super().poll(context)
+
+
 class Ill(Good):
     def health(self, now: float) -> ChannelHealth:
         if now > 1e5:
@@ -146,7 +154,13 @@ def test_a_poll_that_hangs_does_not_hang_the_checker(monkeypatch: pytest.MonkeyP
 
 def test_slow_polls_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(interface_check, "PROMPT", -1.0)
-    assert list(broken(monkeypatch, Good())) == ["poll returns at once"]
+    assert list(broken(monkeypatch, Good())) == ["poll returns at once", "poll returns at once after a reset"]
+
+
+def test_a_single_poll_that_holds_the_team_up_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = broken(monkeypatch, SlowToReset())
+    assert list(found) == ["poll returns at once after a reset"]
+    assert found["poll returns at once after a reset"].endswith(" ms at 0 s")
 
 
 def test_the_command_tells_each_rule_and_its_exit_status(
