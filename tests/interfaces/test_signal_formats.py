@@ -1,5 +1,6 @@
 """Recordings of EMG and BCI are told apart by content, on one clock, and what was repaired is said."""
 
+import gzip
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -167,6 +168,22 @@ def test_a_torn_last_row_is_left_out_and_said(write: Write) -> None:
     record = read_signals(write(openbci(300)[:-40]))
     assert len(whole(record).times) == 299
     assert record.notes == ["1 torn rows left out"]
+
+
+@pytest.mark.parametrize("rows", [1000, 20_000], ids=["short", "long"])
+def test_a_packed_table_that_is_damaged_later_gives_its_readable_part_and_says_so(write: Write, rows: int) -> None:
+    text = "timestamps,C3,Marker0\n" + "".join(f"{k / 100},{k % 7}.5,{int(k == 50)}\n" for k in range(rows))
+    packed = bytearray(gzip.compress(text.encode()))
+    packed[-8] ^= 1  # of the checksum
+    file = write(bytes(packed), "emg.csv.gz")
+    record = read_signals(file)
+    samples = whole(record)
+    assert rows - 2 <= len(samples.times) <= rows
+    assert samples.times == pytest.approx(np.arange(len(samples.times)) / 100)
+    (note,) = record.notes
+    assert note.startswith("the readable part is used: ")
+    log = read_decisions(file)
+    assert (len(log.decisions), log.notes) == (1, (note,))
 
 
 def test_a_myo_file_without_times_is_refused_or_indexed_by_a_given_rate(write: Write) -> None:

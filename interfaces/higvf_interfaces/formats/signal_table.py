@@ -82,7 +82,7 @@ def table_markers(table: SampleTable, request: SignalRequest) -> CommandLog:
         InputError: there is no marker column or no event in it, or the times are unknown.
     """
     notes: list[str] = []
-    rate, epoch = _timing(table, request.rate, notes)
+    rate, epoch = _timing(table, request.rate, [])
     decisions: list[Decision] = []
     before = ""
     for block in _blocks(table, rate, request.rate, notes) if table.marker is not None else ():
@@ -104,7 +104,7 @@ def epoch_seconds(text: str) -> float:
 
 def _timing(table: SampleTable, given: float | None, notes: list[str]) -> tuple[float, float]:
     """Rate [Hz] and device time of the first sample [s], from the first block."""
-    head = list(islice(table.rows(notes), _HEAD))
+    head = list(islice(_rows(table, notes), _HEAD))
     if not head:
         raise InputError(f"{table.path}: the {table.format} table has no samples")
     stamps = _stamps(table, head)
@@ -117,9 +117,22 @@ def _timing(table: SampleTable, given: float | None, notes: list[str]) -> tuple[
     return float(rate), float(stamps[0]) if np.isfinite(stamps[0]) else 0.0
 
 
+def _rows(table: SampleTable, notes: list[str]) -> Iterator[list[str]]:
+    """Cells of the rows; where the file cannot be read to its end, its readable part."""
+    readable = False
+    try:
+        for row in table.rows(notes):
+            readable = True
+            yield row
+    except InputError as problem:
+        if not readable:
+            raise
+        notes.append(f"the readable part is used: {problem}")
+
+
 def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[str]) -> Iterator[_Block]:
     clock = SampleClock(rate)
-    rows = table.rows(notes)
+    rows = _rows(table, notes)
     lost, counted, last = 0, table.counter is not None, -1.0
     doubled = 0
     while block := list(islice(rows, CHUNK)):
