@@ -220,7 +220,7 @@ class Session:
         self._beats += 1
 
     def _apply(self, command: OperatorCommand, channel: str) -> None:
-        was = self._run.scenario
+        former = self._run.scenario
         try:
             self._give(command, channel)
         except Exception as error:  # a device may send what no type checker saw; the state is as it was
@@ -232,18 +232,30 @@ class Session:
             self.commands.append(AppliedCommand(self._run.time, command))
             if self._markers is not None:
                 self._markers.command(self._run.time, command)
-        refused = isinstance(command, LoadScenario) and self._run.scenario is was
+        refused = isinstance(command, LoadScenario) and self._run.scenario is former
         if self._recorder is not None and not refused:
             self._record(self._recorder.command, command, self._run.scenario)
 
     def _give(self, command: OperatorCommand, channel: str) -> None:
         """Gives a command its meaning, for the run, the channels and the clock."""
-        before, history = self._run.state, self._run.history
+        before, history, scenario = self._run.state, self._run.history, self._run.scenario
         self._add(self._run.apply(command))
         changed = self._run.history is not history and isinstance(command, Edit | Undo | Redo)
         rows = rows_before(self._run.history, undone=isinstance(command, Undo)) if changed else None
         self._add(self._supervisor.applied(Said(channel, command), self._run.time, before, self._run.state, rows))
         self._set_clock(command)
+        self._follow(scenario)
+
+    def _follow(self, former: Scenario | None) -> None:
+        """After a scenario was loaded, or came back: its limits hold; what its inputs are given counts at the start."""
+        scenario = self._run.scenario
+        if scenario is former or scenario is None:
+            return
+        self._supervisor.limit(scenario.limits)
+        for name in self._channels.names:
+            if former is not None and scenario.inputs.get(name) != former.inputs.get(name):
+                text = f"Input '{name}' keeps its settings; those of '{scenario.title}' count when the console starts."
+                self._add((Event(self._run.time, Severity.WARNING, "channel", text),))
 
     def _set_clock(self, command: OperatorCommand) -> None:
         match command:

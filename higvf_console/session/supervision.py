@@ -76,9 +76,13 @@ class Supervisor:
             limits: of the channels that the scenario names; the others have their defaults.
         """
         self._channels = channels
-        self._limits = {name: limits.get(name, default_limits(name)) for name in channels.names}
+        self.limit(limits)
         self._forget()
         self.watch(0.0, None)
+
+    def limit(self, limits: Mapping[str, Limits]) -> None:
+        """Another scenario has other limits; the channels that it does not name have their defaults."""
+        self._limits = {name: limits.get(name, default_limits(name)) for name in self._channels.names}
 
     def poll(self, context: OperatorContext) -> tuple[list[Said], tuple[Event, ...]]:
         """The commands that count now, and what there is to say of the rest."""

@@ -39,6 +39,7 @@ from higvf_console.ui.roles import Roles
 from higvf_console.ui.scene import Scene, View
 
 if TYPE_CHECKING:
+    from higvf_console.session.scenario import Scenario
     from higvf_console.session.session import Session
     from higvf_console.session.snapshot import Snapshot
 
@@ -85,8 +86,7 @@ class Console:
         self._failures: set[str] = set()
         theme.dress(server, session.scenario.title)
         self._scene = Scene(server, session.setup, self._view)
-        limits = session.scenario.limits.get("mouse", default_limits("mouse"))
-        self._roles = Roles(server, session.pointer, limits.lost)
+        self._roles = Roles(server, session.pointer, _patience(session.scenario))
         self._build_panels()
         camera.install(server, self._scene.camera_arena)
         self._hand = hand = Hand(session, self._view, self._steer, self._roles, self._show_tool)
@@ -168,6 +168,7 @@ class Console:
         self._frames += 1
         if snapshot.scenario is not self._scenario:
             self._scenario = snapshot.scenario
+            self._roles.patience = _patience(snapshot.scenario)
             self._server.gui.set_panel_label(snapshot.scenario.title)
         if snapshot.history is not self._history:
             self._history = snapshot.history
@@ -205,3 +206,8 @@ class Console:
         if self._thread is not None:
             self._thread.join()
             self._thread = None
+
+
+def _patience(scenario: "Scenario") -> float:
+    """Silence after which the page that steers is lost [s]."""
+    return scenario.limits.get("mouse", default_limits("mouse")).lost

@@ -23,7 +23,11 @@ _IDENTITY_LENGTH = (16, 64)  # characters
 
 
 class Roles:
-    """Who has control, and a `PointerSink` that puts the name of that page on each command."""
+    """Who has control, and a `PointerSink` that puts the name of that page on each command.
+
+    Attributes:
+        patience: silence after which a page is lost [s].
+    """
 
     def __init__(self, server: viser.ViserServer, sink: PointerSink, patience: float) -> None:
         """Starts with no page.
@@ -33,7 +37,7 @@ class Roles:
             sink: takes the commands.
             patience: silence after which a page is lost [s].
         """
-        self._server, self._sink, self._patience = server, sink, patience
+        self._server, self._sink, self.patience = server, sink, patience
         self._lock = threading.RLock()
         self._control = Control()
         self._identities: dict[int, str] = {}  # of the pages that are connected, by client
@@ -78,7 +82,7 @@ class Roles:
     def update(self) -> None:
         """Forgets pages that have fallen silent; to be called a few times a second, from any thread."""
         with self._lock:
-            self._follow(steering.forgotten(self._control, monotonic(), self._patience))
+            self._follow(steering.forgotten(self._control, monotonic(), self.patience))
 
     def _push(self, command: OperatorCommand, name: str) -> None:
         self._sink.push(replace(command, operator=name or Command.operator))

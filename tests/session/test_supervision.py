@@ -15,6 +15,7 @@ from higvf_console.commands import (
     FaultKind,
     HandOver,
     InjectFault,
+    LoadScenario,
     NextTask,
     OperatorCommand,
     Pause,
@@ -333,3 +334,19 @@ def test_a_replay_does_not_repeat_itself_when_the_reset_of_a_run_is_undone(team:
     for _ in range(10):
         session.tick()
     assert given(session, Pick, "mouse") == 3  # as fakes sign
+
+
+def test_the_limits_of_a_scenario_that_is_loaded_hold_and_its_settings_of_open_inputs_are_said_not_to(
+    team: Scenario,
+) -> None:
+    strict = team.text + "inputs: {gaze: {stale: 0.1, lost: 0.3, clutch: held}}\n"
+    mouse = FakeInterface("mouse", (0.5, LoadScenario(text=strict, name="strict.yaml")))
+    session = Session(team, [Device(silent=0.0), mouse])
+    while session.snapshot.scenario is team:
+        session.tick()
+    (said,) = [event.text for event in session.snapshot.events if event.kind == "channel"]
+    assert said == "Input 'gaze' keeps its settings; those of 'team' count when the console starts."
+    assert state_of(run_to(session, 0.5)) is ChannelState.LOST
+    mouse.push(Undo())
+    session.tick()
+    assert state_of(run_to(session, 0.9)) is ChannelState.RECOVERED  # by the limits that hold again
