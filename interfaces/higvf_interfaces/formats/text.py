@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import IO, NamedTuple
 
 from higvf_console.errors import InputError
+from higvf_interfaces.paths import named
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "us": 1e-6, "ns": 1e-9}  # [s]; NFKC makes both mu this one
 _HEAD = 65_536  # bytes that settle encoding and delimiter
@@ -126,7 +127,7 @@ def look(source: str) -> TextFile:
     """
     if not source:
         raise InputError("no file is given; write CHANNEL=FILE")
-    path = Path(source).expanduser()
+    path = named(source)
     try:
         if path.is_dir():
             return TextFile(path, "utf-8", ",", True, "", ())
@@ -174,7 +175,7 @@ def _ends(path: Path) -> tuple[bytes, bytes, bool]:
         return head, tail, False
     unpacker = zlib.decompressobj(wbits=31)
     try:
-        return unpacker.decompress(head, _HEAD), tail, True
+        return unpacker.decompress(head[:-8], _HEAD), tail, True  # a wrong checksum behind them is told by the reader
     except zlib.error:
         return head, tail, False
 
