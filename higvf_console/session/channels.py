@@ -4,12 +4,16 @@ from collections.abc import Iterable, Mapping
 from importlib.metadata import EntryPoint, entry_points
 
 from higvf_console.commands import OperatorCommand
-from higvf_console.errors import InputError
+from higvf_console.errors import HigvfError, InputError
 from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
 from higvf_console.session.reading import closest
 from higvf_console.sim.setup import Event, Severity
 
 GROUP = "higvf_console.interfaces"
+
+
+class CrashedError(InputError):
+    """An interface failed to open where it should have refused its input with `InputError`."""
 
 
 def interface_names() -> tuple[str, ...]:
@@ -22,6 +26,7 @@ def open_interface(spec: InputSpec) -> Interface:
 
     Raises:
         InputError: no such interface is installed, it cannot be imported, or its input cannot be used.
+        CrashedError: it raised something else while it opened.
     """
     points: Mapping[str, EntryPoint] = {point.name: point for point in entry_points(group=GROUP)}
     if spec.channel not in points:
@@ -30,9 +35,14 @@ def open_interface(spec: InputSpec) -> Interface:
         raise InputError(f"no interface '{spec.channel}'{hint}; installed interfaces: {', '.join(names) or 'none'}")
     try:
         opener = points[spec.channel].load()
-    except (ImportError, AttributeError) as error:
+    except Exception as error:  # whatever there is in a package's module
         raise InputError(f"interface '{spec.channel}' ({points[spec.channel].value}) does not load: {error}") from error
-    return opener(spec)
+    try:
+        return opener(spec)
+    except HigvfError:
+        raise
+    except Exception as error:  # as above
+        raise CrashedError(f"interface '{spec.channel}' does not open: {type(error).__name__}: {error}") from error
 
 
 class Channels:

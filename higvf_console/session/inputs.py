@@ -47,9 +47,17 @@ def demo_specs(scenario: Scenario) -> list[InputSpec]:
 
 def _split(rest: str, folder: Path) -> tuple[str, str]:
     splits = [(rest, ""), *_splits(rest)]
-    found = [(source, options) for source, options in splits if source and (folder / source).is_file()]
+    found = [(source, options) for source, options in splits if source and _is_file(folder / source)]
     source, options = found[0] if found else splits[1] if len(splits) > 1 else splits[0]
     return (str(folder / source) if source and folder != Path() else source), options
+
+
+def _is_file(path: Path) -> bool:
+    """Whether it is a file; what cannot be a name, say of 300 letters, is none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _splits(rest: str) -> Iterator[tuple[str, str]]:

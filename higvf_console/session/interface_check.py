@@ -14,7 +14,7 @@ import numpy as np
 
 from higvf_console.commands import Cursor, OperatorCommand, Pick, StrokePoints
 from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
-from higvf_console.session.channels import open_interface
+from higvf_console.session.channels import CrashedError, open_interface
 from higvf_console.viewport import fit
 
 PERIOD = 0.02  # from poll to poll [s of session time]
@@ -52,10 +52,15 @@ def check_interface(spec: InputSpec, seconds: float = 60.0) -> list[Finding]:
     Raises:
         InputError: it is not installed, does not load, or refuses its input.
     """
-    interface = open_interface(spec)
+    opens = "opens, or refuses its input with InputError"
+    try:
+        interface = open_interface(spec)
+    except CrashedError as crash:
+        return [Finding(opens, False, str(crash))]
     missing = [name for name in _METHODS if not callable(getattr(interface, name, None))]
     named = getattr(interface, "name", None)
     findings = [
+        Finding(opens, True, "it opened"),
         Finding(
             "has poll, health and close", not missing, f"missing: {', '.join(missing)}" if missing else "all there"
         ),

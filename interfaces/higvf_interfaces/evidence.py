@@ -3,6 +3,7 @@
 inputs: {bci: {votes: 3/5, hysteresis: 0.8/0.5, refractory: 1.5, evidence: {stop: {votes: 1/3}, robot: {votes: 5/5}}}}
 """
 
+import math
 from collections.abc import Mapping
 from typing import cast
 
@@ -90,5 +91,7 @@ def _pair(fields: Fields, key: str, default: tuple[float, float], form: str) -> 
     try:
         first, second = (float(part) for part in parts)
     except ValueError:
+        first = second = math.nan
+    if not math.isfinite(first + second):
         fields.fail(f"{key}: {shown(fields.values[key])} is not {form}")
     return first, second

@@ -1,6 +1,5 @@
 """Where gaze falls on the ground: recorded frames -> pixels of the recording's screen -> metres of the arena."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ from higvf_console.viewport import Arena, Viewport, fit
 from higvf_interfaces.calibration import Calibration, read_calibration, to_arena
 from higvf_interfaces.fields import Fields, shown
 from higvf_interfaces.formats.records import BOTTOM_LEFT, FRAMES, ORIGINS, SCENE_FRAMES, GazeStream
+from higvf_interfaces.paths import named
 
 DEFAULT_SCREEN = (1920.0, 1080.0)  # [px]
 
@@ -39,7 +39,7 @@ def choose_screen(stream: GazeStream, options: Fields, arena: Arena) -> Screen:
         InputError: an option cannot be used, or nobody says what the points are.
     """
     text = options.text("calibration") if options.has("calibration") else ""
-    calibration = read_calibration(Path(text).expanduser()) if text else None
+    calibration = read_calibration(named(text)) if text else None
     frame = _choose_frame(stream, options, calibration is not None)
     origin = options.choice("origin", stream.origin.replace(" ", "-"), [name.replace(" ", "-") for name in ORIGINS])
     size, notes = _choose_size(stream, options, calibration)

@@ -1,7 +1,6 @@
 """A script of operator actions as an interface: the way to repeat a run, and to test adapter and controller alike."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from higvf_console.errors import ScriptError
 from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.emulation import DELAYS, EmulatedInterface, error_model
 from higvf_interfaces.fields import option_fields
+from higvf_interfaces.paths import named
 from higvf_interfaces.script_file import Entry, Stroke, read_script
 from higvf_interfaces.streams import CLOCK_GRAIN, Stamp
 
@@ -99,7 +99,7 @@ def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
         InputError: an option cannot be used.
     """
     errors = error_model(option_fields(spec, DELAYS))
-    entries = read_script(Path(spec.source).expanduser())
+    entries = read_script(named(spec.source))
     added = sum(isinstance(entry.action, AddThing) and entry.action.thing == Thing.ROBOT for entry in entries)
     for entry in entries:
         robot = _robot(entry.action)

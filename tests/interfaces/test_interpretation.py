@@ -47,6 +47,8 @@ def test_the_evidence_table_goes_over_what_is_usual(write: Write, at: ContextAt)
     [
         ({"votes": "5/3"}, "votes: 5/3 is not n/m with 1 <= n <= m <= 50, such as 3/5"),
         ({"votes": 3}, "votes: 3 is not n/m"),
+        ({"votes": "nan/5"}, "votes: 'nan/5' is not n/m"),
+        ({"votes": "inf/5"}, "votes: 'inf/5' is not n/m"),
         ({"hysteresis": "0.5/0.8"}, "hysteresis: 0.5/0.8 is not ENTER/LEAVE with 0 <= LEAVE <= ENTER <= 1"),
         ({"evidence": {"jump": {}}}, "evidence: 'jump' is not an action; known actions: pause, resume"),
         ({"evidence": {"stop": 3}}, "evidence: stop: 3 is not a mapping with the keys threshold, votes"),

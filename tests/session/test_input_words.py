@@ -41,6 +41,10 @@ def test_an_existing_file_is_taken_by_its_whole_name(team: Scenario, tmp_path: P
     assert (spec.source, spec.options) == (f"{tmp_path}/odd:frame=unit", {"frame": "screen"})
 
 
+def test_a_name_that_no_file_can_have_is_no_file(team: Scenario) -> None:
+    assert input_spec(f"gaze={'a' * 300}:frame=unit", team).source == "a" * 300
+
+
 @pytest.mark.parametrize("text", ["", "=run.tsv", "two words=run.tsv", "1=run.tsv"])
 def test_a_word_without_a_channel_is_refused_with_the_form(team: Scenario, text: str) -> None:
     with pytest.raises(InputError, match="give CHANNEL=FILE or CHANNEL=FILE:option=value,option=value"):

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +14,7 @@ from higvf_interfaces.feeds import Due
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.signal_reading import read_decisions, read_signals
 from higvf_interfaces.formats.signal_records import SignalChunk, SignalRecord
+from higvf_interfaces.paths import named
 from higvf_interfaces.recorded_options import signal_request, word
 from higvf_interfaces.streams import CLOCK_GRAIN
 
@@ -167,7 +167,7 @@ def _lda(source: str, record: SignalRecord, options: Fields, mains: float) -> tu
 
 def _same(one: str, other: str) -> bool:
     """Whether two names are of one file; the empty name of a live stream is of none."""
-    return bool(other) and Path(one).expanduser().resolve() == Path(other).expanduser().resolve()
+    return bool(other) and named(one).resolve() == named(other).resolve()
 
 
 def _targets(options: Fields) -> dict[str, float]:
