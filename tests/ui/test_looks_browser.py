@@ -69,7 +69,7 @@ def running() -> Iterator[Running]:
 @pytest.fixture(scope="module")
 def page(chromium: Browser, running: Running) -> Iterator[Page]:
     """A page of a browser that never showed the console before."""
-    page = open_console(chromium, running.url, *SIZES[0], hints=True)
+    page = open_console(chromium, running.url, *SIZES[0], hints=True, smooth=True)
     yield page
     page.context.close()
 
