@@ -5,10 +5,11 @@ from collections.abc import Callable, Mapping
 import pytest
 
 from higvf_console.errors import InputError
-from higvf_interfaces.decoding.replay import labelled
+from higvf_interfaces.decoding.replay import decoder_feed, labelled
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.signal_reading import read_signals
 from higvf_interfaces.recorded_options import DECODING, RECORDED, signal_request
+from tests.interfaces.xdf_files import Stream, xdf
 
 Write = Callable[..., str]
 DEVICE = 213_543.0  # seconds since the computer started: a usual clock of the Lab Streaming Layer
@@ -25,7 +26,7 @@ def markers(start: float) -> str:
 
 def starts(source: str, options: Mapping[str, object]) -> list[float]:
     """When the trials of a recording start, on the clock of its signal."""
-    fields = Fields({"trial_s": 2.0, **options}, (*RECORDED, *DECODING), "input emg")
+    fields = Fields({"trial_s": 2.0, **options}, (*RECORDED, *DECODING, "marker_stream"), "input emg")
     record = read_signals(source, signal_request(fields))
     return [round(trial.start, 2) for trial in labelled(source, record, fields).trials]
 
@@ -55,3 +56,26 @@ def test_markers_on_another_clock_are_refused(write: Write, begins: float) -> No
     marked = write(markers(DEVICE), "marks.csv")
     with pytest.raises(InputError, match=r"none of its 6 markers .* from 213550\.500 to .*; both files must have one"):
         starts(write(signal(begins)), {"markers": marked})
+
+
+def test_of_several_marker_streams_one_is_named(write: Write) -> None:
+    eeg = Stream("EEG", "EEG", "e", 50, [9 + k / 50 for k in range(500)], [(k % 7, k % 5) for k in range(500)])
+    cues, keys = (Stream(name, "Markers", "", 0, [t], ["a"]) for name, t in (("Cues", 11.0), ("Keys", 12.0)))
+    file = write(xdf(eeg, cues, keys))
+    assert starts(file, {"stream": "EEG", "marker_stream": "Keys"}) == [3]
+    with pytest.raises(InputError, match="the file has 2 event streams; choose one by marker_stream=TYPE"):
+        starts(file, {"stream": "EEG"})
+
+
+def test_format_and_rate_of_what_is_decoded_do_not_reach_its_calibration(write: Write) -> None:
+    rows = ["{0},{1},{0},{1},{0},{1},{0},{1}".format(k * 13 % 99, k * 7 % 50) for k in range(400)]
+    played = write("\n".join(rows) + "\n", "myo.csv")
+    cues = "".join(f"{3 * k},{'ab'[k % 2]}\n" for k in range(12))
+    titles = ",".join(f"C{k}" for k in range(8))
+    calibration = f"timestamps,{titles}\n" + "".join(f"{k / 100},{rows[k % 400]}\n" for k in range(4000))
+    options = {
+        "decoder": "lda", "format": "myo-csv", "rate": 200.0, "trial_s": 2.0, "mains": 0.0,
+        "calibration": write(calibration, "calibration.csv"), "markers": write("time,label\n" + cues, "cues.csv"),
+    }  # fmt: skip
+    feed = decoder_feed(played, Fields(options, (*RECORDED, *DECODING), "input emg"), 0.0)
+    assert feed.labels == ("a", "b")

@@ -195,6 +195,17 @@ def test_a_myo_file_without_times_is_refused_or_indexed_by_a_given_rate(write: W
     assert record.notes == ["no times in the file: indexed at the rate given, 200 Hz"]
 
 
+def test_a_rate_that_is_given_does_not_go_over_the_times_of_a_file(write: Write, tmp_path: Path) -> None:
+    edfio.Edf([edfio.EdfSignal(np.arange(200.0), 100, label="EMG")]).write(tmp_path / "a.edf")
+    rows = "".join(f"{k / 100},{k % 7}.5\n" for k in range(300))
+    table = write("timestamps,C3\n" + rows, "a.csv")
+    for file in (write(xdf(eeg()), "a.xdf"), str(tmp_path / "a.edf"), table):
+        record = read_signals(file, SignalRequest(rate=200))
+        assert (record.rate, whole(record).times[100]) == (pytest.approx(100), pytest.approx(1, abs=1e-3))
+        assert record.notes == ["the rate given, 200 Hz, is not used: the file has its own, 100 Hz"]
+    assert read_signals(table, SignalRequest(rate=100.2)).notes == []
+
+
 def test_a_muse_table_is_a_signal_and_its_marker_column_decisions(write: Write) -> None:
     file = write(MUSE)
     record = read_signals(file, SignalRequest(channels=("right aux",)))
@@ -227,8 +238,11 @@ def test_brainvision_markers_count_samples_from_one(write: Write) -> None:
         read_decisions(mark_file)
     assert read_decisions(mark_file, SignalRequest(rate=1000)).decisions[0].time == 0.5
     head_file = write(header, "a.vhdr")
-    for file in (mark_file, head_file):
-        assert read_decisions(file).decisions == (Decision(1.0, "S 1", None), Decision(2.0, "Response", None))
+    for file, given in ((mark_file, None), (head_file, None), (mark_file, 1000)):
+        assert read_decisions(file, SignalRequest(rate=given)).decisions == (
+            Decision(1.0, "S 1", None),
+            Decision(2.0, "Response", None),
+        )
 
 
 def test_a_bids_events_table_is_read_with_its_missing_values(write: Write) -> None:

@@ -13,7 +13,7 @@ from higvf_interfaces.decoding.trials import shift_to, trials_of
 from higvf_interfaces.feeds import Due
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.signal_reading import read_decisions, read_signals
-from higvf_interfaces.formats.signal_records import SignalChunk, SignalRecord
+from higvf_interfaces.formats.signal_records import SignalChunk, SignalRecord, SignalRequest
 from higvf_interfaces.paths import named
 from higvf_interfaces.recorded_options import signal_request, word
 from higvf_interfaces.streams import CLOCK_GRAIN
@@ -118,7 +118,7 @@ def ssvep_decoder(record: SignalRecord, options: Fields, mains: float) -> SsvepD
 
 
 def labelled(source: str, record: SignalRecord, options: Fields) -> Labelled:
-    """The trials of a labelled recording; the option `markers` names another file that has its markers.
+    """The trials of a labelled recording, by the options `markers` (another file), `marker_stream` and `trial_s`.
 
     Args:
         source: file of the recording.
@@ -130,20 +130,27 @@ def labelled(source: str, record: SignalRecord, options: Fields) -> Labelled:
     """
     length = options.number("trial_s", None, 0.1, 3600.0, "s") if options.has("trial_s") else None
     marked = options.text("markers") if options.has("markers") else source
-    log = read_decisions(marked, signal_request(options)._replace(format=None, stream=None, channels=()))
+    stream = word(options, "marker_stream") if options.has("marker_stream") else None
+    log = read_decisions(marked, SignalRequest(None, stream, signal_request(options).rate, (), "marker_stream"))
     kept = _same(marked, source) and log.epoch == record.epoch
     shift = 0.0 if kept else shift_to(record, log, marked)
     notes = (f"the markers were moved by {shift:+.3f} s, onto the clock of the recording",) if shift else ()
     return Labelled(trials_of([d._replace(time=d.time + shift) for d in log.decisions], length), notes)
 
 
-def calibrated(source: str, options: Fields, mains: float) -> tuple[EmgModel, Sequence[str]]:
+def calibrated(source: str, request: SignalRequest, options: Fields, mains: float) -> tuple[EmgModel, Sequence[str]]:
     """The EMG model of a labelled recording, and what was done to its markers.
+
+    Args:
+        source: file of the recording.
+        request: how it is to be read.
+        options: of the input.
+        mains: frequency to be notched [Hz].
 
     Raises:
         InputError: the recording has no channels of that kind, or too few trials.
     """
-    record = read_signals(source, signal_request(options))
+    record = read_signals(source, request)
     trials, notes = labelled(source, record, options)
     until = options.number("calibrate_to", math.inf, 0.0, math.inf, "s")
     front = EmgFrontEnd(record.rate, mains)
@@ -153,15 +160,16 @@ def calibrated(source: str, options: Fields, mains: float) -> tuple[EmgModel, Se
 
 def _lda(source: str, record: SignalRecord, options: Fields, mains: float) -> tuple[EmgDecoder, list[str]]:
     calibration = options.text("calibration")
-    model, moved = calibrated(calibration, options, mains)
+    own, request = _same(calibration, source), signal_request(options)
+    model, moved = calibrated(calibration, request if own else request._replace(format=None), options, mains)
     if len(model.deadband) != len(record.names):
         options.fail(
             f"calibration: {calibration} has {len(model.deadband)} channels and the recording {len(record.names)}; "
             "choose the same by channels=NAME+NAME"
         )
-    own = " of the recording that it decodes, so it looks better than it is" if _same(calibration, source) else ""
+    praised = " of the recording that it decodes, so it looks better than it is" if own else ""
     until = f" up to {options.values['calibrate_to']} s" if options.has("calibrate_to") else ""
-    notes = [f"calibrated on {len(model.labels)} labels{own}{until}", *moved]
+    notes = [f"calibrated on {len(model.labels)} labels{praised}{until}", *moved]
     return EmgDecoder(model, record.rate, mains), notes
 
 

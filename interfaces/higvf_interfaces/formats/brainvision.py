@@ -38,7 +38,7 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
         beside = file.path.with_suffix(".vhdr")
         header = _sections(look(str(beside))) if beside.is_file() else {}
     interval = number(_value(header, "common infos", "samplinginterval")) * 1e-6
-    period = 1 / request.rate if request.rate else interval
+    period = 1 / request.rate if request.rate and not interval > 0 else interval
     if not period > 0:
         raise InputError(f"{file.path}: the sampling interval is unknown: put the .vhdr beside it, or give rate=HZ")
     entries = [_decision(text, period) for text in marks.get("marker infos", {}).values()]

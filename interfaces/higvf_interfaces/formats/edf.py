@@ -18,7 +18,14 @@ from higvf_console.arrays import floats
 from higvf_console.errors import InputError
 from higvf_interfaces.formats import bids_channels
 from higvf_interfaces.formats.records import CommandLog, Decision
-from higvf_interfaces.formats.signal_records import CHUNK, SignalChunk, SignalRecord, SignalRequest, unique_names
+from higvf_interfaces.formats.signal_records import (
+    CHUNK,
+    SignalChunk,
+    SignalRecord,
+    SignalRequest,
+    unique_names,
+    unused_rate,
+)
 from higvf_interfaces.formats.text import TextFile
 
 NAME = "edf"
@@ -61,15 +68,15 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
     if others:
         notes.append(f"{sum(n for _, n in others)} channels of other rates than {rate:g} Hz left out")
     notes += _by_bids(file.path, names, units)
-    rate_used = request.rate or rate
+    notes += unused_rate(request.rate, rate)
 
     def chunks() -> Iterator[SignalChunk]:
         for start in range(0, count, CHUNK):
             stop = min(start + CHUNK, count)
             values = np.column_stack([signal.get_data_slice(start / rate, stop / rate) for signal in signals])
-            yield SignalChunk(floats(np.arange(start, stop) / rate_used), floats(values))
+            yield SignalChunk(floats(np.arange(start, stop) / rate), floats(values))
 
-    return SignalRecord(unique_names(names), tuple(units), rate_used, 0.0, NAME, notes, chunks)
+    return SignalRecord(unique_names(names), tuple(units), rate, 0.0, NAME, notes, chunks)
 
 
 def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa: ARG001 - annotations carry their times

@@ -8,6 +8,7 @@ import numpy as np
 from higvf_console.arrays import Floats, floats
 from higvf_console.errors import InputError
 
+_SAME_RATE = 0.01  # rates that differ by a smaller share are one
 CHUNK = 512  # samples of a chunk at most: read within a fraction of a control period
 
 
@@ -17,14 +18,16 @@ class SignalRequest(NamedTuple):
     Attributes:
         format: name of a format; None = by content.
         stream: words that name one stream by type, name, source or number, joined by `+`; None = the only one.
-        rate: of the samples [Hz]; None = what the file says.
+        rate: of samples that have no times [Hz]; None = unknown.
         channels: names of the channels wanted, in this order; empty = all.
+        stream_option: how messages call the option that names the stream.
     """
 
     format: str | None = None
     stream: str | None = None
     rate: float | None = None
     channels: tuple[str, ...] = ()
+    stream_option: str = "stream"
 
 
 class SignalChunk(NamedTuple):
@@ -89,6 +92,12 @@ def pick_channels(record: SignalRecord, wanted: Sequence[str], place: str) -> Si
     return record._replace(
         names=tuple(record.names[k] for k in columns), units=tuple(record.units[k] for k in columns), chunks=chunks
     )
+
+
+def unused_rate(given: float | None, rate: float) -> list[str]:
+    """A note where a person says another rate [Hz] than the file itself, which is believed."""
+    other = given is not None and abs(given - rate) > _SAME_RATE * rate
+    return [f"the rate given, {given:g} Hz, is not used: the file has its own, {rate:g} Hz"] if other else []
 
 
 def unique_names(names: Sequence[str]) -> tuple[str, ...]:

@@ -11,7 +11,14 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.errors import InputError
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.sample_clock import SampleClock, estimate_rate
-from higvf_interfaces.formats.signal_records import CHUNK, SignalChunk, SignalRecord, SignalRequest, unique_names
+from higvf_interfaces.formats.signal_records import (
+    CHUNK,
+    SignalChunk,
+    SignalRecord,
+    SignalRequest,
+    unique_names,
+    unused_rate,
+)
 from higvf_interfaces.formats.text import number
 
 LOWEST_RATE, HIGHEST_RATE = 0.1, 100_000.0  # [Hz]
@@ -108,7 +115,8 @@ def _timing(table: SampleTable, given: float | None, notes: list[str]) -> tuple[
     if not head:
         raise InputError(f"{table.path}: the {table.format} table has no samples")
     stamps = _stamps(table, head)
-    rate = given or table.rate or estimate_rate(stamps)
+    told = estimate_rate(stamps)
+    rate = (table.rate or told) if np.isfinite(told) else (given or table.rate or told)
     if not LOWEST_RATE <= rate <= HIGHEST_RATE:
         raise InputError(
             f"{table.path}: the samples have no times and the file says no rate; give rate=HZ (or period=SECONDS), "
@@ -150,6 +158,8 @@ def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[st
     if table.time is None:
         how = "the rate given" if given else "the rate that the file says"
         notes.append(f"no times in the file: indexed at {how}, {rate:g} Hz")
+    else:
+        notes.extend(unused_rate(given, rate))
     if lost:
         notes.append(f"{lost} samples were lost by the radio link")
     if doubled:

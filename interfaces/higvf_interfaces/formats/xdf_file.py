@@ -105,7 +105,12 @@ def survey(path: Path) -> Survey:
 
 
 def choose(
-    path: Path, streams: Sequence[XdfStream], wanted: str | None, candidates: Sequence[XdfStream], what: str
+    path: Path,
+    streams: Sequence[XdfStream],
+    wanted: str | None,
+    candidates: Sequence[XdfStream],
+    what: str,
+    option: str = "stream",
 ) -> XdfStream:
     """The candidate that `wanted` names, or the only one there is.
 
@@ -115,6 +120,7 @@ def choose(
         wanted: words joined by `+`, each the type, name, source id or number of the stream.
         candidates: those among which it is.
         what: how messages call these.
+        option: how they call what gives `wanted`.
 
     Raises:
         InputError: none or several fit; the message lists what there is.
@@ -124,8 +130,8 @@ def choose(
     if len(fit) == 1:
         return fit[0]
     listed = "; ".join(map(str, streams)) or "none"
-    asked = f"stream={(wanted or '')[:80]} fits" if words else "the file has"
-    way_out = "; choose one by stream=TYPE, NAME, SOURCE or NUMBER, or several of these joined by +"
+    asked = f"{option}={(wanted or '')[:80]} fits" if words else "the file has"
+    way_out = f"; choose one by {option}=TYPE, NAME, SOURCE or NUMBER, or several of these joined by +"
     raise InputError(f"{path}: {asked} {len(fit)} {what}{way_out if streams else ''}; the file has: {listed}")
 
 

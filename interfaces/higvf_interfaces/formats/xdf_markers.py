@@ -30,7 +30,7 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
     """
     streams = xdf_file.survey(file.path).streams
     marks = [stream for stream in streams if stream.marks]
-    stream = xdf_file.choose(file.path, streams, request.stream, marks, "event streams")
+    stream = xdf_file.choose(file.path, streams, request.stream, marks, "event streams", request.stream_option)
     samples = load(file.path, stream, streams)
     notes = cut_off(stream, len(samples.time))
     timed = [

@@ -6,7 +6,14 @@ from higvf_console.arrays import floats
 from higvf_console.errors import InputError
 from higvf_interfaces.formats import xdf_file
 from higvf_interfaces.formats.sample_clock import estimate_rate
-from higvf_interfaces.formats.signal_records import SignalChunk, SignalRecord, SignalRequest, sliced, unique_names
+from higvf_interfaces.formats.signal_records import (
+    SignalChunk,
+    SignalRecord,
+    SignalRequest,
+    sliced,
+    unique_names,
+    unused_rate,
+)
 from higvf_interfaces.formats.text import TextFile
 from higvf_interfaces.formats.xdf_samples import cut_off, load
 
@@ -23,10 +30,10 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
     """
     streams = xdf_file.survey(file.path).streams
     signals = [stream for stream in streams if not stream.marks]
-    stream = xdf_file.choose(file.path, streams, request.stream, signals, "signal streams")
+    stream = xdf_file.choose(file.path, streams, request.stream, signals, "signal streams", request.stream_option)
     samples = load(file.path, stream, streams)
     times, values = samples.time - samples.earliest, floats(samples.values)
-    rate = request.rate or estimate_rate(times)
+    rate = estimate_rate(times)
     if not len(times) or not rate > 0:
         raise InputError(f"{file.path}: the stream {stream.info.name} has too few samples ({len(times)})")
 
@@ -34,7 +41,7 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
         return sliced(times, values)
 
     names, units = (xdf_file.channel_texts(stream.header, key, stream.info.channels) for key in ("label", "unit"))
-    notes = cut_off(stream, len(times))
+    notes = [*cut_off(stream, len(times)), *unused_rate(request.rate, rate)]
     return SignalRecord(unique_names(names), tuple(map(_unit, units)), rate, samples.earliest, NAME, notes, chunks)
 
 
