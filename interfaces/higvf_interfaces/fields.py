@@ -9,6 +9,8 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.errors import HigvfError, InputError
 from higvf_console.interface import InputSpec
 
+_NAMING = "stream marker_stream x y name type source_id host channels format calibration markers"
+NAMES = frozenset(_NAMING.split())  # options that name something, which may be called by a number
 _REPR = reprlib.Repr()
 _REPR.maxlevel, _REPR.maxstring, _REPR.maxother = 3, 80, 80
 
@@ -137,12 +139,17 @@ def is_number(value: object) -> TypeGuard[int | float]:
 
 
 def option_fields(spec: InputSpec, known: Sequence[str]) -> Fields:
-    """An input's options: those of the command line over those of the scenario; numbers in texts become numbers."""
+    """An input's options: those of the command line over those of the scenario; a text that is a number becomes one.
+
+    The options `NAMES` stay texts.
+    """
     place = f"input {spec.channel}={spec.source}" if spec.source else f"input {spec.channel}"
-    return Fields({**spec.settings, **{key: _typed(text) for key, text in spec.options.items()}}, known, place)
+    return Fields({**spec.settings, **{key: _typed(key, text) for key, text in spec.options.items()}}, known, place)
 
 
-def _typed(text: str) -> object:
+def _typed(key: str, text: str) -> object:
+    if key in NAMES:
+        return text
     try:
         return float(text)
     except ValueError:

@@ -23,7 +23,7 @@ def signal_request(options: Fields) -> SignalRequest:
 
 
 def word(options: Fields, key: str) -> str:
-    """A word that may look like a number: the option `stream=2` is stream 2.
+    """A word that may look like a number: in a scenario, `stream: 2` is stream 2.
 
     Raises:
         InputError: neither a text nor a number.
@@ -31,7 +31,7 @@ def word(options: Fields, key: str) -> str:
     value = options.values[key]
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         options.fail(f"{key}: {shown(value)} is not a text")
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
 def words(options: Fields) -> tuple[str, ...]:

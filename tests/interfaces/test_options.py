@@ -1,0 +1,29 @@
+"""Options of the command line are numbers where they can be, and names where they must be."""
+
+from collections.abc import Callable
+
+import pytest
+
+from higvf_console.interface import InputSpec
+from higvf_interfaces.bci import open_bci
+from higvf_interfaces.fields import NAMES, option_fields
+from higvf_interfaces.lsl import Wish, wish_of
+from higvf_interfaces.recorded_options import word
+from tests.interfaces.xdf_files import Stream, xdf
+
+
+@pytest.mark.parametrize("text", ["46202862", "1e3", "007", "nan", "2"])
+def test_a_name_that_looks_like_a_number_is_a_name(text: str) -> None:
+    options = option_fields(InputSpec("bci", "lsl", dict.fromkeys(NAMES, text)), tuple(NAMES))
+    assert {key: word(options, key) for key in NAMES} == dict.fromkeys(NAMES, text)
+    assert wish_of(options, Wish()) == Wish(text, text, text, text)
+
+
+def test_a_name_that_a_scenario_gives_as_a_number_keeps_its_digits() -> None:
+    options = option_fields(InputSpec("bci", settings={"stream": 46202862, "source_id": 20200713.0}), tuple(NAMES))
+    assert (word(options, "stream"), word(options, "source_id")) == ("46202862", "20200713")
+
+
+def test_a_stream_of_digits_can_be_chosen(write: Callable[..., str]) -> None:
+    file = write(xdf(*(Stream(name, "Markers", "", 0.0, [1.0], ["stop"]) for name in ("20200713", "20200714"))))
+    open_bci(InputSpec("bci", file, {"stream": "20200713"}))
