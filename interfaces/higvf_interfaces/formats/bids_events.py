@@ -5,7 +5,7 @@ import math
 from higvf_console.errors import InputError
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signal_records import SignalRequest
-from higvf_interfaces.formats.text import Column, TextFile, cell, number
+from higvf_interfaces.formats.text import Column, TextFile, as_label, cell, number
 
 NAME = "bids-events"
 TITLE = "BIDS events.tsv (onset, duration, trial_type)"
@@ -48,5 +48,5 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
 
 
 def _label(row: list[str], columns: list[Column]) -> str:
-    texts = (cell(row, column) for column in columns)
+    texts = (as_label(cell(row, column)) for column in columns)
     return next((text for text in texts if text.casefold() not in _MISSING), "")

@@ -11,9 +11,9 @@ from typing import NamedTuple, cast
 
 from higvf_console.errors import InputError
 from higvf_interfaces.fields import is_number
-from higvf_interfaces.formats.gaze_csv import TIMES, time_scale
+from higvf_interfaces.formats.gaze_csv import TIMES, seconds_of
 from higvf_interfaces.formats.records import CommandLog, Decision, log_start
-from higvf_interfaces.formats.text import TextFile, cell, number
+from higvf_interfaces.formats.text import TextFile, as_label, cell, number, without_milliseconds
 
 CSV_NAME, JSON_NAME = "command-csv", "command-jsonl"
 CSV_TITLE = "command log CSV (time,label[,confidence])"
@@ -54,13 +54,15 @@ def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
         raise InputError(f"{file.path}: no time column (one of {', '.join(TIMES)}); {_WAY_OUT}; has: {file.titles}")
     if label is None:
         raise InputError(f"{file.path}: no label column (one of {', '.join(LABELS)}); has: {file.titles}")
-    scale = time_scale(file)
+    seconds = seconds_of(file.path, time)
     entries: list[_Entry] = []
     notes: list[str] = []
     for index, row in enumerate(file.rows(notes), start=1):
         trust = cell(row, confidence)
         entries.append(
-            _Entry(f"row {index}", number(cell(row, time)) * scale, cell(row, label), number(trust) if trust else None)
+            _Entry(
+                f"row {index}", seconds(cell(row, time)), as_label(cell(row, label)), number(trust) if trust else None
+            )
         )
     return _log(file, entries, CSV_NAME, notes, period)
 
@@ -94,9 +96,8 @@ def _objects(file: TextFile, broken: list[int]) -> Iterator[_Entry]:
         label = next((fields[key] for key in LABELS if key in fields), "")
         trust = fields.get("confidence")
         time = _number(next((fields[key] for key in TIMES if key in fields), None))
-        scale = 1e-3 if "time_ms" in fields else 1.0
-        text = str(label).strip() if isinstance(label, str | int) else ""
-        yield _Entry(f"line {index}", time * scale, text, None if trust is None else _number(trust))
+        time = time * 1e-3 if "time_ms" in fields else without_milliseconds(time)
+        yield _Entry(f"line {index}", time, as_label(label), None if trust is None else _number(trust))
 
 
 def _number(value: object) -> float:

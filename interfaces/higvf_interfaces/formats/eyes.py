@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 Eye = tuple[float, float]  # x, y; NaN where missing
 NO_EYE: Eye = (math.nan, math.nan)
-_NO = ("", "0", "0.0", "false", "no", "invalid", "n/a", "nan")
+_NO = ("0", "0.0", "false", "no", "invalid", "n/a", "nan")
 
 
 def both(eyes: Iterable[Eye]) -> Eye:
@@ -18,4 +18,9 @@ def both(eyes: Iterable[Eye]) -> Eye:
 
 def says_yes(text: str) -> bool:
     """Whether a cell affirms: 1, True, Valid and the like; an empty one does not."""
-    return text.casefold() not in _NO
+    return text != "" and not says_no(text)
+
+
+def says_no(text: str) -> bool:
+    """Whether a cell denies: 0, False, Invalid and the like; an empty one does not."""
+    return text.casefold() in _NO

@@ -4,17 +4,24 @@ Delimiter comma, semicolon or tab. The time is in seconds unless the title carri
 settles the frame (`x [m]` arena, `x [px]` screen), which must be declared otherwise.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
+import numpy as np
+
+from higvf_console.arrays import floats
 from higvf_console.errors import InputError
+from higvf_interfaces.formats.clock import unit_by_steps
+from higvf_interfaces.formats.eyes import says_no
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
-from higvf_interfaces.formats.text import TIME_UNITS, TextFile, cell, number
+from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, epoch_seconds, number
 
 NAME = "gaze-csv"
 TITLE = "plain gaze CSV (time,x,y[,confidence])"
 TIMES = ("time", "timestamp", "t", "time_s", "time_ms")
 _FRAMES = {"m": "arena", "px": "screen"}
-_FALSE = ("0", "false", "no", "invalid")
+_LOOKED_AT = 2000  # rows
+_TELLING = 10  # so many times tell their unit
 
 
 def matches(file: TextFile) -> bool:
@@ -26,7 +33,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     """Begins to read.
 
     Raises:
-        InputError: no time column, no x and y columns, or an unknown unit of time.
+        InputError: no time column, no x and y columns, or a unit of time that is unknown or cannot be seconds.
     """
     time, x, y = file.find(*TIMES), file.find("x"), file.find("y")
     if time is None:
@@ -34,14 +41,16 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     if x is None or y is None:
         raise InputError(f"{file.path}: no gaze columns (x and y); has: {file.titles}")
     confidence, validity = file.find("confidence"), file.find("valid")
-    scale = time_scale(file)
+    seconds = seconds_of(file.path, time)
+    if seconds is epoch_seconds:
+        _check_steps(file, time)
     notes: list[str] = []
 
     def rows() -> Iterator[Row]:
         for row in file.rows(notes):
-            vouched = cell(row, validity).casefold() not in _FALSE
+            vouched = not says_no(cell(row, validity))
             point = number(cell(row, x)), number(cell(row, y))
-            yield number(cell(row, time)) * scale, *point, vouched, number(cell(row, confidence))
+            yield seconds(cell(row, time)), *point, vouched, number(cell(row, confidence))
 
     return GazeStream(
         format=NAME,
@@ -54,14 +63,26 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     )
 
 
-def time_scale(file: TextFile) -> float:
-    """Seconds in one unit of the time column.
+def seconds_of(path: Path, time: Column | None) -> Callable[[str], float]:
+    """What reads cells of a column of times as seconds: by the unit of its title, or by `epoch_seconds` without one.
 
     Raises:
-        InputError: the title carries a unit that is none of time.
+        InputError: the title carries a unit that is none of time; the message begins with `path`.
     """
-    time = file.find(*TIMES)
-    unit = "" if time is None else "ms" if time.name == "time_ms" else time.unit
-    if unit and unit not in TIME_UNITS:
-        raise InputError(f"{file.path}: {unit[:80]!r} is not a unit of time; known units: {', '.join(TIME_UNITS)}")
-    return TIME_UNITS[unit or "s"]
+    unit = "" if time is None else {"time_s": "s", "time_ms": "ms"}.get(time.name, time.unit)
+    if not unit:
+        return epoch_seconds
+    if unit not in TIME_UNITS:
+        raise InputError(f"{path}: {unit[:80]!r} is not a unit of time; known units: {', '.join(TIME_UNITS)}")
+    return lambda text: number(text) * TIME_UNITS[unit]
+
+
+def _check_steps(file: TextFile, time: Column) -> None:
+    """Refuses a column without unit whose times cannot be seconds of gaze."""
+    times = floats([epoch_seconds(cell(row, time)) for row in file.first_rows(_LOOKED_AT)])
+    unit = unit_by_steps(times)
+    if np.count_nonzero(np.isfinite(times)) > _TELLING and unit != "s":
+        raise InputError(
+            f"{file.path}: {time.title} names no unit, and its steps are too long for gaze in seconds; write the unit "
+            f"into that title, perhaps {time.title} [{unit}]"
+        )

@@ -14,8 +14,8 @@ from itertools import islice
 from higvf_console.errors import InputError
 from higvf_interfaces.formats.records import CommandLog
 from higvf_interfaces.formats.signal_records import SignalRecord, SignalRequest
-from higvf_interfaces.formats.signal_table import SampleTable, epoch_seconds, table_markers, table_signals
-from higvf_interfaces.formats.text import TextFile
+from higvf_interfaces.formats.signal_table import SampleTable, table_markers, table_signals
+from higvf_interfaces.formats.text import TextFile, epoch_seconds
 
 NAME = "openbci-txt"
 TITLE = "OpenBCI GUI text (% lines, then Sample Index, channels in uV)"

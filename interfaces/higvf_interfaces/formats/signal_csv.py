@@ -7,14 +7,13 @@ Every further column whose first row is a number is a channel. The stamps of suc
 
 import math
 from collections.abc import Iterator
-from itertools import islice
 
 from higvf_console.errors import InputError
-from higvf_interfaces.formats.gaze_csv import TIMES
+from higvf_interfaces.formats.gaze_csv import TIMES, seconds_of
 from higvf_interfaces.formats.records import CommandLog
 from higvf_interfaces.formats.signal_records import SignalRecord, SignalRequest
-from higvf_interfaces.formats.signal_table import SampleTable, epoch_seconds, table_markers, table_signals
-from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, number
+from higvf_interfaces.formats.signal_table import SampleTable, table_markers, table_signals
+from higvf_interfaces.formats.text import Column, TextFile, cell, number
 
 NAME = "signal-csv"
 TITLE = "table of samples (timestamps, one column a channel[, Marker0])"
@@ -35,7 +34,7 @@ def matches(file: TextFile) -> bool:
 def matches_marked(file: TextFile) -> bool:
     """Whether there is a marker column as well, in which nothing is marked at first."""
     marker = file.find(*_MARKERS)
-    return matches(file) and marker is not None and cell(_head(file)[0], marker) in _UNMARKED
+    return matches(file) and marker is not None and cell(file.first_rows(1)[0], marker) in _UNMARKED
 
 
 def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
@@ -60,12 +59,6 @@ def _table(file: TextFile, name: str) -> SampleTable:
     time, channels = file.find(*STAMPS), _channels(file)
     if not channels:
         raise InputError(f"{file.path}: no column of numbers beside the time; has: {file.titles}")
-    unit = "ms" if time is not None and time.name == "time_ms" else time.unit if time is not None else ""
-    if unit and unit not in TIME_UNITS:
-        raise InputError(f"{file.path}: {unit[:80]!r} is not a unit of time; known units: {', '.join(TIME_UNITS)}")
-
-    def seconds(text: str) -> float:
-        return number(text) * TIME_UNITS[unit] if unit else epoch_seconds(text)
 
     def rows(notes: list[str]) -> Iterator[list[str]]:
         return file.rows(notes)
@@ -73,23 +66,16 @@ def _table(file: TextFile, name: str) -> SampleTable:
     marker = file.find(*_MARKERS)
     return SampleTable(
         file.path, name, rows, tuple(c.place for c in channels), tuple(c.title.strip() for c in channels),
-        tuple(c.unit for c in channels), None if time is None else time.place, seconds, None,
+        tuple(c.unit for c in channels), None if time is None else time.place, seconds_of(file.path, time), None,
         None if marker is None else marker.place, None,
     )  # fmt: skip
 
 
 def _channels(file: TextFile) -> list[Column]:
-    rows = _head(file)
+    rows = file.first_rows(_LOOKED_AT)
     skipped = {*STAMPS, *_MARKERS}
     candidates = [c for c in file.columns if c.name not in skipped and c.name]
     return [c for c in candidates if any(math.isfinite(number(cell(row, c))) for row in rows)]
-
-
-def _head(file: TextFile) -> list[list[str]]:
-    try:
-        return list(islice(file.rows([]), _LOOKED_AT))
-    except InputError:  # it is no table at all
-        return []
 
 
 def _names(file: TextFile) -> set[str]:

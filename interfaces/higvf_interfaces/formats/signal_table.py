@@ -19,11 +19,10 @@ from higvf_interfaces.formats.signal_records import (
     unique_names,
     unused_rate,
 )
-from higvf_interfaces.formats.text import number
+from higvf_interfaces.formats.text import as_label, number, plain
 
 LOWEST_RATE, HIGHEST_RATE = 0.1, 100_000.0  # [Hz]
 _HEAD = 4096  # samples that tell the rate
-_MS_FROM = 1e11  # an epoch that large counts milliseconds, not seconds
 _COUNTER = 256  # an OpenBCI Cyton counts its samples modulo this
 
 
@@ -103,12 +102,6 @@ def table_markers(table: SampleTable, request: SignalRequest) -> CommandLog:
     return CommandLog(tuple(decisions), epoch, table.format, tuple(notes))
 
 
-def epoch_seconds(text: str) -> float:
-    """A stamp in seconds or, where it is that large, in milliseconds since an epoch, in seconds."""
-    value = number(text)
-    return value * 1e-3 if value > _MS_FROM else value
-
-
 def _timing(table: SampleTable, given: float | None, notes: list[str]) -> tuple[float, float]:
     """Rate [Hz] and device time of the first sample [s], from the first block."""
     head = list(islice(_rows(table, notes), _HEAD))
@@ -171,7 +164,7 @@ def _stamps(table: SampleTable, rows: list[list[str]]) -> Floats:
     if table.time is None:
         return np.full(len(rows), np.nan)
     place, seconds = table.time, table.seconds
-    return floats([seconds(row[place]) if place < len(row) else np.nan for row in rows])
+    return floats([seconds(plain(row[place])) if place < len(row) else np.nan for row in rows])
 
 
 def _counted(counter: Floats, before: float) -> tuple[Floats, bool]:
@@ -184,12 +177,12 @@ def _counted(counter: Floats, before: float) -> tuple[Floats, bool]:
 
 
 def _cell(row: list[str], column: int | None) -> float:
-    return number(row[column].strip()) if column is not None and column < len(row) else np.nan
+    return number(plain(row[column])) if column is not None and column < len(row) else np.nan
 
 
 def _label(row: list[str], column: int | None) -> str:
-    text = row[column].strip() if column is not None and column < len(row) else ""
+    text = plain(row[column]) if column is not None and column < len(row) else ""
     value = number(text)
     if not np.isfinite(value):
         return text
-    return "" if value == 0 else f"{value:g}"
+    return "" if value == 0 else as_label(value)

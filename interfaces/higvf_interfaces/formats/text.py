@@ -1,11 +1,13 @@
 """Text tables as people export them: any Unicode encoding, tabs, commas or semicolons, decimal comma or point."""
 
 import codecs
+import contextlib
 import csv
 import gzip
 import itertools
 import math
 import os
+import re
 import unicodedata
 import zlib
 from collections.abc import Iterator
@@ -18,6 +20,8 @@ from higvf_interfaces.paths import named
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "us": 1e-6, "ns": 1e-9}  # [s]; NFKC makes both mu this one
 _HEAD = 65_536  # bytes that settle encoding and delimiter
 _LONGEST_LINE = 1_000_000  # letters; what has none shorter is no text
+_MS_FROM = 1e11  # an epoch that large counts milliseconds, not seconds
+_WHOLE = re.compile(r"([+-]?\d+)[.,]0")
 _GZIP = b"\x1f\x8b"
 _BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
@@ -113,6 +117,13 @@ class TextFile(NamedTuple):
         except csv.Error as problem:
             raise InputError(f"{self.path}: is not a table: {problem}") from problem
 
+    def first_rows(self, count: int) -> list[list[str]]:
+        """Cells of at most `count` rows below the header, as far as they can be read."""
+        rows: list[list[str]] = []
+        with contextlib.suppress(InputError):
+            rows.extend(itertools.islice(self.rows([]), count))
+        return rows
+
     def _open(self) -> IO[str]:
         if self.packed:
             return gzip.open(self.path, "rt", encoding=self.encoding, errors="replace")
@@ -149,8 +160,14 @@ def look(source: str) -> TextFile:
 
 
 def cell(row: list[str], column: Column | None) -> str:
-    """The text of a cell, stripped; empty where column or cell is missing."""
-    return row[column.place].strip() if column is not None and column.place < len(row) else ""
+    """The text of a cell, plain; empty where column or cell is missing."""
+    return plain(row[column.place]) if column is not None and column.place < len(row) else ""
+
+
+def plain(text: str) -> str:
+    """A cell without the blanks around it and the quotes that some programs put around all texts of a table."""
+    text = text.strip()
+    return text[1:-1].strip() if len(text) > 1 and text[0] == text[-1] == '"' else text
 
 
 def number(text: str) -> float:
@@ -163,6 +180,27 @@ def number(text: str) -> float:
     except ValueError:
         return math.nan
     return value if math.isfinite(value) else math.nan
+
+
+def epoch_seconds(text: str) -> float:
+    """A stamp in seconds or, where it is that large, in milliseconds since an epoch, in seconds."""
+    return without_milliseconds(number(text))
+
+
+def without_milliseconds(stamp: float) -> float:
+    """A stamp that has no unit, in seconds: so large a one counts milliseconds since an epoch."""
+    return stamp * 1e-3 if stamp > _MS_FROM else stamp
+
+
+def as_label(value: object) -> str:
+    """A label as it is known: the number 1 is `1`, also where a program wrote it as 1.0; empty where it is none."""
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        return ""
+    if isinstance(value, float):
+        return f"{value:.15g}" if math.isfinite(value) else ""
+    text = str(value).strip()
+    whole = _WHOLE.fullmatch(text)
+    return whole[1] if whole else text
 
 
 def _ends(path: Path) -> tuple[bytes, bytes, bool]:

@@ -2,7 +2,6 @@
 
 import itertools
 import json
-import math
 from collections.abc import Sequence
 from typing import cast
 
@@ -14,7 +13,7 @@ from higvf_interfaces.formats import xdf_file
 from higvf_interfaces.formats.command_log import LABELS
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signal_records import SignalRequest
-from higvf_interfaces.formats.text import TextFile
+from higvf_interfaces.formats.text import TextFile, as_label
 from higvf_interfaces.formats.xdf_samples import cut_off, load
 
 NAME = "xdf-markers"
@@ -59,14 +58,12 @@ def decision_of(time: float, text: str) -> Decision | None:
     label = next((fields[key] for key in LABELS if key in fields), None)
     trust = fields.get("confidence", fields.get("probability"))
     confidence = float(trust) if is_number(trust) and 0 <= trust <= 1 else None
-    if not isinstance(label, str | int | float) or (isinstance(label, float) and not math.isfinite(label)):
-        return None
-    return Decision(time, str(label).strip(), confidence) if str(label).strip() else None
+    return Decision(time, known, confidence) if (known := as_label(label)) else None
 
 
 def label_of(sample: object) -> str:
     """A marker as one text; shown shortened where it is none."""
     value = cast(Sequence[object], sample)[0] if isinstance(sample, list | np.ndarray) and len(sample) else sample
     if isinstance(value, float | np.floating):
-        return f"{float(value):g}"
-    return value.strip() if isinstance(value, str) else shown(value)
+        return as_label(float(value))
+    return as_label(value) if isinstance(value, str) else shown(value)
