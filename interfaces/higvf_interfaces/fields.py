@@ -39,9 +39,9 @@ class Fields:
             if key not in known:
                 self.fail(f"unknown key {shown(key)}; known keys: {', '.join(known)}")
 
-    def fail(self, text: str) -> NoReturn:
-        """Raises the error of this mapping with its place before `text`."""
-        raise self._error(f"{self.place}: {text}")
+    def fail(self, text: str, error: type[HigvfError] | None = None) -> NoReturn:
+        """Raises the error of this mapping, or `error`, with its place before `text`."""
+        raise (error or self._error)(f"{self.place}: {text}")
 
     def has(self, key: str) -> bool:
         """Whether `key` is given."""

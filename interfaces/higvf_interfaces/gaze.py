@@ -52,6 +52,15 @@ class Box(NamedTuple):
 BUTTON = Box(0.0, 0.85, 0.1, 1.0)  # the bottom left corner: the arena is letterboxed, and the eye seldom there
 
 
+class Manner(NamedTuple):
+    """How gaze draws: its clutch and button, whether the browser's view counts, whether a path waits for `confirm`."""
+
+    clutch: str
+    box: Box
+    follows_browser: bool
+    waits: bool
+
+
 class GazeReplay:
     """A gaze recording on the session clock, or a live stream."""
 
@@ -62,10 +71,7 @@ class GazeReplay:
             InputError: the recording or an option cannot be used.
         """
         options = option_fields(spec, OPTIONS)
-        self._clutch = options.choice("clutch", "held", CLUTCHES)
-        self._box = _button(options)
-        self._follows_browser = options.choice("viewport", "fit", ("fit", "browser")) == "browser"
-        self._waits = options.choice("commit", "at-once", ("at-once", "confirm")) == "confirm"
+        self._clutch, self._box, self._follows_browser, self._waits = manner(options)
         self._live = LiveGaze(spec, options) if lsl.is_live(spec.source) else None
         self._source = self._live or GazeSource(spec, options)
         self._playback = GazePlayback(self._source.pieces) if isinstance(self._source, GazeSource) else self._source
@@ -259,6 +265,20 @@ class GazeReplay:
 def open_gaze(spec: InputSpec) -> GazeReplay:
     """Entry point `gaze`; the options are in interfaces/README.md."""
     return GazeReplay(spec)
+
+
+def manner(options: Fields) -> Manner:
+    """What the options say of drawing.
+
+    Raises:
+        InputError: one cannot be used.
+    """
+    return Manner(
+        clutch=options.choice("clutch", "held", CLUTCHES),
+        box=_button(options),
+        follows_browser=options.choice("viewport", "fit", ("fit", "browser")) == "browser",
+        waits=options.choice("commit", "at-once", ("at-once", "confirm")) == "confirm",
+    )
 
 
 def _button(options: Fields) -> Box:

@@ -14,7 +14,7 @@ from higvf_interfaces.formats import gaze_xdf
 from higvf_interfaces.formats.reading import GazeFile, stream_gaze
 from higvf_interfaces.formats.records import GazeBlock, GazeStream, Wanted
 from higvf_interfaces.pieces import Pixels, piece_by_block
-from higvf_interfaces.screens import choose_screen, on_screen, to_pixels
+from higvf_interfaces.screens import UnusableError, choose_screen, on_screen, to_pixels
 
 OPTIONS = (
     "format", "stream", "x", "y", "frame", "origin", "screen", "calibration", "px_per_deg", "method", "start",
@@ -38,7 +38,8 @@ class GazeSource:
         """Opens `spec.source` and looks for gaze in it.
 
         Raises:
-            InputError: the recording or an option cannot be used, or no sample is valid, trusted and on the screen.
+            InputError: the recording or an option cannot be used.
+            UnusableError: its frame is unknown, or no sample is valid, trusted and on the screen.
         """
         self._spec, self._options = spec, options
         self._format = options.text("format") if options.has("format") else None
@@ -107,7 +108,7 @@ class GazeSource:
             samples += len(block.time)
             valid = valid or bool(block.valid.any())
         if not valid:
-            self._options.fail(f"none of the {samples} gaze samples is valid")
+            self._options.fail(f"none of the {samples} gaze samples is valid", UnusableError)
         self._options.fail(
-            "no gaze sample is trusted and on the screen; check frame, origin, screen and min_confidence"
+            "no gaze sample is trusted and on the screen; check frame, origin, screen and min_confidence", UnusableError
         )

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from higvf_console.errors import InputError
 from higvf_interfaces.becoming import Becoming
 from higvf_interfaces.describing import Request, description, write_picture
 from higvf_interfaces.formats import gaze_xdf
@@ -12,6 +11,7 @@ from higvf_interfaces.formats.reading import GAZE_FORMATS, GazeFile, choose_form
 from higvf_interfaces.formats.records import GazeBlock, Wanted
 from higvf_interfaces.gaze_source import GazeSource
 from higvf_interfaces.pieces import Pixels, classify_blocks
+from higvf_interfaces.screens import UnusableError
 
 
 def knows(request: Request) -> bool:
@@ -34,7 +34,7 @@ def describe(request: Request) -> Mapping[str, object]:
     tally = Tally()
     try:
         source = GazeSource(request.spec, request.options)
-    except InputError as problem:
+    except UnusableError as problem:
         return _unusable(request, tally, str(problem))
     becoming = Becoming(source.screen, source.px_per_deg, request.spec.arena)
     for piece in classify_blocks(_counted(source, tally), source.px_per_deg, source.method):

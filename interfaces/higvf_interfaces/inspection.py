@@ -10,29 +10,47 @@ from typing import NamedTuple
 
 from higvf_console.errors import InputError
 from higvf_console.interface import InputSpec
-from higvf_interfaces import inspect_commands, inspect_gaze, inspect_signals, inspect_streams
+from higvf_interfaces import (
+    decisions,
+    gaze,
+    inspect_commands,
+    inspect_gaze,
+    inspect_signals,
+    inspect_streams,
+    lsl,
+)
+from higvf_interfaces.debouncer import Evidence
 from higvf_interfaces.describing import Request
-from higvf_interfaces.fields import option_fields
+from higvf_interfaces.emulation import error_model
+from higvf_interfaces.fields import Fields, option_fields
 from higvf_interfaces.formats.reading import GAZE_FORMATS, unknown_format
 from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, SIGNAL_FORMATS
 from higvf_interfaces.formats.text import look
-from higvf_interfaces.gaze_source import OPTIONS
-from higvf_interfaces.recorded_options import RECORDED
+from higvf_interfaces.interpretation import Interpreter
+from higvf_interfaces.recorded_options import signal_request
+
+OPTIONS = tuple(dict.fromkeys(key for key in (*gaze.OPTIONS, *decisions.OPTIONS) if key not in lsl.OPTIONS))
 
 
 class Kind(NamedTuple):
-    """A kind of file: what it is called, how to know one, and how to describe it."""
+    """A kind of file: its name, how to know one, how to describe it, and what refuses wrong options of its channel."""
 
     name: str
     knows: Callable[[Request], bool]
     describe: Callable[[Request], Mapping[str, object]]
+    check: Callable[[Fields], object]
+
+
+def _deciding(options: Fields) -> None:
+    Interpreter({}, options, Evidence())
+    error_model(options)
 
 
 KINDS: tuple[Kind, ...] = (
-    Kind("gaze", inspect_gaze.knows, inspect_gaze.describe),
-    Kind("signals", inspect_signals.knows, inspect_signals.describe),
-    Kind("commands", inspect_commands.knows, inspect_commands.describe),
-    Kind("streams", inspect_streams.knows, inspect_streams.describe),
+    Kind("gaze", inspect_gaze.knows, inspect_gaze.describe, gaze.manner),
+    Kind("signals", inspect_signals.knows, inspect_signals.describe, _deciding),
+    Kind("commands", inspect_commands.knows, inspect_commands.describe, _deciding),
+    Kind("streams", inspect_streams.knows, inspect_streams.describe, signal_request),
 )
 
 
@@ -49,13 +67,13 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
         warnings, what it becomes, and what else its kind has to say.
 
     Raises:
-        InputError: the file is of no known kind, or cannot be read; the message gives the way out.
+        InputError: the file is of no known kind, or cannot be read, or an option is wrong; the message gives the way
+            out.
     """
-    request = Request(
-        spec, look(spec.source), option_fields(spec, tuple(dict.fromkeys((*OPTIONS, *RECORDED)))), plot, steps
-    )
+    request = Request(spec, look(spec.source), option_fields(spec, OPTIONS), plot, steps)
     for kind in KINDS:
         if kind.knows(request):
+            kind.check(request.options)
             return kind.describe(request)
     sought = [(known.name, known.title) for known in (*GAZE_FORMATS, *SIGNAL_FORMATS, *DECISION_FORMATS)]
     if request.options.has("format"):

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.arrays import Bools, Floats, bools, floats
+from higvf_console.errors import InputError
 from higvf_console.viewport import Arena, Viewport, fit
 from higvf_interfaces.calibration import Calibration, read_calibration, to_arena
 from higvf_interfaces.fields import Fields, shown
@@ -12,6 +13,10 @@ from higvf_interfaces.formats.records import BOTTOM_LEFT, FRAMES, ORIGINS, SCENE
 from higvf_interfaces.paths import named
 
 DEFAULT_SCREEN = (1920.0, 1080.0)  # [px]
+
+
+class UnusableError(InputError):
+    """A recording can be read, and its gaze cannot be used: its frame is unknown, or no sample is on the screen."""
 
 
 class Screen(NamedTuple):
@@ -36,13 +41,14 @@ def choose_screen(stream: GazeStream, options: Fields, arena: Arena) -> Screen:
     """What the options say of the screen, else what the file says, else what is usual.
 
     Raises:
-        InputError: an option cannot be used, or nobody says what the points are.
+        InputError: an option cannot be used.
+        UnusableError: nobody says what the points are.
     """
     text = options.text("calibration") if options.has("calibration") else ""
     calibration = read_calibration(named(text)) if text else None
-    frame = _choose_frame(stream, options, calibration is not None)
     origin = options.choice("origin", stream.origin.replace(" ", "-"), [name.replace(" ", "-") for name in ORIGINS])
     size, notes = _choose_size(stream, options, calibration)
+    frame = _choose_frame(stream, options, calibration is not None)
     return Screen(frame, origin.replace("-", " "), fit(arena, *size), calibration, notes)
 
 
@@ -98,12 +104,14 @@ def _choose_frame(stream: GazeStream, options: Fields, calibrated: bool) -> str:
         options.fail(
             "gaze is in the image of a camera on the head, which moves over the screen; map it onto the screen in the "
             "maker's software (a surface with markers) and give that table, or give calibration=FILE, or, if the head "
-            f"was still and the camera saw just the screen, frame={SCENE_FRAMES[recorded]}"
+            f"was still and the camera saw just the screen, frame={SCENE_FRAMES[recorded]}",
+            UnusableError,
         )
     if recorded is None:
         options.fail(
             "the file does not say what its x and y are; give frame=arena (metres), frame=screen (pixels from the top "
-            "left corner, or origin=bottom-left) or frame=unit (0 to 1 of the screen, likewise)"
+            "left corner, or origin=bottom-left) or frame=unit (0 to 1 of the screen, likewise)",
+            UnusableError,
         )
     return recorded
 

@@ -90,6 +90,38 @@ def test_gaze_without_a_frame_is_told_as_far_as_it_goes_with_the_way_out(tmp_pat
     assert inspected(WRITERS["neon-native"](tmp_path / "folder", eyes()), frame="screen")["frame"] == "screen"
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"frame": "scren"}, {"px_per_deg": "-5"}, {"method": "foo"}, {"calibration": "nofile.yaml"}, {"latency": "abc"},
+        {"screen": "wide"}, {"origin": "middle"}, {"clutch": "foot"}, {"commit": "never"},
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("head", ["time,x [px],y [px]", "time,x,y"])
+def test_a_wrong_option_of_gaze_is_refused_whether_the_frame_is_known_or_not(
+    write: Write, head: str, wrong: dict[str, Any]
+) -> None:
+    with pytest.raises(InputError, match=next(iter(wrong.values()))):
+        inspected(write(f"{head}\n0,1,1\n1,1,1\n"), **wrong)
+
+
+def test_a_wrong_option_of_a_command_log_is_refused(write: Write) -> None:
+    with pytest.raises(InputError, match="votes: 5/3 is not n/m"):
+        inspected(write("time,label\n1,fist\n"), votes="5/3")
+
+
+@pytest.mark.parametrize("options", [{"clutch": "held"}, {"decoder": "lda"}, {"votes": "3/5"}, {"latency": "0.1"}])
+def test_the_options_of_every_channel_are_accepted(write: Write, options: dict[str, Any]) -> None:
+    assert inspected(write("time,x [px],y [px]\n0,1,1\n1,1,1\n"), **options)["kind"] == "gaze"
+    assert inspected(write("time,label\n1,fist\n"), **options)["kind"] == "commands"
+
+
+def test_gaze_of_which_nothing_can_be_used_is_told_with_the_reason(write: Write) -> None:
+    told = inspected(write("time,x [px],y [px]\n0,-9,1\n1,-9,1\n"))
+    assert (told["samples"], told["becomes"]) == (2, {})
+    assert "no gaze sample is trusted and on the screen" in told["warnings"][0]
+
+
 def test_a_heat_map_is_written_on_request(write: Write, tmp_path: Path) -> None:
     inspected(write(drawn_by_eye()), plot=tmp_path / "heat.png")
     picture = cv2.imread(str(tmp_path / "heat.png"))
