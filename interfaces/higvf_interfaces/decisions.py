@@ -48,7 +48,7 @@ class DecisionReplay:
         errors = error_model(options)
         start = options.number("start", 0.0, -1e6, 1e6, "s")
         self._live: lsl.LslReader | None = None
-        if lsl.is_live(spec.source):
+        if lsl.is_live(spec):
             from higvf_interfaces.live_feeds import live_feed  # noqa: PLC0415 - as below
 
             feed = live_feed(options)

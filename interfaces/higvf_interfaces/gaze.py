@@ -72,7 +72,7 @@ class GazeReplay:
         """
         options = option_fields(spec, OPTIONS)
         self._clutch, self._box, self._follows_browser, self._waits = manner(options)
-        self._live = LiveGaze(spec, options) if lsl.is_live(spec.source) else None
+        self._live = LiveGaze(spec, options) if lsl.is_live(spec) else None
         self._source = self._live or GazeSource(spec, options)
         self._playback = GazePlayback(self._source.pieces) if isinstance(self._source, GazeSource) else self._source
         self._arena = spec.arena

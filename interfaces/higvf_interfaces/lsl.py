@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree as ET
 
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.recorded_options import word
 
@@ -50,9 +51,21 @@ class Wish(NamedTuple):
         return all(not wish or wish.casefold() == word.casefold() for wish, word in zip(self, said, strict=True))
 
 
-def is_live(source: str) -> bool:
-    """Whether an input's source is the Lab Streaming Layer rather than a file."""
-    return source.strip().casefold() == SOURCE
+def is_live(spec: InputSpec) -> bool:
+    """Whether an input's source is the Lab Streaming Layer rather than a file.
+
+    Raises:
+        InputError: it is a file, and beside it stands an option that chooses a stream.
+    """
+    if spec.source.strip().casefold() == SOURCE:
+        return True
+    for key in OPTIONS:
+        if key in spec.options:
+            raise InputError(
+                f"input {spec.channel}={spec.source}: {key} chooses a live stream, and this is a file; "
+                f"give {SOURCE} in its place, or leave {key} out"
+            )
+    return False
 
 
 def library() -> Any:

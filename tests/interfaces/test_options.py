@@ -4,9 +4,12 @@ from collections.abc import Callable
 
 import pytest
 
+from higvf_console.errors import InputError
 from higvf_console.interface import InputSpec
+from higvf_interfaces import lsl
 from higvf_interfaces.bci import open_bci
 from higvf_interfaces.fields import NAMES, option_fields
+from higvf_interfaces.gaze import open_gaze
 from higvf_interfaces.lsl import Wish, wish_of
 from higvf_interfaces.recorded_options import word
 from tests.interfaces.xdf_files import Stream, xdf
@@ -27,3 +30,16 @@ def test_a_name_that_a_scenario_gives_as_a_number_keeps_its_digits() -> None:
 def test_a_stream_of_digits_can_be_chosen(write: Callable[..., str]) -> None:
     file = write(xdf(*(Stream(name, "Markers", "", 0.0, [1.0], ["stop"]) for name in ("20200713", "20200714"))))
     open_bci(InputSpec("bci", file, {"stream": "20200713"}))
+
+
+@pytest.mark.parametrize(
+    ("opened", "head"), [(open_gaze, "time,x [px],y [px]\n0,1,1\n"), (open_bci, "time,label\n1,stop\n")]
+)
+@pytest.mark.parametrize("key", lsl.OPTIONS)
+def test_an_option_of_a_live_stream_beside_a_file_is_refused(
+    write: Callable[..., str], opened: Callable[[InputSpec], object], head: str, key: str
+) -> None:
+    file = write(head)
+    with pytest.raises(InputError, match=f"{key} chooses a live stream, and this is a file; give lsl in its place"):
+        opened(InputSpec("input", file, {key: "3"}))
+    opened(InputSpec("input", file, settings={key: "3"}))  # a scenario may be made for the live stream
