@@ -225,3 +225,17 @@ def test_any_text_table_may_be_packed(tmp_path: Path) -> None:
     plain = WRITERS["gaze-csv"](tmp_path / "plain", eyes())
     (tmp_path / "packed").write_bytes(gzip.compress(plain.read_bytes()))
     np.testing.assert_array_equal(read_gaze(str(tmp_path / "packed")).points, read_gaze(str(plain)).points)
+
+
+@pytest.mark.parametrize("wanted", [Wanted(x="1"), Wanted(y="pupil9")])
+def test_one_channel_of_a_point_alone_is_refused(tmp_path: Path, wanted: Wanted) -> None:
+    file = str(WRITERS["xdf"](tmp_path / "file", eyes()))
+    with pytest.raises(InputError, match=r"[xy]= is given without [xy]=; the channels are: 1 x, 2 y, 3 pupil"):
+        read_gaze(file, wanted=wanted)
+
+
+@pytest.mark.parametrize("name", sorted(set(WRITERS) - {"xdf"}))
+def test_a_stream_or_a_channel_is_chosen_of_xdf_files_alone(tmp_path: Path, name: str) -> None:
+    file = str(WRITERS[name](tmp_path / "file", eyes()))
+    with pytest.raises(InputError, match=f"stream=Gaze, x=rx is for XDF files; this is read as {name}"):
+        read_gaze(file, wanted=Wanted("Gaze", "rx"))

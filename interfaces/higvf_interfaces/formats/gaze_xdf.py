@@ -110,8 +110,12 @@ def point_channels(place: str, labels: list[str], x: str | None, y: str | None) 
     """Which channels are x and y, by the options `x` and `y` or by the labels, and where 0, 0 is.
 
     Raises:
-        InputError: they cannot be told; the message begins with `place` and lists the channels.
+        InputError: they cannot be told, or one option is given alone; the message begins with `place` and lists the
+            channels.
     """
+    if (x is None) != (y is None):
+        given, missing = ("x", "y") if y is None else ("y", "x")
+        raise InputError(f"{place}: {given}= is given without {missing}=; the channels are: {_listed(labels)}")
     if x is not None and y is not None:
         return _place(place, labels, x, "x"), _place(place, labels, y, "y"), TOP_LEFT
     for left, right, origin in _LABELS:

@@ -32,7 +32,18 @@ class GazeFormat(NamedTuple):
     name: str
     title: str
     matches: Callable[[TextFile], bool]
-    stream: Callable[[TextFile, Wanted], GazeStream]
+    begin: Callable[[TextFile, Wanted], GazeStream]
+
+    def stream(self, file: TextFile, wanted: Wanted) -> GazeStream:
+        """Begins to read.
+
+        Raises:
+            InputError: the file lacks what the format needs, or a stream or channel is wanted and it has but one.
+        """
+        chosen = [f"{option}={value[:80]}" for option, value in wanted._asdict().items() if value is not None]
+        if chosen and self.name != gaze_xdf.NAME:
+            raise InputError(f"{file.path}: {', '.join(chosen)} is for XDF files; this is read as {self.name}")
+        return self.begin(file, wanted)
 
 
 # From the most particular to the most general: the first that matches is taken.

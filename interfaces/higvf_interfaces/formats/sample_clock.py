@@ -33,7 +33,8 @@ def estimate_rate(stamps: Floats) -> float:
     usual = float(spans[len(spans) // 2])
     if not 0 < usual < np.inf:
         return np.nan
-    return lag / float(np.mean(spans[np.abs(spans - usual) <= min(GAP, 0.5 * usual)]))
+    reach = min(GAP, 0.5 * usual)
+    return lag / float(np.mean(spans[(spans >= usual - reach) & (spans <= usual + reach)]))
 
 
 class SampleClock:
