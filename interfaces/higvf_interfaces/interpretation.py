@@ -37,14 +37,14 @@ class Interpreter:
         self._evidence = EvidenceTable(options, base)
         self._confirm = options.number("confirm", 0.0, 0.0, 1.0)
         self._patience = options.number("confirm_within", 5.0, 0.1, 3600.0, "s")
-        self._ignored: Counter[str] = Counter()
-        self._stages: Counter[str] = Counter()
-        self._proposed = 0
         self.restart()
 
     def restart(self) -> None:
-        """Forgets what was decoded, because the run has started again."""
+        """Forgets what was decoded and counted, because the run has started again."""
         self._state = Debounced()
+        self._ignored: Counter[str] = Counter()
+        self._stages: Counter[str] = Counter()
+        self._proposed = 0
         self._latest: Decision | None = None
         self._stage = ""
         self.trace: deque[Verdict] = deque(maxlen=_TRACE)

@@ -87,6 +87,17 @@ def test_a_reset_of_the_run_forgets_the_votes(write: Write, at: ContextAt) -> No
     assert given(replay, at)[0] == (Stop, 0.2)
 
 
+def test_a_reset_of_the_run_counts_anew(write: Write, at: ContextAt) -> None:
+    replay = bci(write, "stop robot2 wave", "0.5", threshold=0.4, confirm=0.9, evidence={"robot": {"threshold": 0.6}})
+    replay.poll(at(1.0))
+    told = replay.health(1.0), replay.decision_report(1.0)
+    assert (told[1].passed, told[1].unknown) == (1, 1)
+    replay.poll(at(0.0))
+    assert replay.decision_report(0.0).passed == 0
+    replay.poll(at(1.0))
+    assert (replay.health(1.0), replay.decision_report(1.0)) == told
+
+
 def test_every_decision_can_be_traced_to_the_stage_that_held_it(write: Write, at: ContextAt) -> None:
     replay = bci(write, "robot2 robot2 robot2 robot2 idle wave", votes="3/5")
     replay.poll(at(9.0))
