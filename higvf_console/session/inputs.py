@@ -10,6 +10,7 @@ from higvf_console.session.scenario import Scenario, data_folder
 
 _CHANNEL = re.compile(r"[A-Za-z][\w-]*")
 _OPTIONS = re.compile(r"[A-Za-z]\w*=[^,]*(,[A-Za-z]\w*=[^,]*)*")
+_MEANT = re.compile(r"\s*[A-Za-z]\w*\s*(=.*)?")  # as options
 
 
 def input_spec(text: str, scenario: Scenario, folder: Path | None = None) -> InputSpec:
@@ -24,7 +25,7 @@ def input_spec(text: str, scenario: Scenario, folder: Path | None = None) -> Inp
         folder: what a relative file is relative to; None = the working directory.
 
     Raises:
-        InputError: not of that form, or an option is given twice.
+        InputError: not of that form, an option is given twice, or what follows an existing file are no options.
     """
     channel, _, rest = text.partition("=")
     if not _CHANNEL.fullmatch(channel):
@@ -48,8 +49,18 @@ def demo_specs(scenario: Scenario) -> list[InputSpec]:
 def _split(rest: str, folder: Path) -> tuple[str, str]:
     splits = [(rest, ""), *_splits(rest)]
     found = [(source, options) for source, options in splits if source and _is_file(folder / source)]
+    if not found:
+        _refuse_torn(rest, folder)
     source, options = found[0] if found else splits[1] if len(splits) > 1 else splits[0]
     return (str(folder / source) if source and folder != Path() else source), options
+
+
+def _refuse_torn(rest: str, folder: Path) -> None:
+    """Refuses what is no file, and would be one and its options but for a blank or a missing value."""
+    for colon in re.finditer(":", rest):
+        source, options = rest[: colon.start()], rest[colon.end() :]
+        if _MEANT.fullmatch(options) and not _OPTIONS.fullmatch(options) and source and _is_file(folder / source):
+            raise InputError(f"{source}: {options!r} behind it is not option=value,option=value, without blanks")
 
 
 def _is_file(path: Path) -> bool:

@@ -41,6 +41,16 @@ def test_an_existing_file_is_taken_by_its_whole_name(team: Scenario, tmp_path: P
     assert (spec.source, spec.options) == (f"{tmp_path}/odd:frame=unit", {"frame": "screen"})
 
 
+@pytest.mark.parametrize("options", ["frame", "frame=screen, start=2", " frame=screen", "frame=screen,start"])
+def test_what_follows_an_existing_file_and_is_no_options_is_refused(
+    team: Scenario, tmp_path: Path, options: str
+) -> None:
+    (tmp_path / "look.tsv").touch()
+    with pytest.raises(InputError, match=f"look.tsv: '{options}' behind it is not option=value,option=value"):
+        input_spec(f"gaze={tmp_path}/look.tsv:{options}", team)
+    assert input_spec(f"gaze={tmp_path}/look.tsv:30", team).source == f"{tmp_path}/look.tsv:30"
+
+
 def test_a_name_that_no_file_can_have_is_no_file(team: Scenario) -> None:
     assert input_spec(f"gaze={'a' * 300}:frame=unit", team).source == "a" * 300
 
