@@ -71,7 +71,8 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
             out.
     """
     request = Request(spec, look(spec.source), option_fields(spec, OPTIONS), plot, steps)
-    for kind in KINDS:
+    text = bool(request.file.head) or request.format is not None
+    for kind in KINDS if text else KINDS[:1]:  # of a folder, only gaze can be told
         if kind.knows(request):
             kind.check(request.options)
             return kind.describe(request)

@@ -187,6 +187,11 @@ def test_what_is_nothing_known_is_refused_with_what_was_looked_for(write: Write)
         inspected("/nowhere/file.csv")
 
 
+def test_a_folder_without_a_recording_is_refused_with_what_was_looked_for(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"not a known format .*neon-native: .*it is a folder without a recording"):
+        inspected(tmp_path)
+
+
 def padded_log(path: Path, megabytes: int) -> Path:
     """A log of wide rows, so that there is much to hold and little to compute."""
     width = 2000
