@@ -96,10 +96,6 @@ class Scene:
 
     Attributes:
         setup: what is shown; an edited one needs a new scene.
-        editing: whether the hand edits things.
-        selected: the thing that is chosen for editing.
-        drag: what the hand holds.
-        background: overhead image on the ground.
         look: its colours and size of text; another one needs a new scene, too.
         camera_arena: what the camera must show.
     """
