@@ -8,6 +8,8 @@ import numpy as np
 from higvf_console.errors import InputError
 from higvf_interfaces import inspect_streams
 from higvf_interfaces.describing import Request, description
+from higvf_interfaces.formats import command_log
+from higvf_interfaces.formats.gaze_csv import TIMES
 from higvf_interfaces.formats.reading import choose_format
 from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, SIGNAL_FORMATS, read_decisions
 from higvf_interfaces.formats.signal_records import SignalRecord, pick_channels
@@ -19,10 +21,12 @@ _SHOWN = 30  # labels
 
 
 def knows(request: Request) -> bool:
-    """Whether it is a recording of raw samples, or is said to be."""
+    """Whether it is a recording of raw samples, or is said to be; what a channel plays as a log of labels is none."""
     if request.format is not None:
         return request.format in [known.name for known in SIGNAL_FORMATS]
-    return any(known.matches(request.file) for known in SIGNAL_FORMATS)
+    played = next((known.name for known in DECISION_FORMATS if known.matches(request.file)), None)
+    is_log = played == command_log.CSV_NAME and request.file.find(*TIMES) is not None
+    return not is_log and any(known.matches(request.file) for known in SIGNAL_FORMATS)
 
 
 def describe(request: Request) -> Mapping[str, object]:

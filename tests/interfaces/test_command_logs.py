@@ -5,8 +5,10 @@ from collections.abc import Callable
 import pytest
 
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_interfaces.formats.signal_reading import read_decisions
 from higvf_interfaces.formats.signal_records import SignalRequest
+from higvf_interfaces.inspection import inspect
 
 Write = Callable[..., str]
 
@@ -56,8 +58,33 @@ def test_milliseconds_and_epochs_become_session_seconds(write: Write) -> None:
 
 @pytest.mark.parametrize("confidence", ["87", "-0.1", "high"])
 def test_a_confidence_that_is_none_is_refused_with_its_row(write: Write, confidence: str) -> None:
-    with pytest.raises(InputError, match=r"row 2: confidence .* is not a number from 0 to 1"):
+    with pytest.raises(InputError, match=rf"row 2: confidence '{confidence}' is not a number from 0 to 1"):
         read_decisions(write(f"time,label,confidence\n1,a,1.0\n2,b,{confidence}\n"))
+    lines = (
+        f'{{"time": 1, "label": "a", "confidence": "1.0"}}\n\n{{"time": 2, "label": "b", "confidence": "{confidence}"}}'
+    )
+    with pytest.raises(InputError, match=rf"line 3: confidence '{confidence}' is not a number from 0 to 1"):
+        read_decisions(write(lines))
+
+
+def test_lines_are_counted_as_an_editor_does(write: Write) -> None:
+    log = read_decisions(write('\n{"time": 1, "label": "a"}\n\n{"time": 2'))
+    assert log.notes == ("1 lines that are not JSON objects left out, the first is line 4",)
+
+
+def test_a_recording_of_the_console_is_referred_to_its_replay(write: Write) -> None:
+    file = write('{"recording": 1, "seed": 0}\n{"time": 0.02, "command": {"kind": "stop"}}\n', "run.jsonl")
+    with pytest.raises(InputError, match=r"is a recording of this console; play it by: higvf replay .*run\.jsonl"):
+        read_decisions(file)
+    with pytest.raises(InputError, match="higvf replay"):
+        inspect(InputSpec("file", file))
+
+
+def test_a_log_with_a_further_column_of_numbers_is_inspected_as_what_it_plays_as(write: Write) -> None:
+    told = inspect(InputSpec("file", write("time,event,trial\n1,fist,1\n2.5,open,2\n")))
+    assert (told["kind"], told["labels"]) == ("commands", {"fist": 1, "open": 1})
+    marked = "timestamps,C3,marker\n" + "".join(f"{k / 100},{k % 5},{k % 50 == 0:d}\n" for k in range(200))
+    assert inspect(InputSpec("file", write(marked)))["kind"] == "signals"
 
 
 def test_a_log_without_times_or_labels_is_refused(write: Write) -> None:

@@ -64,6 +64,11 @@ def test_signals_of_an_xdf_file_keep_step_with_its_markers(write: Write) -> None
     assert samples.values[100].tolist() == [100, -100]
 
 
+def test_what_pyxdf_repairs_is_not_written_to_the_terminal(write: Write, caplog: pytest.LogCaptureFixture) -> None:
+    read_signals(write(xdf(eeg(), marks("a"))))
+    assert caplog.records == []
+
+
 def test_streams_of_one_name_are_told_apart_by_type_source_or_number(write: Write) -> None:
     file = write(xdf(eeg("ACC", "x", sign=-1), eeg(source="y"), marks("a")))
     with pytest.raises(InputError) as refusal:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import NamedTuple, cast
 
 from higvf_console.errors import InputError
-from higvf_interfaces.fields import is_number
+from higvf_interfaces.fields import is_number, shown
 from higvf_interfaces.formats.gaze_csv import TIMES, seconds_of
 from higvf_interfaces.formats.records import CommandLog, Decision, log_start
 from higvf_interfaces.formats.text import TextFile, as_label, cell, number, without_milliseconds
@@ -19,6 +19,7 @@ CSV_NAME, JSON_NAME = "command-csv", "command-jsonl"
 CSV_TITLE = "command log CSV (time,label[,confidence])"
 JSON_TITLE = 'command log JSON lines ({"time": 1.5, "label": "fist", "confidence": 0.9})'
 LABELS = ("label", "command", "marker", "event")
+_RECORDING = "recording"  # what the first line of the console's own recordings says
 _WAY_OUT = "a log without times is replayed only with period=SECONDS"
 
 
@@ -26,7 +27,7 @@ class _Entry(NamedTuple):
     place: str
     time: float
     label: str
-    confidence: float | None  # NaN: something that is not a number
+    confidence: object  # as the file has it; None or empty = unknown
 
 
 def matches_labels(file: TextFile) -> bool:
@@ -58,12 +59,8 @@ def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
     entries: list[_Entry] = []
     notes: list[str] = []
     for index, row in enumerate(file.rows(notes), start=1):
-        trust = cell(row, confidence)
-        entries.append(
-            _Entry(
-                f"row {index}", seconds(cell(row, time)), as_label(cell(row, label)), number(trust) if trust else None
-            )
-        )
+        said = as_label(cell(row, label)), cell(row, confidence)
+        entries.append(_Entry(f"row {index}", seconds(cell(row, time)), *said))
     return _log(file, entries, CSV_NAME, notes, period)
 
 
@@ -75,7 +72,7 @@ def read_jsonl(file: TextFile, period: float | None = None) -> CommandLog:
         period: from line to line of a log without times [s].
 
     Raises:
-        InputError: no line with a time and a label, or a confidence outside [0, 1].
+        InputError: no line with a time and a label, a confidence outside [0, 1], or a recording of the console.
     """
     broken: list[int] = []
     entries = list(_objects(file, broken))
@@ -84,7 +81,9 @@ def read_jsonl(file: TextFile, period: float | None = None) -> CommandLog:
 
 
 def _objects(file: TextFile, broken: list[int]) -> Iterator[_Entry]:
-    for index, line in enumerate(file.lines(), start=1):
+    for index, line in enumerate(file.lines(blank=True), start=1):
+        if not line.strip():
+            continue
         try:
             entry: object = json.loads(line)
         except (ValueError, RecursionError):
@@ -93,11 +92,12 @@ def _objects(file: TextFile, broken: list[int]) -> Iterator[_Entry]:
             broken.append(index)
             continue
         fields = cast(dict[str, object], entry)
+        if _RECORDING in fields and not any(key in fields for key in LABELS):
+            raise InputError(f"{file.path}: is a recording of this console; play it by: higvf replay {file.path}")
         label = next((fields[key] for key in LABELS if key in fields), "")
-        trust = fields.get("confidence")
         time = _number(next((fields[key] for key in TIMES if key in fields), None))
         time = time * 1e-3 if "time_ms" in fields else without_milliseconds(time)
-        yield _Entry(f"line {index}", time, as_label(label), None if trust is None else _number(trust))
+        yield _Entry(f"line {index}", time, as_label(label), fields.get("confidence"))
 
 
 def _number(value: object) -> float:
@@ -126,6 +126,11 @@ def _log(file: TextFile, entries: list[_Entry], name: str, notes: list[str], per
 
 
 def _confidence(file: TextFile, entry: _Entry) -> float | None:
-    if entry.confidence is not None and not 0 <= entry.confidence <= 1:
-        raise InputError(f"{file.path}, {entry.place}: confidence {entry.confidence:g} is not a number from 0 to 1")
-    return entry.confidence
+    if entry.confidence in (None, ""):
+        return None
+    trust = number(entry.confidence) if isinstance(entry.confidence, str) else _number(entry.confidence)
+    if not 0 <= trust <= 1:
+        raise InputError(
+            f"{file.path}, {entry.place}: confidence {shown(entry.confidence)} is not a number from 0 to 1"
+        )
+    return trust

@@ -42,7 +42,7 @@ def load(path: Path, chosen: XdfStream, beside: Sequence[XdfStream] = ()) -> Xdf
     numbers = sorted({chosen.number, *(stream.number for stream in beside)})
     try:
         with _quiet(), np.errstate(all="ignore"):
-            loaded = cast(Sequence[Mapping[str, Any]], pyxdf.load_xdf(str(path), numbers, verbose=False)[0])
+            loaded = cast(Sequence[Mapping[str, Any]], pyxdf.load_xdf(str(path), numbers)[0])
             times = {int(entry["info"]["stream_id"]): floats(entry["time_stamps"], -1) for entry in loaded}
             (series,) = (e["time_series"] for e in loaded if int(e["info"]["stream_id"]) == chosen.number)
             values = series if chosen.texts else floats(series, -1, chosen.info.channels)
@@ -62,11 +62,9 @@ def cut_off(stream: XdfStream, readable: int) -> list[str]:
 @contextmanager
 def _quiet() -> Generator[None]:
     """pyxdf logs what it repairs; the readers say in their own notes what matters to the operator."""
-    logger = logging.getLogger("pyxdf")
-    before, disabled, logger.disabled = logger.level, logger.disabled, False
-    logger.setLevel(logging.CRITICAL)
+    logger = logging.getLogger(pyxdf.load_xdf.__module__)
+    before, logger.disabled = logger.disabled, True
     try:
         yield
     finally:
-        logger.setLevel(before)
-        logger.disabled = disabled
+        logger.disabled = before
