@@ -150,11 +150,12 @@ class FlatMesh:
 
 
 class Lines:
-    """Line segments whose ends and visibility may change."""
+    """Line segments whose ends and visibility may change; while hidden, nothing is sent."""
 
     def __init__(self, canvas: Canvas, layer: Layer, name: str, colour: str | None, thickness: float) -> None:
         """Starts with no segment."""
         self._visible, self._empty = True, True
+        self._late: tuple[Floats, NDArray[np.uint8] | None] | None = None  # drawn while hidden
         self._height = canvas.height(layer)[2]
         self._node = canvas.add(
             lambda scene: scene.add_line_segments(
@@ -172,10 +173,7 @@ class Lines:
     def draw(self, segments: Floats, colours: NDArray[np.uint8] | None = None) -> None:
         """Draws segments (s, 2, 2) [m], their ends in colours (s, 2, 3), in place of those before."""
         self._empty = not len(segments)
-        if not self._empty:
-            self._node.points = raised(segments)
-            if colours is not None:
-                self._node.colors = colours
+        self._late = None if self._empty else (segments, colours)
         self.show(self._visible)
 
     def move(self, origin: Floats) -> None:
@@ -185,17 +183,24 @@ class Lines:
     def show(self, visible: bool) -> None:
         """Shows or hides them."""
         self._visible = visible
+        if visible and self._late is not None:
+            (segments, colours), self._late = self._late, None
+            self._node.points = raised(segments)
+            if colours is not None:
+                self._node.colors = colours
         self._node.visible = visible and not self._empty
 
 
 class Marks:
-    """Copies of one flat shape: one node, however many there are."""
+    """Copies of one flat shape: one node, however many there are; while hidden, no places are sent."""
 
     def __init__(
         self, canvas: Canvas, layer: Layer, name: str, shape: Triangles, *, count: int, colour: str, opacity: float
     ) -> None:
         """Makes `count` copies, all at the origin."""
         self.count = count
+        self._visible = count > 0
+        self._late: tuple[Floats, Floats | None, Floats | None] | None = None  # placed while hidden
         self._colours = np.tile(np.array([batch_rgb(colour)], np.uint8), (count, 1))
         self._node = canvas.add(
             lambda scene: scene.add_batched_meshes_simple(
@@ -219,13 +224,8 @@ class Marks:
 
     def place(self, positions: Floats, heading: Floats | None = None, scale: Floats | None = None) -> None:
         """Moves the copies to positions (N, 2) [m], turned by (N,) [rad], scaled by (N,)."""
-        if not self.count:
-            return
-        self._node.batched_positions = raised(positions)
-        if heading is not None:
-            self._node.batched_wxyzs = turned(heading)
-        if scale is not None:
-            self.resize(scale)
+        self._late = (positions, heading, scale)
+        self.show(self._visible)
 
     def resize(self, scale: Floats) -> None:
         """Scales the copies by (N,)."""
@@ -240,7 +240,15 @@ class Marks:
 
     def show(self, visible: bool) -> None:
         """Shows or hides them."""
-        self._node.visible = visible and self.count > 0
+        self._visible = visible and self.count > 0
+        if self._visible and self._late is not None:
+            (positions, heading, scale), self._late = self._late, None
+            self._node.batched_positions = raised(positions)
+            if heading is not None:
+                self._node.batched_wxyzs = turned(heading)
+            if scale is not None:
+                self.resize(scale)
+        self._node.visible = self._visible
 
 
 class Picture:
