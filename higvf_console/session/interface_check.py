@@ -7,7 +7,7 @@ without a viewport, clutch, pause and extinguished fires), then the session time
 import math
 from collections.abc import Callable, Iterator, Sequence
 from threading import Thread
-from time import perf_counter
+from time import perf_counter, thread_time
 from typing import Any, NamedTuple, cast, get_args
 
 import numpy as np
@@ -19,7 +19,7 @@ from higvf_console.viewport import fit
 
 PERIOD = 0.02  # from poll to poll [s of session time]
 PROMPT = 0.02  # what nine polls in ten may take [s]
-LONGEST = 0.1  # what the longest poll may take: five control periods without control [s]
+LONGEST = 0.1  # what any poll may compute: five control periods without control [s of a core]
 PATIENCE = 10.0  # one that takes longer hangs [s]
 _KNOWN = get_args(OperatorCommand)
 _GRAIN = 1e-6
@@ -35,10 +35,11 @@ class Finding(NamedTuple):
 
 
 class _Polled(NamedTuple):
-    """One poll: its context, how long it took [s], and what it gave."""
+    """One poll: its context, how long it took [s], how long it had a core meanwhile [s], and what it gave."""
 
     context: OperatorContext
     took: float
+    computed: float
     commands: list[object]
 
 
@@ -91,9 +92,9 @@ def _check_polls(interface: Interface, spec: InputSpec, seconds: float) -> Itera
 
 def _check_times(polls: Sequence[_Polled], when: str) -> Finding:
     usual = float(np.quantile([polled.took for polled in polls], 0.9))
-    longest = max(polls, key=lambda polled: polled.took)
-    seen = f"nine in ten within {1e3 * usual:.2f} ms, the longest {1e3 * longest.took:.2f} ms"
-    kept = usual <= PROMPT and longest.took <= LONGEST
+    longest = max(polls, key=lambda polled: polled.computed)
+    seen = f"nine in ten within {1e3 * usual:.2f} ms, the longest computes {1e3 * longest.computed:.2f} ms"
+    kept = usual <= PROMPT and longest.computed <= LONGEST
     return Finding(f"poll returns at once{when}", kept, f"{seen} at {longest.context.time:g} s")
 
 
@@ -133,9 +134,9 @@ def _check_close(interface: Interface) -> Iterator[Finding]:
 def _run(interface: Interface, spec: InputSpec, seconds: float) -> Iterator[_Polled]:
     for tick in range(round(seconds / PERIOD) + 1):
         context = _context(tick, spec)
-        started = perf_counter()
+        started, computed = perf_counter(), thread_time()  # another program may hold the core for a while
         commands: Any = interface.poll(context)
-        yield _Polled(context, perf_counter() - started, list(commands))
+        yield _Polled(context, perf_counter() - started, thread_time() - computed, list(commands))
 
 
 def _context(tick: int, spec: InputSpec) -> OperatorContext:

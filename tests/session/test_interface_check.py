@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from threading import Event
-from time import sleep
+from time import thread_time
 from typing import Any
 
 import numpy as np
@@ -80,7 +80,9 @@ class LateAfterReset(Good):
 class SlowToReset(Good):
     def poll(self, context: OperatorContext) -> Sequence[OperatorCommand]:
         if context.time < self.now:
-            sleep(1.5 * interface_check.LONGEST)
+            end = thread_time() + 1.5 * interface_check.LONGEST
+            while thread_time() < end:
+                pass
         return super().poll(context)
 
 
