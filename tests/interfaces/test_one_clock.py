@@ -35,6 +35,14 @@ def test_gaze_signals_and_markers_of_one_xdf_file_keep_step(write: Callable[...,
     assert gaze.epoch == pytest.approx(1000)
 
 
+def test_gaze_that_was_lost_for_long_comes_back_in_step(write: Callable[..., str]) -> None:
+    seen = [1000 + k / 100 + 60 * (k >= 50) for k in range(100)]
+    eyes = Stream("Tobii", "Gaze", "g", 100, seen, [(1.0, 2.0)] * 100, ("x", "y"))
+    gaze = read_gaze(write(xdf(eyes, Stream("Cues", "Markers", "m", 0, [1060.5], ["pause"]))))
+    assert gaze.time[50] == pytest.approx(60.5, abs=0.02)
+    assert gaze.notes == ()
+
+
 def test_gaze_on_another_clock_than_the_streams_beside_it_is_told(write: Callable[..., str]) -> None:
     eyes = Stream("Tobii", "Gaze", "g", 100, [9e5 + k / 100 for k in range(50)], [(1.0, 2.0)] * 50, ("x", "y"))
     file = write(xdf(eyes, Stream("Cues", "Markers", "m", 0, [10.0], ["pause"])))

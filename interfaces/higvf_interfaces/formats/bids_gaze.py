@@ -80,6 +80,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         origin=origin,
         screen=screen,
         start=float(start),
+        in_step=True,
     )
 
 

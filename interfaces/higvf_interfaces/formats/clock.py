@@ -18,15 +18,16 @@ _COARSEST = (("s", 0.5), ("ms", 500.0), ("μs", 5e5))  # steps between gaze samp
 class GazeClock:
     """Repairs device times: rows without a time or out of order go, restarts are joined on, long holes shortened."""
 
-    def __init__(self, path: Path, start: float | None) -> None:
+    def __init__(self, path: Path, start: float | None, longest_hole: float = MAX_HOLE) -> None:
         """Starts a recording.
 
         Args:
             path: of the file, for messages.
             start: of the first sample [s]; None = its own time where that is below an hour, else 0.
+            longest_hole: longer ones are shortened to this [s].
         """
         self._path = path
-        self._start = start
+        self._start, self._limit = start, longest_hole
         self._raw = math.nan  # newest device time [s]
         self._now = 0.0  # its place on the repaired clock [s]
         self._reached = -np.inf  # newest time that was kept [s]
@@ -68,7 +69,7 @@ class GazeClock:
         said = (
             (self._untimed, f"{self._untimed} rows without a time left out"),
             (self._restarts, f"the clock restarts {self._restarts} times: joined on"),
-            (self._holes, f"{self._holes} holes, the longest {self._longest:.0f} s, shortened to {MAX_HOLE:.0f} s"),
+            (self._holes, f"{self._holes} holes, the longest {self._longest:.0f} s, shortened to {self._limit:.0f} s"),
             (self._late, f"{self._late} rows out of order or doubled left out"),
         )
         return tuple(text for count, text in said if count)
@@ -80,10 +81,10 @@ class GazeClock:
         self._step = float(np.median(forward)) if len(forward) else self._step
         restarts = steps < -_RESTART
         steps[restarts] = self._step
-        holes = steps > MAX_HOLE
+        holes = steps > self._limit
         if holes.any():
             self._longest = max(self._longest, float(steps[holes].max()))
-            steps[holes] = MAX_HOLE
+            steps[holes] = self._limit
         self._restarts += int(np.count_nonzero(restarts))
         self._holes += int(np.count_nonzero(holes))
         return floats(steps)

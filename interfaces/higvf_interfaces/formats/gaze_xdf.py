@@ -90,6 +90,7 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
         notes=notes,
         origin=origin,
         start=start,
+        in_step=True,
         has_confidence=confidence is not None,
         streams=tuple(stream.info for stream in found.streams),
     )

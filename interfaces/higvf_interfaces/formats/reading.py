@@ -1,5 +1,6 @@
 """The entrance to all readers: tells formats apart by content, or takes the one that `format=` names."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple, Protocol, TypeVar
@@ -22,7 +23,7 @@ from higvf_interfaces.formats import (
     tobii_research,
 )
 from higvf_interfaces.formats.clock import GazeClock
-from higvf_interfaces.formats.records import ANYTHING, GazeBlock, GazeRecording, GazeStream, Wanted
+from higvf_interfaces.formats.records import ANYTHING, MAX_HOLE, GazeBlock, GazeRecording, GazeStream, Wanted
 from higvf_interfaces.formats.text import TextFile, look
 
 
@@ -92,7 +93,7 @@ class GazeFile:
         """Takes what a format yields."""
         self.stream = stream
         self._path = path
-        self._clock = GazeClock(path, stream.start)
+        self._clock = GazeClock(path, stream.start, math.inf if stream.in_step else MAX_HOLE)
 
     def blocks(self) -> Iterator[GazeBlock]:
         """The samples, once, at strictly increasing times; where the file breaks off later, its readable part.

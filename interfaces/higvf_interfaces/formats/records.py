@@ -86,6 +86,7 @@ class GazeStream(NamedTuple):
         origin: as in `GazeRecording`.
         screen: as in `GazeRecording`.
         start: session time of the first sample [s]; None = its own time where that is below an hour, else 0.
+        in_step: whether markers or signals on the same clock lie beside it, so that its holes stay as long as they are.
         has_confidence: whether the format gives one.
         epoch: device time that has been taken off the blocks' times already [s].
         streams: all streams of the file, where it holds several.
@@ -99,6 +100,7 @@ class GazeStream(NamedTuple):
     origin: str = TOP_LEFT
     screen: tuple[float, float] | None = None
     start: float | None = 0.0
+    in_step: bool = False
     has_confidence: bool = False
     epoch: float = 0.0
     streams: tuple[StreamInfo, ...] = ()
