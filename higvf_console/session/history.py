@@ -1,9 +1,10 @@
 """What was done, to be undone and done again: every edit and every action of the operator.
 
 Time does not run back: an undo takes the difference that a deed made out of the present moment. Robots stay where they
-have come to since, but for those that the deed itself moved; a fire keeps what it has grown. Where no time has passed,
-all is as it was to the last bit. Without a repair, a path is followed from where the team has come to on it. Where the
-deed was a reset or another scenario, the former run comes back as a whole, but for what the operator's hand is doing.
+have come to since, but for those that the deed itself moved, and those that stand where something comes back, which
+are set aside to the nearest safe place; a fire keeps what it has grown. Where no time has passed, all is as it was to
+the last bit. Without a repair, a path is followed from where the team has come to on it. Where the deed was a reset or
+another scenario, the former run comes back as a whole, but for what the operator's hand is doing.
 
 An undo never sets the team in motion after a STOP: that takes pauses out of the history.
 """
@@ -128,34 +129,34 @@ def undo(history: History, now: Moment) -> tuple[History, Moment, str]:
     """The moment without the last deed.
 
     Raises:
-        ScenarioError: there is none, or its undoing would break a clearance.
+        ScenarioError: there is none, or no robot could keep its clearance after it.
     """
     if not history.done:
         raise ScenarioError("there is nothing to undo")
     deed = history.done[-1]
     if deed.whole:
-        moment = _as_a_whole(now, deed.before)
+        moment, aside = _as_a_whole(now, deed.before), ""
     else:
-        moment = _turned(now, deed.after, deed.before, *_rows_back(deed), deed.mends)
+        moment, aside = _turned(now, deed.after, deed.before, *_rows_back(deed), deed.mends)
     deed = deed._replace(after=_with_progress(deed.after, now))
-    return History(history.done[:-1], (deed, *history.undone)), moment, f"Undone: {deed.text}"
+    return History(history.done[:-1], (deed, *history.undone)), moment, f"Undone: {deed.text}{aside}"
 
 
 def redo(history: History, now: Moment) -> tuple[History, Moment, str]:
     """The moment with the deed that was undone last.
 
     Raises:
-        ScenarioError: there is none, or doing it again would break a clearance.
+        ScenarioError: there is none, or no robot could keep its clearance after it.
     """
     if not history.undone:
         raise ScenarioError("there is nothing to do again")
     deed = history.undone[0]
     if deed.whole:
-        moment = _as_a_whole(now, deed.after)
+        moment, aside = _as_a_whole(now, deed.after), ""
     else:
-        moment = _turned(now, deed.before, deed.after, deed.robots, deed.fires, deed.mends)
+        moment, aside = _turned(now, deed.before, deed.after, deed.robots, deed.fires, deed.mends)
     deed = deed._replace(before=_with_progress(deed.before, now))
-    return History((*history.done, deed), history.undone[1:]), moment, f"Done again: {deed.text}"
+    return History((*history.done, deed), history.undone[1:]), moment, f"Done again: {deed.text}{aside}"
 
 
 def rows_before(history: History, *, undone: bool) -> tuple[Ints, Ints]:
@@ -198,12 +199,12 @@ def _as_a_whole(now: Moment, goal: Moment) -> Moment:
     return goal._replace(state=with_drawing(state, **back))
 
 
-def _turned(now: Moment, source: Moment, goal: Moment, robots: Ints, fires: Ints, mends: bool) -> Moment:
-    """The present moment with the difference between two moments of the past."""
+def _turned(now: Moment, source: Moment, goal: Moment, robots: Ints, fires: Ints, mends: bool) -> tuple[Moment, str]:
+    """The present moment with the difference between two moments of the past, and who was in the way of that."""
     if now.state.motion is source.state.motion:
         intent = goal.state.intent._replace(paused=_paused(now, source, goal), stopped=now.state.intent.stopped)
         state = SimState(goal.state.motion, intent, _drawing_back(now, source, goal, robots))
-        return now._replace(setup=goal.setup, state=state, tally=goal.tally)
+        return now._replace(setup=goal.setup, state=state, tally=goal.tally), ""
     layout = layout_of(goal.setup)
     count = len(now.state.motion.fire_radius)
     motion = carried(now.state.motion, robots, fires, now.setup.world, goal.setup.world)
@@ -211,9 +212,7 @@ def _turned(now: Moment, source: Moment, goal: Moment, robots: Ints, fires: Ints
     motion = _fires_back(motion, source, goal, fires)
     motion = _robots_back(motion, source, goal, robots, layout)
     already = set(crowded(layout_of(now.setup), now.state.motion))
-    trapped = [robot for robot in crowded(layout, motion) if int(robots[robot]) not in already]
-    if trapped:
-        raise ScenarioError(f"robot {trapped[0] + 1} is in the way: it would be too near to something; move it first")
+    motion, aside = _set_aside(motion, [robot for robot, row in enumerate(robots) if int(row) not in already], layout)
     led_by = led_on(source.state.motion, source.state.intent, robots, fires, count)[1].influenced
     if led_by != goal.state.intent.influenced:
         intent = intent._replace(influenced=goal.state.intent.influenced)
@@ -221,7 +220,7 @@ def _turned(now: Moment, source: Moment, goal: Moment, robots: Ints, fires: Ints
     motion, intent = _asked_back(motion, intent, source.state, goal.state, mends)
     state = SimState(motion, intent, _drawing_back(now, source, goal, robots))
     tally = now.tally._replace(extinguished=_numbers_back(now.tally, goal.tally, fires))
-    return now._replace(setup=goal.setup, state=state, tally=tally)
+    return now._replace(setup=goal.setup, state=state, tally=tally), aside
 
 
 def _robots_back(motion: Motion, source: Moment, goal: Moment, robots: Ints, layout: Layout) -> Motion:
@@ -234,11 +233,31 @@ def _robots_back(motion: Motion, source: Moment, goal: Moment, robots: Ints, lay
         heading = motion.heading.copy()
         heading[robot] = then.heading[robot]
         motion = placed(motion._replace(heading=heading), robot, then.position[robot])
-        place = nearest_fit(then.position[robot], robot_fits(robot, layout, motion), diagonal(layout))
-        if place is None:
-            raise ScenarioError(f"there is no safe place for robot {robot + 1} in the arena")
-        motion = placed(motion, robot, place)
+        motion = _held(motion, robot, layout)
     return motion
+
+
+def _set_aside(motion: Motion, movable: list[int], layout: Layout) -> tuple[Motion, str]:
+    """Robots that stand where something comes back are at the nearest safe place, and which these are, in words."""
+    aside: list[int] = []
+    for robot in crowded(layout, motion):
+        if robot in movable and not robot_fits(robot, layout, motion)(motion.position[robot : robot + 1])[0]:
+            motion = _held(motion, robot, layout)
+            aside.append(robot + 1)
+    if not aside:
+        return motion, ""
+    numbers = ", ".join(map(str, aside))
+    return motion, f" Robot {numbers} was in the way and is set aside." if len(aside) == 1 else (
+        f" Robots {numbers} were in the way and are set aside."
+    )
+
+
+def _held(motion: Motion, robot: int, layout: Layout) -> Motion:
+    """With a robot at the safe place that is nearest to where it is."""
+    place = nearest_fit(motion.position[robot], robot_fits(robot, layout, motion), diagonal(layout))
+    if place is None:
+        raise ScenarioError(f"there is no safe place for robot {robot + 1} in the arena")
+    return placed(motion, robot, place)
 
 
 def _fires_back(motion: Motion, source: Moment, goal: Moment, fires: Ints) -> Motion:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import viser
 
 from higvf_console.session.channel_state import default_limits
+from higvf_console.session.editing.layout import layout_of
 from higvf_console.session.history import History
 from higvf_console.session.previewer import Choice, Previewer
 from higvf_console.ui import camera, hints, keys, page, pointer, theme, tools
@@ -155,6 +156,8 @@ class Console:
 
     def show(self, snapshot: "Snapshot") -> None:
         """Shows one snapshot. A part that fails is logged once and does not keep the others from showing."""
+        if snapshot.scenario is not self._scenario:
+            self._take(snapshot.scenario)
         with self._server.atomic():
             self._try("scene", lambda: self._show_scene(snapshot))
             self._try("calibration", lambda: self._calibration.update(snapshot.inputs.capture))
@@ -166,10 +169,6 @@ class Console:
             if turn == 0:
                 self._try("roles", self._roles.update)
         self._frames += 1
-        if snapshot.scenario is not self._scenario:
-            self._scenario = snapshot.scenario
-            self._roles.patience = _patience(snapshot.scenario)
-            self._server.gui.set_panel_label(snapshot.scenario.title)
         if snapshot.history is not self._history:
             self._history = snapshot.history
             done, undone = self._history
@@ -178,8 +177,17 @@ class Console:
             self._stopped = snapshot.state.intent.stopped
             keys.show_stopped(self._server, self._stopped)
 
+    def _take(self, scenario: "Scenario") -> None:
+        """Another scenario is in force: what was chosen, and the picture on the ground, were of the last one."""
+        self._scenario = scenario
+        self._view.selected = self._view.background = None
+        self._roles.patience = _patience(scenario)
+        self._server.gui.set_panel_label(scenario.title)
+
     def _show_scene(self, snapshot: "Snapshot") -> None:
         look = self._view.look
+        if self._scene.setup is not snapshot.setup:
+            self._view.keep_choice(layout_of(snapshot.setup))
         if self._scene.setup is not snapshot.setup or self._scene.look != look:
             if self._scene.look != look:
                 theme.wear(self._server, look.palette)

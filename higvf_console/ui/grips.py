@@ -88,8 +88,10 @@ def gripped(
 ) -> Drag | None:
     """What a hand at a point (2,) holds: a handle of what is selected, or whatever lies there."""
     if selected is not None and exists(selected, layout):
+        numbers = numbers_of(selected, layout, motion)
+        near = min(reach, math.dist((numbers["x"], numbers["y"]), point))  # the middle of a small thing moves it
         for handle in handles_of(selected, layout, motion, px):
-            if math.dist(handle.point, point) <= reach:
+            if math.dist(handle.point, point) <= near:
                 return Drag(point, point, selected, handle.name)
     place = thing_at(point, layout, motion, reach)
     return None if place is None else Drag(point, point, place)
@@ -113,14 +115,23 @@ def wished(drag: Drag, layout: Layout, motion: Motion) -> dict[str, float]:
     return {**numbers, drag.handle: min(max(value, quantity.low), quantity.high)}
 
 
-def result_of(drag: Drag, layout: Layout, motion: Motion, *, waits: bool = False) -> list[OperatorCommand]:
-    """The commands that letting go amounts to; a bent path perhaps waits."""
+def result_of(
+    drag: Drag, layout: Layout, motion: Motion, *, reach: float = math.inf, waits: bool = False
+) -> list[OperatorCommand]:
+    """The commands that letting go amounts to.
+
+    Args:
+        drag: what is held.
+        layout: as it is now.
+        motion: likewise.
+        reach: how far from a robot a link may end that is meant for it [m].
+        waits: whether a bent path waits.
+    """
     if drag.bends:
         return [BendPath(grip=drag.start, point=drag.now, preview=waits)]
     if drag.link != NOBODY:
-        at = centres(layout, motion)
-        other = int(np.argmin(np.hypot(*(at - drag.now).T)))
-        return [ToggleLink(drag.link, other)] if other != drag.link else []
+        other = robot_near(centres(layout, motion), drag.now, reach)
+        return [] if other in (None, drag.link) else [ToggleLink(drag.link, other)]
     if drag.place is None or not exists(drag.place, layout):
         return []
     numbers = wished(drag, layout, motion)
@@ -128,6 +139,15 @@ def result_of(drag: Drag, layout: Layout, motion: Motion, *, waits: bool = False
     if drag.handle:
         return [ChangeThing(thing, row, drag.handle, round(numbers[drag.handle], 2))]
     return [MoveThing(thing, row, floats([numbers["x"], numbers["y"]]))]
+
+
+def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
+    """Index of the robot, among (N, 2) [m], that is nearest to a point (2,) and within `reach` [m] of it."""
+    if not len(position):
+        return None
+    gap = np.hypot(position[:, 0] - point[0], position[:, 1] - point[1])
+    nearest = int(np.argmin(gap))
+    return nearest if gap[nearest] <= reach else None
 
 
 def outlines(place: Place, numbers: dict[str, float], layout: Layout, motion: Motion, px: float) -> list[Floats]:

@@ -4,8 +4,6 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from higvf_console.arrays import Floats, floats
 from higvf_console.commands import (
     AskReset,
@@ -31,12 +29,12 @@ from higvf_console.commands import (
 )
 from higvf_console.edits import AddThing, DeleteThing
 from higvf_console.session.editing.layout import Layout, layout_of
-from higvf_console.session.editing.things import centres, thing_at
+from higvf_console.session.editing.things import Place, centres, exists, how_many, thing_at
 from higvf_console.sim.operator import waiting
 from higvf_console.sim.path_commands import in_hand
 from higvf_console.state import Motion, PathKind
 from higvf_console.ui import pointer
-from higvf_console.ui.grips import Drag, gripped, result_of
+from higvf_console.ui.grips import Drag, gripped, result_of, robot_near
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.view import next_field
 from higvf_console.ui.roles import Roles
@@ -69,15 +67,21 @@ class Hand:
         self._session, self._view, self._steer, self._roles = session, view, steer, roles
         self._show_tool = show_tool
         self._drawing: int | None = None
-        self._use = StrokeUse.PATH
+        self._drag_tool, self._use = Tool.PATH, StrokeUse.PATH  # with which that began
         self._tools: dict[int, Tool] = {}
         self._viewports: dict[int, Viewport] = {}
 
     def tool(self, client_id: int, tool: Tool) -> None:
-        """A page takes up a tool."""
+        """A page takes up a tool; what it has begun to draw or to drag goes on with the one before."""
         self._tools[client_id] = tool
-        self._view.editing = tool is Tool.EDIT
+        self._edits(tool)
         self._show_tool(tool, client_id)
+
+    def _edits(self, tool: Tool) -> None:
+        """What is chosen for editing stays chosen as long as it is seen to be."""
+        self._view.editing = tool is Tool.EDIT
+        if tool is not Tool.EDIT:
+            self._view.selected = None
 
     @property
     def use(self) -> StrokeUse:
@@ -86,11 +90,12 @@ class Hand:
 
     def stroke(self, client_id: int, phase: pointer.Phase, points: Floats) -> None:
         """A stroke begins, grows and ends; one of a page that has lost control since is not taken up again."""
-        tool = self._tools.get(client_id, Tool.PATH)
         if phase == "start":
-            self._drawing, self._use = client_id, self._use_of(tool)
+            tool = self._tools.get(client_id, Tool.PATH)
+            self._drawing, self._drag_tool, self._use = client_id, tool, self._use_of(tool)
         elif client_id != self._drawing:
             return
+        tool = self._drag_tool
         if tool in USES:
             self._draw(phase, points)
         elif tool in ADDS:
@@ -127,7 +132,8 @@ class Hand:
         if drag is not None and len(points):
             self._view.drag = drag = drag._replace(now=points[-1])
         if phase == "end" and drag is not None:
-            for command in result_of(drag, *self._moment(), waits=not self._view.commit_at_once):
+            reach, waits = self._reach(client_id, PICK_RADIUS_PX), not self._view.commit_at_once
+            for command in result_of(drag, *self._moment(), reach=reach, waits=waits):
                 self._push(command)
         if phase in ("cancel", "end"):
             self._view.drag = None
@@ -143,7 +149,7 @@ class Hand:
         px = self._reach(client_id, 1.0)
         drag = gripped(point, self._view.selected, layout, motion, reach, px)
         if drag is not None:
-            self._view.selected = drag.place
+            self._view.choose(drag.place, layout)
         return drag
 
     def click(self, client_id: int, point: Floats) -> None:
@@ -152,13 +158,17 @@ class Hand:
         if tool in ADDS:
             self._add(client_id, tool, point)
         elif tool is Tool.EDIT:
-            self._view.selected = thing_at(point, *self._moment(), self._reach(client_id, GRIP_RADIUS_PX))
+            layout, motion = self._moment()
+            self._view.choose(thing_at(point, layout, motion, self._reach(client_id, GRIP_RADIUS_PX)), layout)
         else:
             self._pick(client_id, point)
 
     def _add(self, client_id: int, tool: Tool, point: Floats) -> None:
+        """Adds a thing, and chooses it where it will be the last of its kind."""
+        layout, _ = self._moment()
         self._push(AddThing(ADDS[tool], floats(point)))
         self.tool(client_id, Tool.EDIT)
+        self._view.choose(Place(ADDS[tool], how_many(ADDS[tool], layout)), layout)
 
     def _pick(self, client_id: int, point: Floats) -> None:
         """Picks a robot; a second click shows or hides why it moves."""
@@ -180,6 +190,8 @@ class Hand:
         if self._drawing is not None:
             self._push(StrokeCancel())
             self._drawing, self._view.drag = None, None
+        self._edits(Tool.PATH if client_id is None else self._tools.get(client_id, Tool.PATH))
+        self._view.selected = None
         if client_id in self._viewports:
             self._session.viewport = self._viewports[client_id]
 
@@ -231,8 +243,9 @@ class Hand:
             self.tool(client_id, Tool.PATH)
 
     def _delete(self) -> None:
-        if (place := self._view.selected) is not None:
-            self._view.selected = None
+        place, (layout, _) = self._view.selected, self._moment()
+        if place is not None and exists(place, layout):
+            self._view.choose(None, layout)
             self._push(DeleteThing(place.thing, place.row))
 
     def _moment(self) -> tuple[Layout, Motion]:
@@ -245,12 +258,3 @@ class Hand:
 
     def _push(self, command: OperatorCommand) -> None:
         self._roles.push(command)
-
-
-def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
-    """Index of the robot, among (N, 2) [m], that is nearest to a point (2,) and within `reach` [m] of it."""
-    if not len(position):
-        return None
-    gap = np.hypot(position[:, 0] - point[0], position[:, 1] - point[1])
-    nearest = int(np.argmin(gap))
-    return nearest if gap[nearest] <= reach else None

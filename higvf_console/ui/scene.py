@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import viser
 
 from higvf_console.control.field import FieldKind
-from higvf_console.session.editing.things import Place
+from higvf_console.session.editing.layout import Layout
+from higvf_console.session.editing.things import Place, exists, how_many
 from higvf_console.session.preview import USUAL
 from higvf_console.sim.setup import Event, Setup
 from higvf_console.ui.grips import Drag
@@ -55,6 +56,7 @@ class View:
         sights: which fires it sees, and what hides the others.
         editing: whether the hand edits things.
         selected: the thing that is chosen for editing.
+        among: how many of its kind there are then.
         drag: what the hand holds.
         background: overhead image on the ground.
         look: colours and size of text, on every page.
@@ -75,11 +77,23 @@ class View:
     sights: bool = False
     editing: bool = False
     selected: Place | None = None
+    among: int = 0
     drag: Drag | None = None
     background: Background | None = None
     look: Look = USUAL_LOOK
     alarms: list[Event] = attribute(default_factory=list[Event])
     heat: bool = False
+
+    def choose(self, place: Place | None, layout: Layout) -> None:
+        """Chooses a thing for editing, perhaps one that is about to be the last of its kind; None = nothing."""
+        self.selected = place
+        self.among = 0 if place is None else max(how_many(place.thing, layout), place.row + 1)
+
+    def keep_choice(self, layout: Layout) -> None:
+        """Lets go of what is chosen where things of its kind have come or gone: its number may be another's now."""
+        place = self.selected
+        if place is not None and exists(place, layout) and how_many(place.thing, layout) != self.among:
+            self.selected = None
 
     def robot(self, snapshot: "Snapshot") -> int:
         """Index of the robot whose velocity is explained."""

@@ -4,7 +4,10 @@ from higvf_interfaces.fields import Fields, shown
 from higvf_interfaces.formats.signal_records import SignalRequest
 
 RECORDED = ("format", "stream", "rate", "period", "channels")
-DECODING = ("decoder", "calibration", "markers", "trial_s", "calibrate_to", "targets", "mains", "window", "hop")
+DECODING = (
+    "decoder", "calibration", "markers", "marker_stream", "trial_s", "calibrate_to", "targets", "mains", "window",
+    "hop",
+)  # fmt: skip
 
 
 def signal_request(options: Fields) -> SignalRequest:

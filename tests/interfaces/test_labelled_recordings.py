@@ -26,7 +26,7 @@ def markers(start: float) -> str:
 
 def starts(source: str, options: Mapping[str, object]) -> list[float]:
     """When the trials of a recording start, on the clock of its signal."""
-    fields = Fields({"trial_s": 2.0, **options}, (*RECORDED, *DECODING, "marker_stream"), "input emg")
+    fields = Fields({"trial_s": 2.0, **options}, (*RECORDED, *DECODING), "input emg")
     record = read_signals(source, signal_request(fields))
     return [round(trial.start, 2) for trial in labelled(source, record, fields).trials]
 

@@ -30,7 +30,7 @@ from higvf_console.commands import (
 from higvf_console.edits import AddThing, ChangeThing, DeleteThing, MoveThing, SetParameters
 from higvf_console.session.history import KEPT
 from higvf_console.state import NOBODY, PathKind, PathStatus
-from tests.session.editing.deeds import GIVEN, SCENE, assert_same, edited_run, give, go, refused
+from tests.session.editing.deeds import GIVEN, HAIR, SCENE, assert_same, edited_run, give, go, refused, shortfalls
 from tests.teams import stroke
 
 WAY = stroke([(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)])
@@ -79,15 +79,20 @@ def test_a_robot_that_was_deleted_comes_back_where_it_was_or_as_near_as_is_safe(
     assert np.hypot(*(run.state.motion.position[2] - place)) < 40.0
 
 
-def test_undo_of_a_body_that_robots_have_driven_into_the_place_of_is_refused() -> None:
+def test_robots_that_stand_where_a_body_comes_back_are_set_aside_and_that_is_said() -> None:
     run = edited_run()
     give(run, DeleteThing("circle", 1))
-    held = run.state.motion._replace(position=run.state.motion.position + floats([-50.0, 100.0]))
-    run.state = run.state._replace(motion=held)
-    events = run.apply(Undo())
-    assert refused(events)
-    assert "in the way" in events[0].text
-    assert len(run.setup.world.circles) == 1
+    driven = run.state.motion.position + floats([-50.0, 100.0])
+    run.state = run.state._replace(motion=run.state.motion._replace(position=driven))
+    (event,) = give(run, Undo())
+    assert event.text == "Undone: Circle 2 is deleted. Robots 1, 2, 3 were in the way and are set aside."
+    assert len(run.setup.world.circles) == 2
+    moved = np.hypot(*(run.state.motion.position - driven).T)
+    assert moved[3] == 0.0
+    assert ((moved[:3] > 0.0) & (moved[:3] < 60.0)).all()
+    assert shortfalls(run).max() < HAIR
+    give(run, Redo(), Undo())
+    assert len(run.setup.world.circles) == 2
 
 
 def test_what_is_new_takes_the_place_of_what_was_undone() -> None:

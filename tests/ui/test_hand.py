@@ -26,8 +26,8 @@ from higvf_console.session.editing.layout import layout_of
 from higvf_console.session.editing.things import Place
 from higvf_console.session.session import Session
 from higvf_console.sim.setup import Setup
-from higvf_console.ui.grips import Drag, handles_of, result_of, wished
-from higvf_console.ui.hand import Hand, robot_near
+from higvf_console.ui.grips import Drag, gripped, handles_of, result_of, robot_near, wished
+from higvf_console.ui.hand import Hand
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.roles import Roles
 from higvf_console.ui.scene import View
@@ -233,3 +233,71 @@ def test_what_is_gone_when_the_hand_lets_go_is_left_alone() -> None:
     setup = burning()
     drag = Drag(floats([0.0, 0.0]), floats([9.0, 9.0]), Place(Thing.FIRE, 5))
     assert result_of(drag, layout_of(setup), setup.start.motion) == []
+
+
+def test_a_drag_ends_with_the_tool_with_which_it_began() -> None:
+    hand = held(burning())
+    hand.hand.stroke(PAGE, "start", floats([[350.0, 350.0]]))
+    hand.hand.tool(PAGE, Tool.EDIT)
+    hand.hand.stroke(PAGE, "end", floats([[600.0, 350.0]]))
+    assert [type(command) for command in hand.given] == [StrokeBegin, StrokePoints, StrokePoints, StrokeEnd]
+    hand.given.clear()
+    hand.hand.stroke(PAGE, "start", floats([[600.0, 350.0]]))
+    hand.hand.tool(PAGE, Tool.PATH)
+    hand.hand.stroke(PAGE, "end", floats([[640.0, 350.0]]))
+    assert [type(command) for command in hand.given] == [MoveThing]
+    assert hand.view.drag is None
+
+
+def test_nothing_that_is_not_seen_to_be_chosen_is_deleted() -> None:
+    fire = floats([600.0, 350.0])
+    other_tool = held(burning(), Tool.EDIT)
+    other_tool.hand.click(PAGE, fire)
+    other_tool.hand.tool(PAGE, Tool.PATH)
+    other_page = held(burning(), Tool.EDIT)
+    other_page.hand.click(PAGE, fire)
+    other_page.hand.hand_over(8)
+    for hand in (other_tool, other_page):
+        hand.hand.key(PAGE, "delete")
+        assert hand.given == []
+    assert not other_page.view.editing
+
+
+def test_what_is_added_is_chosen_as_soon_as_it_is_there() -> None:
+    hand = held(burning(), Tool.EDIT)
+    hand.hand.click(PAGE, floats([600.0, 350.0]))
+    hand.hand.tool(PAGE, Tool.CIRCLE)
+    hand.hand.click(PAGE, floats([400.0, 500.0]))
+    assert hand.view.selected == Place(Thing.CIRCLE, 0)
+    hand.hand.key(PAGE, "delete")
+    assert [type(command) for command in hand.given] == [AddThing], "it is not there yet"
+    hand.view.keep_choice(layout_of(burning()))
+    added = team(robots=[(100.0, 100.0), (300.0, 100.0)], circles=[(400.0, 500.0, 20.0)])
+    hand.view.keep_choice(layout_of(added))
+    assert hand.view.selected == Place(Thing.CIRCLE, 0)
+
+
+def test_a_choice_ends_when_things_of_its_kind_come_or_go() -> None:
+    two = team(fires=[(600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])
+    hand = held(two, Tool.EDIT)
+    hand.hand.click(PAGE, floats([900.0, 350.0]))
+    hand.view.keep_choice(layout_of(two))
+    assert hand.view.selected == Place(Thing.FIRE, 1)
+    hand.view.keep_choice(layout_of(team(fires=[(100.0, 350.0, 30.0), (600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])))
+    assert hand.view.selected is None
+
+
+def test_a_link_that_ends_at_no_robot_is_none() -> None:
+    hand = held(burning(), Tool.LINK)
+    hand.drag([100.0, 100.0], [200.0, 400.0])
+    assert hand.given == []
+
+
+def test_the_middle_of_a_small_thing_moves_it_though_its_square_is_within_reach() -> None:
+    setup = team(fires=[(600.0, 350.0, 8.0)])
+    layout, motion = layout_of(setup), setup.start.motion
+    chosen = Place(Thing.FIRE, 0)
+    for x, handle in ((600.0, ""), (603.0, ""), (606.0, "radius"), (608.0, "radius")):
+        drag = gripped(floats([x, 350.0]), chosen, layout, motion, 10.0, 1.0)
+        assert drag is not None
+        assert (drag.place, drag.handle) == (chosen, handle)

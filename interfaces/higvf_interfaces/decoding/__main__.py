@@ -40,9 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     try:
         parts = dict(part.partition("=")[::2] for part in given.options.split(","))
-        options = option_fields(
-            InputSpec("decoding", given.file, options=parts), (*RECORDED, *DECODING, "marker_stream")
-        )
+        options = option_fields(InputSpec("decoding", given.file, options=parts), (*RECORDED, *DECODING))
         found = idle_report(given.file, options) if given.idle else report(given.file, options)
     except HigvfError as problem:
         print(problem, file=sys.stderr)
