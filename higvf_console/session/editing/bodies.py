@@ -229,6 +229,8 @@ def _check_room(layout: Layout, motion: Motion, gap: Gap, what: str) -> None:
     least = controlled(layout.gains).safety.obstacle_clearance
     room = gap(motion.position)
     robot = int(np.argmin(room))
+    if room[robot] < 0.0:
+        raise ScenarioError(f"robot {robot + 1} would be inside {what}; {least:g} m is the least clearance")
     if room[robot] < least:
         raise ScenarioError(
             f"{what} would be too near to robot {robot + 1}: {room[robot]:.1f} m from it, {least:g} m is the least"
