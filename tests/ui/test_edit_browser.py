@@ -203,6 +203,18 @@ def test_a_scenario_is_saved_and_loaded_again(page: Page, running: Running, tmp_
     assert "robots" in running.session.snapshot.events[-1].text
 
 
+def test_the_strokes_of_a_loaded_scenario_are_offered_in_the_tab_for_steering_alone(
+    page: Page, running: Running
+) -> None:
+    scenario = load_scenario("building")
+    running.push(LoadScenario(scenario.text, scenario.name))
+    offers = page.get_by_role("button", name="Show me: ")
+    wait_until(lambda: offers.all_inner_texts() == [f"Show me: {stroke.name}" for stroke in scenario.strokes])
+    tab(page, "Log")
+    wait_until(shown(page, f"'{scenario.title}'"))
+    assert not any(offer.is_visible() for offer in offers.all())
+
+
 def unfold_files(page: Page) -> None:
     tab(page, "Edit")
     if not page.get_by_role("button", name="Save scenario", exact=True).is_visible():

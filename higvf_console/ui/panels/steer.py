@@ -73,7 +73,8 @@ class SteerPanel:
         self._drawn = gui.add_dropdown("Drawn", self._names(), hint="Paths drawn so far")
         self._again = gui.add_button_group(" ", (_FOLLOW, _FORGET), hint="The path chosen above")
         self._again.on_click(reaction(self._take_up))
-        self._strokes = [self._make_show_me(gui, stroke) for stroke in scenario.strokes]
+        self._shown = gui.add_folder(None)
+        self._offer(scenario)
 
     def _make_terms(self, gui: viser.GuiApi, scenario: "Scenario") -> None:
         """How a path is followed, and how a stroke becomes one."""
@@ -187,7 +188,11 @@ class SteerPanel:
         self._scenario, self.smoothing = scenario, scenario.gains.path.stroke_smoothing
         for button in self._strokes:
             button.remove()
-        self._strokes = [self._make_show_me(self._gui, stroke) for stroke in scenario.strokes]
+        self._offer(scenario)
+
+    def _offer(self, scenario: "Scenario") -> None:
+        with self._shown:
+            self._strokes = [self._make_show_me(self._gui, stroke) for stroke in scenario.strokes]
 
     def _show_path(self, path: Path) -> None:
         if path is self._path:
@@ -203,7 +208,7 @@ class SteerPanel:
         self._picker.remove()
         for widget in (
             self._actions, self._end, self._speed, self._time, self._smoothing, self._at_once, self._horizon,
-            self._drawn, self._again, self._priority, self._unprioritise, *self._strokes,
+            self._drawn, self._again, self._priority, self._unprioritise, self._shown,
         ):  # fmt: skip
             widget.remove()
 
