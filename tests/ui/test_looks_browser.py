@@ -9,10 +9,21 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from higvf_console.commands import AskReset, Freeze, Pick, ResetRun, ResetStop, Stop
+from higvf_console.commands import AskReset, Freeze, Pick, ResetRun, ResetStop, SetSpeed, Stop
+from higvf_console.sim.setup import Severity
+from higvf_console.ui.panels.log import STAY_S
 from higvf_console.ui.scene import View
 from higvf_console.ui.theme import DARK, LIGHT, TEXT_SIZES, THEMES, USUAL_LOOK, hex_rgb
-from tests.browser import draw, open_console, screenshot, to_page, wait_for_console, wait_until
+from tests.browser import (
+    PATIENCE,
+    close_notifications,
+    draw,
+    open_console,
+    screenshot,
+    to_page,
+    wait_for_console,
+    wait_until,
+)
 from tests.consoles import Running, console_at_work
 from tests.teams import stroke
 
@@ -199,6 +210,24 @@ def test_an_alarm_stays_until_it_is_put_away_or_acknowledged(page: Page, running
     wait_until(lambda: not note.count())
     assert page.locator(".hg .log .alarm").count() == 0
     assert running.state.intent.stopped, "to acknowledge commands nothing"
+
+
+def test_a_refusal_takes_the_place_of_the_former_one(
+    page: Page,
+    running: Running,
+    view: View,  # noqa: ARG001 - puts all back
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def reasons() -> list[bool]:
+        refusals = page.locator(NOTE, has_text="Not possible").all_inner_texts()
+        return ["999 times" in refusal for refusal in refusals]
+
+    monkeypatch.setitem(STAY_S, Severity.WARNING, 10.0 * PATIENCE)
+    running.push(SetSpeed(998.0))
+    wait_until(lambda: reasons() == [False])
+    running.push(SetSpeed(999.0))
+    wait_until(lambda: reasons() == [True])
+    close_notifications(page)
 
 
 @pytest.mark.parametrize(("width", "height"), SIZES)

@@ -142,6 +142,17 @@ def test_an_alarm_is_notified_at_any_time_unless_one_of_its_kind_still_stands() 
     assert notifications.chosen([alarm], 0.2) == [alarm], "acknowledged: the next one is news again"
 
 
+def test_a_refusal_is_notified_at_once_unless_the_one_that_is_shown_says_the_same() -> None:
+    notifications = Notifications()
+    near, far, none = (event("refused", Severity.WARNING, text) for text in ("Too near.", "Too far.", "No fire."))
+    assert notifications.chosen([near], 0.0) == [near]
+    assert notifications.chosen([near], 1.0) == []
+    assert notifications.chosen([far, none], 2.0) == [none], "one notification, of the latest"
+    assert notifications.chosen([none], 9.0) == []
+    assert notifications.chosen([near], 9.1) == [near]
+    assert notifications.chosen([near], 18.0) == [near], "the former has gone"
+
+
 def test_alarms_that_nobody_has_acknowledged_stand_out_in_the_log() -> None:
     read, unread = event("stop", Severity.ALARM, "first"), event("stop", Severity.ALARM, "second")
     html = log_html([read, unread], [unread])

@@ -20,13 +20,14 @@ if TYPE_CHECKING:
 MOST_SHOWN = 30
 MOST_ALARMS = 99  # that wait to be acknowledged; older ones are let go
 MOST_AT_ONCE = 2  # notifications of one update
+REFUSED = "refused"
 TITLES = {
     "extinguished": "Fire out",
     "target": "New target",
     "path": "Path",
     "infeasible": "No safe velocity",
     "deadlock": "Robot held",
-    "refused": "Not possible",
+    REFUSED: "Not possible",
     "clipped": "Stroke clipped",
     "stop": "STOP",
     "channel": "Input",
@@ -54,6 +55,7 @@ class LogPanel:
         self._shown: tuple[Event, ...] = ()
         self._notifications = Notifications()
         self._standing: list[tuple[Event, viser.NotificationHandle]] = []
+        self._refusal: list[viser.NotificationHandle] = []  # the latest, in each page
         page.listen(server, "read", self._read)
         page.install(server, "notes", {})
 
@@ -85,6 +87,9 @@ class LogPanel:
         return {event.kind for event, _ in self._standing}
 
     def _notify(self, event: Event) -> None:
+        if event.kind == REFUSED:
+            while self._refusal:
+                self._refusal.pop().remove()
         for client in self._server.get_clients().values():
             notification = client.add_notification(
                 TITLES.get(event.kind, event.kind.capitalize()),
@@ -94,6 +99,8 @@ class LogPanel:
             )
             if event.severity == Severity.ALARM:
                 self._standing.append((event, notification))
+            elif event.kind == REFUSED:
+                self._refusal.append(notification)
 
     def _take_back(self, unread: Sequence[Event]) -> None:
         for event, notification in self._standing:
@@ -110,12 +117,13 @@ class LogPanel:
 class Notifications:
     """Keeps the arena in sight: one of a kind at a time, but every fire that goes out and every loss of control.
 
-    What the operator has just done is seen anyway and only logged.
+    A refusal for another reason than the one that is shown takes its place at once: the old one would mislead. What the
+    operator has just done is seen anyway and only logged.
     """
 
     def __init__(self) -> None:
         """Nothing has been notified."""
-        self._shown_until: dict[str, float] = {}
+        self._shown: dict[str, tuple[float, str]] = {}  # by kind: until when [s], and its text
 
     def chosen(self, fresh: Sequence[Event], now: float, standing: Set[str] = frozenset()) -> list[Event]:
         """The events to be notified at `now` [s], of those that are new.
@@ -134,10 +142,17 @@ class Notifications:
                 if event.kind not in shown:
                     shown.add(event.kind)
                     chosen.append(event)
-            elif event.kind in ("extinguished", "control") or now >= self._shown_until.get(event.kind, now):
-                self._shown_until[event.kind] = now + STAY_S[event.severity]
+            elif self._is_news(event, now):
+                self._shown[event.kind] = now + STAY_S[event.severity], event.text
+                if event.kind == REFUSED:
+                    chosen = [other for other in chosen if other.kind != REFUSED]
                 chosen.append(event)
         return chosen[-MOST_AT_ONCE:]
+
+    def _is_news(self, event: Event, now: float) -> bool:
+        until, told = self._shown.get(event.kind, (now, ""))
+        other_reason = event.kind == REFUSED and event.text != told
+        return now >= until or other_reason or event.kind in ("extinguished", "control")
 
 
 def newer(events: Sequence[Event], newest: Event | None) -> list[Event]:
