@@ -205,6 +205,96 @@ def test_keys_do_nothing_while_a_field_is_typed_into(
     stage.text.value, stage.number.value = "words", 1.0
 
 
+@pytest.mark.parametrize("key", ["Enter", "Escape"])
+@pytest.mark.parametrize("field", ["number", "text"])
+def test_a_typed_value_arrives_and_its_field_gives_the_keys_back(
+    page: Page, stage: Stage, field: Literal["number", "text"], key: str
+) -> None:
+    stage.focus(page, field)
+    page.keyboard.press("End")
+    page.keyboard.type("77")
+    page.keyboard.down(key)
+    page.wait_for_function("document.activeElement === document.body", polling=50)
+    page.keyboard.down(key)  # still held
+    page.keyboard.up(key)
+    page.keyboard.press("p")
+    wait_until(lambda: "pause" in stage.pressed)
+    wait_until(lambda: (stage.number.value, stage.text.value) == ((177, "words"), (1, "words77"))[field == "text"])
+    assert stage.pressed == ["pause"]
+    stage.text.value, stage.number.value = "words", 1.0
+
+
+@pytest.mark.parametrize("way", ["click", "Enter"])
+def test_a_chosen_option_holds_and_its_dropdown_gives_the_keys_back(page: Page, stage: Stage, way: str) -> None:
+    stage.focus(page, "dropdown")
+    option = page.get_by_role("option", name="second")
+    option.wait_for()
+    page.keyboard.press("Control+a")
+    page.keyboard.type("sec")
+    if way == "click":
+        option.click()
+    else:
+        page.keyboard.press("ArrowDown")
+        page.keyboard.press("Enter")
+    option.wait_for(state="hidden")
+    page.keyboard.press("p")
+    wait_until(lambda: stage.pressed == ["pause"])
+    wait_until(lambda: stage.dropdown.value == "second")
+    expect(page.get_by_role("combobox").first).to_have_value("second")
+    stage.dropdown.value = "first"
+
+
+def test_escape_closes_a_dropdown_and_gives_the_keys_back(page: Page, stage: Stage) -> None:
+    stage.focus(page, "dropdown")
+    option = page.get_by_role("option", name="second")
+    option.wait_for()
+    page.keyboard.press("Escape")
+    option.wait_for(state="hidden")
+    page.keyboard.press("p")
+    wait_until(lambda: stage.pressed == ["pause"])
+    assert stage.dropdown.value == "first"
+
+
+def test_a_step_by_the_arrows_of_a_number_field_leaves_the_keys_alive(page: Page, stage: Stage) -> None:
+    page.locator(".mantine-NumberInput-control").first.click()
+    wait_until(lambda: stage.number.value == 2.0)
+    page.keyboard.press("p")
+    wait_until(lambda: stage.pressed == ["pause"])
+    stage.number.value = 1.0
+
+
+def test_the_search_of_the_palette_keeps_the_focus_after_enter(page: Page, stage: Stage) -> None:
+    run: list[bool] = []
+    command = stage.server.gui.add_command("Do it")
+    command.on_trigger(lambda _: run.append(True))
+    search = page.get_by_placeholder("Search")
+    wait_until(lambda: page.keyboard.press("Control+k") or search.count())  # the command has to arrive
+    search.fill("nothing like it")
+    page.keyboard.press("Enter")
+    page.wait_for_timeout(200)
+    page.keyboard.type("!")
+    expect(search).to_have_value("nothing like it!")
+    search.fill("Do it")
+    page.keyboard.press("Enter")
+    wait_until(lambda: run)
+    search.wait_for(state="hidden")
+    command.remove()
+    assert stage.pressed == []
+
+
+def test_a_field_of_a_dialog_keeps_the_focus_after_enter(page: Page, stage: Stage) -> None:
+    with stage.server.gui.add_modal("dialog") as dialog:
+        inside = stage.server.gui.add_number("inside", 5.0)
+    field = page.locator(f"[id='{inside._impl.uuid}']")  # pyright: ignore[reportPrivateUsage]
+    field.focus()
+    page.keyboard.press("Enter")
+    page.wait_for_timeout(200)
+    expect(field).to_be_focused()
+    dialog.close()
+    page.get_by_role("dialog").wait_for(state="hidden")
+    assert stage.pressed == []
+
+
 def test_a_shortcut_of_the_browser_is_no_key_of_ours(page: Page, stage: Stage) -> None:
     page.keyboard.press("Alt+p")
     page.keyboard.press("x")

@@ -11,6 +11,7 @@
   const TYPES_SPACE =
     "textarea, input:not([inputmode]):not([role=combobox]):not([type=checkbox]):not([type=range])";
   const TYPES_LETTERS = "textarea, select, [contenteditable=true], input:not([type=checkbox]):not([type=range])";
+  const ENDS_TYPING = "[role=option], .mantine-NumberInput-control"; // a click there has given the field its value
   const TAKES_ENTER = "button, a, summary, [role=button], [role=tab], [role=option], [role=menuitem]";
 
   const overlay = page.overlay(
@@ -193,6 +194,14 @@
     return config.names[event.code.replace(/^(Key|Digit|Numpad)/, "").toLowerCase()];
   }
 
+  const endsTyping = ({ key, isComposing }, field) =>
+    !isComposing && (key === "Escape" || (key === "Enter" && !field.matches("textarea")));
+
+  // A field that kept the focus would keep the letters; what the key or the click means to it comes first.
+  function leave(field) {
+    if (field.matches(TYPES_LETTERS) && !field.closest("[role=dialog]")) setTimeout(() => field.blur());
+  }
+
   function onKeyDown(event) {
     const target = event.composedPath()[0];
     if (event.code === "Space") {
@@ -207,7 +216,11 @@
       toggleHelp(false);
       return;
     }
-    if (event.altKey || target.matches?.(TYPES_LETTERS)) return;
+    if (target.matches?.(TYPES_LETTERS)) {
+      if (endsTyping(event, target)) leave(target);
+      return;
+    }
+    if (event.altKey) return;
     if (event.ctrlKey || event.metaKey) {
       const turn = { z: event.shiftKey ? "redo" : "undo", y: "redo" }[event.key.toLowerCase()];
       if (!turn) return;
@@ -218,9 +231,10 @@
     }
     const name = hotkey(event);
     if (!name || (event.key === "Enter" && target.matches?.(TAKES_ENTER))) return;
-    if (event.key === "Escape") return sendKey(name); // whatever else it closes may hear it too
-    event.preventDefault();
-    event.stopImmediatePropagation();
+    if (event.key !== "Escape") {
+      event.preventDefault(); // what else Escape closes may hear it too
+      event.stopImmediatePropagation();
+    }
     if (event.repeat) return;
     if (name === "help") toggleHelp();
     else if (name === "fit_view") page.part("camera")?.fit();
@@ -232,6 +246,10 @@
     if (event.code !== "Space" || event.composedPath()[0].matches?.(TYPES_SPACE)) return;
     event.preventDefault();
     event.stopImmediatePropagation();
+  }
+
+  function onClick(event) {
+    if (event.target.closest?.(ENDS_TYPING)) leave(document.activeElement);
   }
 
   // Pressed at once by a pointer, and by a click where there is none: Enter, assistive technology.
@@ -247,7 +265,7 @@
   fillCard();
   show();
   const beating = setInterval(beat, RESEND_MS);
-  const forget = page.listen({ keydown: onKeyDown, keyup: onKeyUp });
+  const forget = page.listen({ keydown: onKeyDown, keyup: onKeyUp, click: onClick });
 
   return {
     alive() {
