@@ -10,9 +10,11 @@ from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import Floats
 from higvf_console.commands import AskReset, Freeze, LoadScenario, Pick, ResetStop, Stop
-from higvf_console.edits import AddThing, ChangeThing, MoveThing, ToggleLink
+from higvf_console.edits import AddThing, ChangeThing, MoveThing, SetArena, ToggleLink
 from higvf_console.session.scenario import load_scenario, parse_scenario
 from higvf_console.state import PathKind
+from higvf_console.ui.panels import typed
+from higvf_console.viewport import Arena
 from tests.browser import (
     close_notifications,
     draw,
@@ -133,6 +135,37 @@ def test_things_are_added_numbered_and_deleted(page: Page, running: Running) -> 
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("Delete")
     wait_until(lambda: len(running.session.setup.world.bars) == 1)
+
+
+def test_a_typed_number_counts_once_and_one_that_cannot_be_springs_back(
+    page: Page, running: Running, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(typed, "TYPED_S", 2.0)  # [s], for a machine that is slow between two keys
+    take(page, "edit")
+    tab(page, "Edit")
+    click(page, 500, 250)
+    wait_until(shown(page, "Fire 1"))
+    radius = page.get_by_label("Radius m", exact=True).input_value()
+    type_over(page, "x m", "520")
+    type_over(page, "Radius m", "-15")
+    wait_until(lambda: len(running.given(ChangeThing)) == 2)
+    given = [(change.name, change.value) for change in running.given(ChangeThing) if isinstance(change, ChangeThing)]
+    assert given == [("x", 520.0), ("radius", -15.0)]
+    wait_until(lambda: page.get_by_label("Radius m", exact=True).input_value() == radius)
+    if not page.get_by_label("Right m").is_visible():
+        page.get_by_text("Arena and links", exact=True).click()
+    type_over(page, "Top m", "800")
+    type_over(page, "Right m", "1300")
+    wait_until(lambda: running.session.setup.arena == Arena(0.0, 0.0, 1300.0, 800.0))
+    assert len(running.given(SetArena)) <= 2
+
+
+def type_over(page: Page, label: str, words: str) -> None:
+    """Replaces what is in a field, key by key."""
+    field = page.get_by_label(label, exact=True)
+    field.click()  # waits for a folder that opens
+    field.press("Control+a")
+    field.press_sequentially(words, delay=60)
 
 
 def test_an_obstacle_is_drawn_freehand_and_a_link_from_robot_to_robot(page: Page, running: Running) -> None:

@@ -76,7 +76,7 @@ def test_an_arrow_of_a_field_adds_a_tenth_of_its_order_of_magnitude() -> None:
 
 def test_a_value_is_meant_once_and_only_when_typing_has_ended() -> None:
     now = [0.0]
-    typed = Typed(lambda: now[0])
+    typed = Typed[str, float](lambda: now[0])
     for second, value in ((0.0, 2.0), (0.5, 28.0)):
         now[0] = second
         typed.note("safety.robot_clearance", value)

@@ -1,5 +1,6 @@
 """What is chosen for editing, number by number; the arena; who is linked."""
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -11,8 +12,9 @@ from higvf_console.edits import ChangeThing, DeleteThing, LinkByRange, SetArena
 from higvf_console.interface import PointerSink
 from higvf_console.session.editing.layout import Layout, layout_of
 from higvf_console.session.editing.things import NUMBERS, Place, exists, name_of, numbers_of
-from higvf_console.ui.panels.callbacks import mirror, number_in, reaction, truth
+from higvf_console.ui.panels.callbacks import SETTLE_S, mirror, number_in, reaction, truth
 from higvf_console.ui.panels.html import block
+from higvf_console.ui.panels.typed import TYPED_S, Typed
 from higvf_console.ui.scene import View
 from higvf_console.viewport import Arena
 
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
 
 _MOST_NUMBERS = max(len(numbers) for numbers in NUMBERS.values())
 _SIDES = {"x_min": "Left m", "y_min": "Bottom m", "x_max": "Right m", "y_max": "Top m"}
+_UNANSWERED_S = TYPED_S + SETTLE_S  # [s] from a key stroke until the session must have answered what was typed
 _HELP = (
     "Take the arrow above the arena (M) and click a robot, a fire or an obstacle. Drag it to move it; its square "
     "resizes, its disc turns. New things, freehand obstacles and links have tools of their own beside it."
@@ -34,6 +37,8 @@ class EditPanel:
         """Builds the widgets; none has a meaning before `update`."""
         self._sink, self._view = sink, view
         self._place: Place | None = None
+        self._typed = Typed[tuple[Place, str], float]()
+        self._typed_sides = Typed[str, float]()
         self._arena, self._walls = Arena(0.0, 0.0, 1.0, 1.0), True
         self._head = gui.add_html("")
         self._fields = [self._make_field(gui, slot) for slot in range(_MOST_NUMBERS)]
@@ -51,21 +56,25 @@ class EditPanel:
 
     def _make_field(self, gui: viser.GuiApi, slot: int) -> viser.GuiNumberHandle[float]:
         field = gui.add_number(" ", 0.0, step=0.1, visible=False)
-        field.on_update(reaction(lambda value: self._change(slot, value)))
+        field.on_update(reaction(lambda value: self._note(slot, value)))
         return field
 
     def _make_side(self, gui: viser.GuiApi, name: str, label: str) -> viser.GuiNumberHandle[float]:
         field = gui.add_number(label, 0.0, step=10.0, hint="Side of the arena")
-        field.on_update(reaction(lambda value: self._set_arena(sides={name: number_in(value, -1e6, 1e6)})))
+        field.on_update(reaction(lambda value: self._typed_sides.note(name, _number(value))))
         return field
 
-    def _change(self, slot: int, value: object) -> None:
+    def _note(self, slot: int, value: object) -> None:
         place = self._place
-        if place is None or slot >= len(NUMBERS[place.thing]):
-            return
-        name, quantity = list(NUMBERS[place.thing].items())[slot]
-        number = number_in(value, quantity.low, quantity.high)
-        self._sink.push(ChangeThing(place.thing, place.row, name, number))
+        if place is not None and slot < len(NUMBERS[place.thing]):
+            self._typed.note((place, list(NUMBERS[place.thing])[slot]), _number(value))
+
+    def _send(self) -> None:
+        """Sends what was typed, once it is meant; the session judges it."""
+        for (place, name), number in self._typed.meant().items():
+            self._sink.push(ChangeThing(place.thing, place.row, name, number))
+        if sides := self._typed_sides.meant():
+            self._set_arena(sides=sides)
 
     def _set_arena(self, walls: bool | None = None, sides: Mapping[str, float] = MappingProxyType({})) -> None:
         arena = self._arena._replace(**sides)
@@ -77,9 +86,9 @@ class EditPanel:
             self._sink.push(DeleteThing(self._place.thing, self._place.row))
 
     def update(self, snapshot: "Snapshot") -> None:
-        """Shows the numbers of what is chosen, and the arena."""
+        """Sends what is meant; shows the numbers of what is chosen, and the arena."""
         layout = layout_of(snapshot.setup)
-        place = self._view.selected
+        place, former = self._view.selected, self._place
         self._place = place if place is not None and exists(place, layout) else None
         self._head.content = block(
             f'<span class="dim">{_HELP}</span>'
@@ -87,14 +96,16 @@ class EditPanel:
             else f'<div class="title">{name_of(self._place).capitalize()}</div>'
         )
         self._delete.visible = self._place is not None
-        self._show_numbers(layout, snapshot)
         self._arena, self._walls = layout.arena, layout.walls
+        self._send()
+        self._show_numbers(layout, snapshot, _UNANSWERED_S if self._place == former else 0.0)
         for name, field in self._sides.items():
-            mirror(field, float(getattr(layout.arena, name)))
+            if name not in self._typed_sides:
+                mirror(field, float(getattr(layout.arena, name)), _UNANSWERED_S)
         mirror(self._walled, layout.walls)
         self._by_range.disabled = layout.links is None
 
-    def _show_numbers(self, layout: Layout, snapshot: "Snapshot") -> None:
+    def _show_numbers(self, layout: Layout, snapshot: "Snapshot", settle: float) -> None:
         place, numbers = self._place, dict[str, Any]()
         if place is not None:
             numbers = numbers_of(place, layout, snapshot.state.motion)
@@ -109,9 +120,14 @@ class EditPanel:
             quantity = NUMBERS[place.thing][name]
             field.label = f"{name} {quantity.unit}".strip().capitalize() if name not in ("x", "y") else f"{name} m"
             field.hint = quantity.text
-            mirror(field, round(value, 2))
+            if (place, name) not in self._typed:
+                mirror(field, round(value, 2), settle)
 
     def cleanup(self) -> None:
         """Removes the widgets."""
         for widget in (self._head, *self._fields, self._delete, self._folder):
             widget.remove()
+
+
+def _number(value: object) -> float:
+    return number_in(value, -math.inf, math.inf)

@@ -35,7 +35,7 @@ class TunePanel:
         """Builds a field for every tunable; those of the chosen group are seen."""
         self._session, self._sink = session, sink
         self._scenario, self._gains = session.scenario.gains, session.setup.gains
-        self._typed = Typed()
+        self._typed = Typed[str, object]()
         self._wrong = ""  # with what was asked last
         self._asked_at = -math.inf
         self._latest: Event | None = None
