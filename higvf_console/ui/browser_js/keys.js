@@ -5,6 +5,7 @@
   const RESEND_MS = 150;
   const CONFIRM_MS = 5000; // time for the second step of a reset
   const DOUBLE_MS = 400; // a hasty second press of the same click is none
+  const PHONE_PX = 600; // on a page this narrow the red button stands left of the panel
   const UNCONFIRMED_MS = 2000; // an accepted STOP must show as stopped by then
 
   // Space types a blank only here; everywhere else it stops the team.
@@ -38,6 +39,10 @@
         background: var(--hg-card, #161b21); font-size: 16px; font-weight: 600;
         box-shadow: 0 0 0 1px var(--hg-border, #4b5563); }
       .ask:hover { background: var(--hg-key, #2b323c); }
+      @media (max-width: ${PHONE_PX}px) {
+        .bar { flex-direction: column-reverse; align-items: flex-start; }
+        .stop { width: 100px; padding: 8px 4px; }
+      }
       .veil { position: absolute; inset: 0; display: none; pointer-events: auto; align-items: center;
         padding: 24px 16px 108px; /* the last row ends above the red button */
         justify-content: center; background: rgba(0, 0, 0, 0.35); }
@@ -131,7 +136,7 @@
   let shown = "";
   function show() {
     const rect = page.canvas()?.getBoundingClientRect();
-    bar.style.left = `${(rect?.left ?? 0) + 18}px`;
+    bar.style.left = `${(rect?.left ?? 0) + (window.innerWidth > PHONE_PX ? 18 : 10)}px`;
     bar.style.bottom = `${Math.max(window.innerHeight - (rect?.bottom ?? window.innerHeight), 0) + 18}px`;
     const [state, title, text] = face();
     if (shown === state + title + text) return;

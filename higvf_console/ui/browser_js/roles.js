@@ -4,6 +4,7 @@
   const CHECK_MS = 150;
   const NOTE_MS = 4000;
   const BESIDE_PX = 900; // narrower, and the strip goes below that of the tools
+  const GAP = 8; // below a strip [CSS px]
   const STORE = "higvf identity";
   const WANTED = new Set(["Grant", "Request", "Take control"]); // the gentle way; the others are drawn quietly
 
@@ -42,6 +43,13 @@
     </div>`,
     2147483646,
   );
+  // On a phone the notes have no room beside the STOP button: they come below the strips.
+  const notes = document.head.appendChild(document.createElement("style"));
+  notes.textContent = `@media (max-width: 600px) {
+    body .mantine-Notifications-root { top: var(--hg-strips-end) !important; bottom: auto !important;
+      left: 8px !important; right: 8px !important; width: auto; max-width: none; transform: none; }
+  }`;
+
   const $ = (selector) => overlay.shadowRoot.querySelector(selector);
   const [strip, text, acts] = [$(".roles"), $(".text"), $(".acts")];
 
@@ -75,13 +83,16 @@
   let shown = "";
   function show() {
     const rect = page.canvas()?.getBoundingClientRect();
+    const tools = page.part("tools")?.bottom() ?? 0;
     if (rect?.width) {
       strip.style.left = `${rect.right - 8}px`;
-      strip.style.top = rect.width < BESIDE_PX ? "54px" : "8px";
+      strip.style.top = `${rect.width < BESIDE_PX ? tools + GAP : 8}px`;
       strip.style.maxWidth = `${rect.width - 16}px`;
     }
     const open = role !== null && !alone();
     strip.classList.toggle("open", open);
+    const end = open ? strip.getBoundingClientRect().bottom : tools;
+    document.documentElement.style.setProperty("--hg-strips-end", `${end + GAP}px`);
     if (!open) return;
     const [says, look, buttons] = face();
     const noted = now() < note.until;
@@ -158,6 +169,8 @@
       document.body.classList.remove("hg-watches");
       clearInterval(checking);
       forget();
+      notes.remove();
+      document.documentElement.style.removeProperty("--hg-strips-end");
       overlay.remove();
     },
   };

@@ -8,8 +8,8 @@
 
   const overlay = page.overlay(
     `<style>
-      .tools { position: absolute; top: 8px; display: flex; gap: 10px; padding: 4px; border-radius: 9px;
-        background: var(--hg-card, #161b21); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46);
+      .tools { position: absolute; top: 8px; display: flex; flex-wrap: wrap; gap: 10px; padding: 4px; border-radius: 9px;
+        box-sizing: border-box; background: var(--hg-card, #161b21); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46);
         pointer-events: auto; }
       .tools.tight { gap: 2px; }
       .group { display: flex; gap: 2px; }
@@ -70,6 +70,7 @@
     const rect = page.canvas()?.getBoundingClientRect();
     if (!rect) return;
     strip.style.left = `${rect.left + 8}px`;
+    strip.style.maxWidth = `${rect.width - 16}px`;
     strip.classList.toggle("tight", rect.width < LEAST_ROOM);
   }
 
@@ -81,6 +82,10 @@
   return {
     show,
     history,
+
+    // Where the strip ends [CSS px].
+    bottom: () => strip.getBoundingClientRect().bottom,
+
     remove() {
       clearInterval(following);
       overlay.remove();
