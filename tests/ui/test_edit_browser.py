@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import Floats
 from higvf_console.commands import AskReset, Freeze, LoadScenario, Pick, ResetStop, Stop
-from higvf_console.edits import AddThing, ChangeThing, MoveThing, SetArena, ToggleLink
+from higvf_console.edits import AddThing, ChangeThing, MoveThing, SetArena, Thing, ToggleLink
 from higvf_console.session.scenario import load_scenario, parse_scenario
 from higvf_console.state import PathKind
 from higvf_console.ui.panels import typed
@@ -158,6 +158,23 @@ def test_a_typed_number_counts_once_and_one_that_cannot_be_springs_back(
     type_over(page, "Right m", "1300")
     wait_until(lambda: running.session.setup.arena == Arena(0.0, 0.0, 1300.0, 800.0))
     assert len(running.given(SetArena)) <= 2
+
+
+def test_a_field_left_empty_shows_what_holds_and_edits_nothing(page: Page, running: Running) -> None:
+    running.push(ChangeThing(Thing.FIRE, 0, "x", 500.126))
+    take(page, "edit")
+    tab(page, "Edit")
+    click(page, 500, 250)
+    field = page.get_by_label("x m", exact=True)
+    wait_until(lambda: field.is_visible() and field.input_value() == "500.13")
+    type_over(page, "x m", "")
+    field.press("Backspace")
+    assert field.input_value() == ""
+    field.press("Tab")
+    wait_until(lambda: field.input_value() == "500.13")
+    type_over(page, "y m", "260")
+    wait_until(lambda: running.session.setup.world.fire_position[0, 1] == 260.0)
+    assert running.session.setup.world.fire_position[0, 0] == 500.126
 
 
 def type_over(page: Page, label: str, words: str) -> None:

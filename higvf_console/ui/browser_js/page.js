@@ -79,6 +79,23 @@
     }
   }
 
+  // A number field that is left without a number would hide the value in force: its last number comes back. viser sends
+  // it again, which changes nothing, as it is the one that the console knows.
+  const numbers = new WeakMap();  // by field
+  const numberField = ({ target }) => (target.matches?.(".mantine-NumberInput-input") ? target : null);
+  const isNumber = (text) => text.trim() !== "" && Number.isFinite(Number(text));
+  const keep = (event) => {
+    const field = numberField(event);
+    if (field && isNumber(field.value)) numbers.set(field, field.value);
+  };
+  const putBack = (event) => {
+    const field = numberField(event);
+    if (!field || isNumber(field.value) || !numbers.has(field)) return;
+    Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(field, numbers.get(field));
+    field.dispatchEvent(new InputEvent("input", { bubbles: true }));
+  };
+  page.listen({ beforeinput: keep, input: keep, focusout: putBack });
+
   window.higvf = {
     install(name, version, make, config) {
       const old = parts.get(name);

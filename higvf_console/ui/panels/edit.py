@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _MOST_NUMBERS = max(len(numbers) for numbers in NUMBERS.values())
 _SIDES = {"x_min": "Left m", "y_min": "Bottom m", "x_max": "Right m", "y_max": "Top m"}
+_DIGITS = 2  # after the point, shown and known: a page puts back what it shows
 _UNANSWERED_S = TYPED_S + SETTLE_S  # [s] from a key stroke until the session must have answered what was typed
 _HELP = (
     "Take the arrow above the arena (M) and click a robot, a fire or an obstacle. Drag it to move it; its square "
@@ -56,11 +57,13 @@ class EditPanel:
 
     def _make_field(self, gui: viser.GuiApi, slot: int) -> viser.GuiNumberHandle[float]:
         field = gui.add_number(" ", 0.0, step=0.1, visible=False)
+        field.precision = _DIGITS
         field.on_update(reaction(lambda value: self._note(slot, value)))
         return field
 
     def _make_side(self, gui: viser.GuiApi, name: str, label: str) -> viser.GuiNumberHandle[float]:
         field = gui.add_number(label, 0.0, step=10.0, hint="Side of the arena")
+        field.precision = _DIGITS
         field.on_update(reaction(lambda value: self._typed_sides.note(name, _number(value))))
         return field
 
@@ -101,7 +104,7 @@ class EditPanel:
         self._show_numbers(layout, snapshot, _UNANSWERED_S if self._place == former else 0.0)
         for name, field in self._sides.items():
             if name not in self._typed_sides:
-                mirror(field, float(getattr(layout.arena, name)), _UNANSWERED_S)
+                mirror(field, round(float(getattr(layout.arena, name)), _DIGITS), _UNANSWERED_S)
         mirror(self._walled, layout.walls)
         self._by_range.disabled = layout.links is None
 
@@ -121,7 +124,7 @@ class EditPanel:
             field.label = f"{name} {quantity.unit}".strip().capitalize() if name not in ("x", "y") else f"{name} m"
             field.hint = quantity.text
             if (place, name) not in self._typed:
-                mirror(field, round(value, 2), settle)
+                mirror(field, round(value, _DIGITS), settle)
 
     def cleanup(self) -> None:
         """Removes the widgets."""

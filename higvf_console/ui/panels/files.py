@@ -63,6 +63,7 @@ class FilesPanel:
         self._left = gui.add_number("Left m", 0.0, step=1.0, visible=False, hint="Of the image's lower left corner")
         self._bottom = gui.add_number("Bottom m", 0.0, step=1.0, visible=False)
         for field in (self._scale, self._left, self._bottom):
+            field.precision = 4
             field.on_update(reaction(lambda _: self._place()))
         self._shade = gui.add_button_group("Obstacles are", (_DARK, _BRIGHT), visible=False)
         self._threshold = gui.add_slider("Threshold", 0, 255, 1, 128, visible=False, hint="Parts dark from bright")

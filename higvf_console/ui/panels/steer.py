@@ -92,6 +92,7 @@ class SteerPanel:
         self._smoothing = gui.add_number(
             "Smoothing m", self.smoothing, min=meaning.low, max=meaning.high, step=1.0, hint=meaning.text
         )
+        self._time.precision = self._smoothing.precision = 2
         self._smoothing.on_update(
             reaction(lambda value: setattr(self, "smoothing", number_in(value, meaning.low, meaning.high)))
         )

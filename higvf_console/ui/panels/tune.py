@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Field: TypeAlias = viser.GuiNumberHandle[float] | viser.GuiTextHandle
 
-DIGITS = 9  # after the point; the page would round to those of the step
+DIGITS = 9  # after the point, shown and known: the page would round to those of the step, and puts back what it shows
 UNLIMITED, OWN = "unlimited", "Own values"
 _FIXED = "fixed for a run: set it in the scenario and load that"
 
@@ -110,7 +110,8 @@ class TunePanel:
         for name, field in self._fields.items():
             if name not in self._typed:
                 value = parameter(self._gains, name)
-                mirror(field, shown(value) if isinstance(field, viser.GuiTextHandle) else value, TYPED_S + SETTLE_S)
+                held = shown(value) if isinstance(field, viser.GuiTextHandle) else round(value, DIGITS)
+                mirror(field, held, TYPED_S + SETTLE_S)
         self._note.content = block(note_html(self._group, self._wrong))
         described = (self._gains, self._scenario, self._group)
         if self._described != described:
