@@ -258,6 +258,7 @@ def _serve(session: "Session", given: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with suppress(KeyboardInterrupt), ExitStack() as ends:  # the stack is undone from last to first
         scheduling.go_first()
+        ends.callback(scheduling.stand_back)
         server = open_server(given.host, given.port, token, session.scenario.title)
         ends.callback(server.stop)
         console = Console(session, server)
