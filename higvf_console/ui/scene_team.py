@@ -11,7 +11,7 @@ from higvf_console.sim.setup import Setup
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.state import SimState, Trace
 from higvf_console.ui import shapes
-from higvf_console.ui.glyphs import DigitPlaces, Triangles, glyph, numbering
+from higvf_console.ui.glyphs import DigitPlaces, Triangles, glyph, merged, numbering
 from higvf_console.ui.scene_ground import joined
 from higvf_console.ui.scene_parts import Canvas, Layer, Marks
 from higvf_console.ui.theme import DARK, NOMINAL, Palette, cap_height, mixed, vertex_rgb
@@ -21,6 +21,7 @@ TRAIL_POINTS = 20
 TRAIL_ROBOTS = 200
 TRAIL_PERIOD = 0.3  # [s] of session time
 MOST_LINKS = 3000
+_HALO = 0.16  # width of the halo of a number [digit heights]
 _CHOSEN = 1.3  # size of the influenced robot's mark
 
 
@@ -129,7 +130,7 @@ class ControlledPoints:
 
 
 class Numbers:
-    """The robots' numbers, one batch for each digit, beside the marks."""
+    """The robots' numbers, one batch for each digit, beside the marks; a halo sets them off from what they lie on."""
 
     def __init__(self, canvas: Canvas, count: int, length: float) -> None:
         """Letters a team of at most `MOST_LABELS`."""
@@ -137,30 +138,47 @@ class Numbers:
         self._height = cap_height(canvas.sizes.text) * canvas.px
         self._below = 0.62 * length + 1.1 * self._height
         self._below_ring = 1.1 * length + 1.2 * self._height
-        self._digits = [(places, self._marks(canvas, places)) for places in numbering(count, MOST_LABELS)]
+        # What is named below this node lies half a layer lower: above the robots, below the numbers.
+        lower = (0.0, 0.0, (canvas.height(Layer.ROBOT)[2] - canvas.height(Layer.ROBOT_TEXT)[2]) / 2)
+        canvas.add(lambda scene: scene.add_frame("/team/halos", show_axes=False, position=lower))
+        self._digits = [(places, *self._marks(canvas, places)) for places in numbering(count, MOST_LABELS)]
 
-    def _marks(self, canvas: Canvas, places: DigitPlaces) -> Marks:
-        name, shape = f"/team/digit_{places.digit}", glyph(places.digit)
-        return canvas.marks(Layer.ROBOT_TEXT, name, shape, count=len(places.robot), colour=self._palette.robot_text)
+    def _marks(self, canvas: Canvas, places: DigitPlaces) -> tuple[Marks, Marks]:
+        """A digit and its halo."""
+        shape, count, ink = glyph(places.digit), len(places.robot), self._palette
+        text, halo = f"/team/digit_{places.digit}", f"/team/halos/{places.digit}"
+        return (
+            canvas.marks(Layer.ROBOT_TEXT, text, shape, count=count, colour=ink.robot_text),
+            canvas.marks(Layer.ROBOT_TEXT, halo, spread(shape, _HALO), count=count, colour=ink.floor),
+        )
 
     def place(self, at: Floats, ringed: Bools) -> None:
         """Moves the numbers along with the robots (N, 2) [m], farther from those that wear a ring (N,)."""
         below = np.where(ringed, self._below_ring, self._below)
-        for places, marks in self._digits:
+        for places, digit, halo in self._digits:
             corner = at[places.robot]
             corner[:, 0] += places.offset * self._height
             corner[:, 1] -= below[places.robot]
-            marks.place(corner, scale=np.full(len(corner), self._height))
+            for marks in (digit, halo):
+                marks.place(corner, scale=np.full(len(corner), self._height))
 
     def highlight(self, robot: int) -> None:
         """Letters one robot in the operator's colour."""
-        for places, marks in self._digits:
-            marks.highlight(self._palette.robot_text, places.robot == robot, self._palette.operator)
+        for places, digit, _ in self._digits:
+            digit.highlight(self._palette.robot_text, places.robot == robot, self._palette.operator)
 
     def show(self, visible: bool) -> None:
         """Shows or hides them."""
-        for _, marks in self._digits:
-            marks.show(visible)
+        for _, digit, halo in self._digits:
+            digit.show(visible)
+            halo.show(visible)
+
+
+def spread(shape: Triangles, margin: float) -> Triangles:
+    """A flat mesh that covers another and a margin round it [both in its own unit]."""
+    turn = 2 * np.pi * np.arange(8) / 8
+    shifts = margin * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return merged([Triangles(shape.vertices + shift, shape.faces) for shift in shifts])
 
 
 class Trails:

@@ -19,7 +19,7 @@ from higvf_console.ui.scene_fires import FireLook, fire_lettering, fire_look, pr
 from higvf_console.ui.scene_ground import axis_lettering, grid, obstacle_outlines, scale_bar, with_margin
 from higvf_console.ui.scene_parts import Canvas, Layer, turned
 from higvf_console.ui.scene_path import path_outline, thinned
-from higvf_console.ui.scene_team import MOST_LINKS, TRAIL_POINTS, Team, faded, link_segments, rings
+from higvf_console.ui.scene_team import MOST_LINKS, TRAIL_POINTS, Team, faded, link_segments, rings, spread
 from higvf_console.viewport import Arena
 from tests.teams import team
 
@@ -259,6 +259,11 @@ class _Drawn:
     def __init__(self) -> None:
         self.nodes: dict[str, _Node] = {}
 
+    def add(self, *_: object) -> None: ...
+
+    def height(self, layer: Layer) -> tuple[float, float, float]:
+        return 0.0, 0.0, float(layer)
+
     def marks(self, _layer: Layer, name: str, shape: Triangles, *, count: int, **_: object) -> "_Node":
         self.nodes[name] = _Node(count, float(shape.vertices.max()))
         return self.nodes[name]
@@ -314,3 +319,14 @@ def test_a_single_integrator_has_neither_look_ahead_point_nor_a_second_clearance
     assert (nodes["/team/robots"].at == state.motion.position).all()
     assert nodes["/team/look_ahead"].count == nodes["/team/enlarged"].count == 0
     assert len(nodes["/team/look_ahead_ties"].segments) == 0
+
+
+def test_a_number_moves_with_a_halo_of_the_floor_that_is_wider_by_its_margin() -> None:
+    _, nodes = drawn(Gains())
+    for digit in "12":
+        number, halo = nodes[f"/team/digit_{digit}"], nodes[f"/team/halos/{digit}"]
+        assert halo.at == pytest.approx(number.at)
+        assert len(halo.at) == 1
+    assert np.ptp(spread(glyph("8"), 0.16).vertices, axis=0) == pytest.approx(
+        np.ptp(glyph("8").vertices, axis=0) + 2 * 0.16
+    )
