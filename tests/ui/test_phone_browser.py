@@ -81,3 +81,15 @@ def test_the_red_button_of_a_phone_is_left_of_the_panel(phone: Page) -> None:
     left, top, right, bottom = box(phone.locator("button.stop"))
     assert right - left >= 96
     assert bottom - top >= 56
+
+
+def test_the_key_list_of_a_phone_ends_above_its_buttons_and_has_room_for_words(phone: Page) -> None:
+    phone.set_viewport_size({"width": 390, "height": 844})
+    phone.keyboard.press("?")
+    card = phone.get_by_role("dialog", name="Keys")
+    card.wait_for()
+    wait_until(lambda: apart(box(card), box(phone.locator("button.ask"))), 20.0)
+    left, _, right, _ = box(card.locator("dd").first)
+    assert right - left > 200
+    screenshot(phone, "phone-keys")
+    phone.keyboard.press("?")

@@ -39,10 +39,6 @@
         background: var(--hg-card, #161b21); font-size: 16px; font-weight: 600;
         box-shadow: 0 0 0 1px var(--hg-border, #4b5563); }
       .ask:hover { background: var(--hg-key, #2b323c); }
-      @media (max-width: ${PHONE_PX}px) {
-        .bar { flex-direction: column-reverse; align-items: flex-start; }
-        .stop { width: 100px; padding: 8px 4px; }
-      }
       .veil { position: absolute; inset: 0; display: none; pointer-events: auto; align-items: center;
         padding: 24px 16px 108px; /* the last row ends above the red button */
         justify-content: center; background: rgba(0, 0, 0, 0.35); }
@@ -69,6 +65,13 @@
       p { margin: 14px 0 0; font-size: 12.5px; color: var(--hg-dim, #98a4b3); }
       .again { margin-top: 14px; padding: 5px 12px; border-radius: 6px; color: var(--hg-text, #dbe2ea);
         background: var(--hg-key, #2b323c); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46); }
+      @media (max-width: ${PHONE_PX}px) {
+        .bar { flex-direction: column-reverse; align-items: flex-start; }
+        .stop { width: 100px; padding: 8px 4px; }
+        .veil { padding: 12px 8px 142px; } /* above the "?", too */
+        .card { padding: 16px 14px; }
+        dl { grid-template-columns: max-content 1fr; }
+      }
     </style>
     <div class="veil"><div class="card" role="dialog" aria-label="Keys"></div></div>
     <div class="bar">
