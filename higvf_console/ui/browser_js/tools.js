@@ -8,9 +8,9 @@
 
   const overlay = page.overlay(
     `<style>
-      .tools { position: absolute; top: 8px; display: flex; flex-wrap: wrap; gap: 10px; padding: 4px; border-radius: 9px;
-        box-sizing: border-box; background: var(--hg-card, #161b21); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46);
-        pointer-events: auto; }
+      .tools { position: absolute; top: 8px; display: flex; flex-wrap: wrap; gap: 10px; padding: 4px;
+        box-sizing: border-box; border-radius: 9px; background: var(--hg-card, #161b21);
+        box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46); pointer-events: auto; }
       .tools.tight { gap: 2px; }
       .group { display: flex; gap: 2px; }
       button { width: 30px; height: 30px; padding: 0; border: 0; border-radius: 6px; cursor: pointer; background: none;
