@@ -16,7 +16,6 @@ from higvf_console.ui.scene import View
 from higvf_console.ui.theme import DARK, LIGHT, TEXT_SIZES, THEMES, USUAL_LOOK, hex_rgb
 from tests.browser import (
     PATIENCE,
-    close_notifications,
     draw,
     open_console,
     screenshot,
@@ -227,7 +226,8 @@ def test_a_refusal_takes_the_place_of_the_former_one(
     wait_until(lambda: reasons() == [False])
     running.push(SetSpeed(999.0))
     wait_until(lambda: reasons() == [True])
-    close_notifications(page)
+    page.locator(NOTE, has_text="999 times").locator("button").click()
+    wait_until(lambda: reasons() == [])
 
 
 @pytest.mark.parametrize(("width", "height"), SIZES)
