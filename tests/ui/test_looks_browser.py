@@ -16,6 +16,7 @@ from higvf_console.ui.scene import View
 from higvf_console.ui.theme import DARK, LIGHT, TEXT_SIZES, THEMES, USUAL_LOOK, hex_rgb
 from tests.browser import (
     PATIENCE,
+    close_notifications,
     draw,
     open_console,
     screenshot,
@@ -240,8 +241,7 @@ def test_nothing_overlaps_or_overflows_in_any_tab(
     shipped = running.session.scenario.strokes[0]
     running.push(Freeze(False), Pick(0), *stroke(shipped.points, shipped.robot))
     page.evaluate("window.higvf.call('hints', 'reopen')")
-    if page.locator(NOTE, has_text="WebGL").count():
-        put_away_the_browsers_own_note(page)
+    close_notifications(page)  # the browser's own, unless it has gone by itself
     wait_until(lambda: running.state.motion.tick > 100)
     running.push(Stop())
     last = page.locator(NOTE, has_text="all robots stand still")
