@@ -49,9 +49,10 @@ class Layer(IntEnum):
     VELOCITY = 19
     REASON = 20
     ROBOT = 21
-    ROBOT_TEXT = 22
-    STROKE = 23
-    CURSOR = 24
+    ROBOT_TEXT_HALO = 22
+    ROBOT_TEXT = 23
+    STROKE = 24
+    CURSOR = 25
 
 
 class Canvas:

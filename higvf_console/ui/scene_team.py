@@ -138,18 +138,15 @@ class Numbers:
         self._height = cap_height(canvas.sizes.text) * canvas.px
         self._below = 0.62 * length + 1.1 * self._height
         self._below_ring = 1.1 * length + 1.2 * self._height
-        # What is named below this node lies half a layer lower: above the robots, below the numbers.
-        lower = (0.0, 0.0, (canvas.height(Layer.ROBOT)[2] - canvas.height(Layer.ROBOT_TEXT)[2]) / 2)
-        canvas.add(lambda scene: scene.add_frame("/team/halos", show_axes=False, position=lower))
         self._digits = [(places, *self._marks(canvas, places)) for places in numbering(count, MOST_LABELS)]
 
     def _marks(self, canvas: Canvas, places: DigitPlaces) -> tuple[Marks, Marks]:
         """A digit and its halo."""
         shape, count, ink = glyph(places.digit), len(places.robot), self._palette
-        text, halo = f"/team/digit_{places.digit}", f"/team/halos/{places.digit}"
+        text, halo = f"/team/digit_{places.digit}", f"/team/halo_{places.digit}"
         return (
             canvas.marks(Layer.ROBOT_TEXT, text, shape, count=count, colour=ink.robot_text),
-            canvas.marks(Layer.ROBOT_TEXT, halo, spread(shape, _HALO), count=count, colour=ink.floor),
+            canvas.marks(Layer.ROBOT_TEXT_HALO, halo, spread(shape, _HALO), count=count, colour=ink.floor),
         )
 
     def place(self, at: Floats, ringed: Bools) -> None:

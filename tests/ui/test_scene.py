@@ -259,11 +259,6 @@ class _Drawn:
     def __init__(self) -> None:
         self.nodes: dict[str, _Node] = {}
 
-    def add(self, *_: object) -> None: ...
-
-    def height(self, layer: Layer) -> tuple[float, float, float]:
-        return 0.0, 0.0, float(layer)
-
     def marks(self, _layer: Layer, name: str, shape: Triangles, *, count: int, **_: object) -> "_Node":
         self.nodes[name] = _Node(count, float(shape.vertices.max()))
         return self.nodes[name]
@@ -324,7 +319,7 @@ def test_a_single_integrator_has_neither_look_ahead_point_nor_a_second_clearance
 def test_a_number_moves_with_a_halo_of_the_floor_that_is_wider_by_its_margin() -> None:
     _, nodes = drawn(Gains())
     for digit in "12":
-        number, halo = nodes[f"/team/digit_{digit}"], nodes[f"/team/halos/{digit}"]
+        number, halo = nodes[f"/team/digit_{digit}"], nodes[f"/team/halo_{digit}"]
         assert halo.at == pytest.approx(number.at)
         assert len(halo.at) == 1
     assert np.ptp(spread(glyph("8"), 0.16).vertices, axis=0) == pytest.approx(
