@@ -20,6 +20,7 @@ from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
 from higvf_console.errors import HigvfError
+from higvf_console.scheduling import go_first, stand_back
 
 ROBOTS_NODE = "/team/robots"
 _ALIGNMENT, _HEADER = 8, 16  # [bytes]
@@ -58,6 +59,7 @@ class Watcher:
         self.received, self.messages = 0, 0
         self._frames: list[Frame] = []
         place = urlsplit(url).netloc
+        go_first()  # with the threads that read: who measures must not wait for what is measured
         self._socket = connect(
             f"ws://{place}",
             origin=Origin(f"http://{place}"),
@@ -68,6 +70,7 @@ class Watcher:
         )
         self._thread = threading.Thread(target=self._read, name="watcher", daemon=True)
         self._thread.start()
+        stand_back()
 
     def _read(self) -> None:
         try:
