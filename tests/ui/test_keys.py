@@ -205,6 +205,17 @@ def test_keys_do_nothing_while_a_field_is_typed_into(
     stage.text.value, stage.number.value = "words", 1.0
 
 
+@pytest.fixture
+def fields(page: Page, stage: Stage) -> None:
+    """The fields are as at first, on both sides; what was typed before has arrived."""
+    page.wait_for_timeout(500)
+    stage.number.value, stage.text.value = 1.0, "words"
+    number = f"[id='{stage.number._impl.uuid}']"  # pyright: ignore[reportPrivateUsage]
+    expect(page.locator(number)).to_have_value("1")
+    expect(page.locator("input[value='words']")).to_have_count(1)
+
+
+@pytest.mark.usefixtures("fields")
 @pytest.mark.parametrize("key", ["Enter", "Escape"])
 @pytest.mark.parametrize("field", ["number", "text"])
 def test_a_typed_value_arrives_and_its_field_gives_the_keys_back(
@@ -255,6 +266,7 @@ def test_escape_closes_a_dropdown_and_gives_the_keys_back(page: Page, stage: Sta
     assert stage.dropdown.value == "first"
 
 
+@pytest.mark.usefixtures("fields")
 def test_a_step_by_the_arrows_of_a_number_field_leaves_the_keys_alive(page: Page, stage: Stage) -> None:
     page.locator(".mantine-NumberInput-control").first.click()
     wait_until(lambda: stage.number.value == 2.0)
