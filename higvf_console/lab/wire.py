@@ -60,17 +60,19 @@ class Watcher:
         self._frames: list[Frame] = []
         place = urlsplit(url).netloc
         go_first()  # with the threads that read: who measures must not wait for what is measured
-        self._socket = connect(
-            f"ws://{place}",
-            origin=Origin(f"http://{place}"),
-            subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
-            additional_headers={"Cookie": _cookie(url)},
-            compression=None,
-            max_size=None,
-        )
-        self._thread = threading.Thread(target=self._read, name="watcher", daemon=True)
-        self._thread.start()
-        stand_back()
+        try:
+            self._socket = connect(
+                f"ws://{place}",
+                origin=Origin(f"http://{place}"),
+                subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
+                additional_headers={"Cookie": _cookie(url)},
+                compression=None,
+                max_size=None,
+            )
+            self._thread = threading.Thread(target=self._read, name="watcher", daemon=True)
+            self._thread.start()
+        finally:
+            stand_back()
 
     def _read(self) -> None:
         try:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import NamedTuple, TypeAlias
 
 from higvf_console.arrays import Ints
-from higvf_console.commands import Clutch, Confirm, OperatorCommand, Prioritise, StrokeEnd, StrokeUse
+from higvf_console.commands import Clutch, Confirm, LoadScenario, OperatorCommand, Prioritise, StrokeEnd, StrokeUse
 from higvf_console.session.editing.carry import NEW
 from higvf_console.sim.path_commands import ACTING
 from higvf_console.state import NOBODY, PathKind, SimState
@@ -46,6 +46,8 @@ def claimed(
         after: the state after it.
         rows: (N,), (M,) row before of each robot and each fire after it; None = as they were.
     """
+    if isinstance(command, LoadScenario) and after.intent is not before.intent:
+        return Claims()  # what a scenario begins with is nobody's
     path, waits, clutch, priorities = claims
     pending = after.drawing.pending
     if after.intent.path.kind == PathKind.NONE:

@@ -8,6 +8,7 @@ from higvf_console.commands import (
     ClearPath,
     Clutch,
     Confirm,
+    LoadScenario,
     NextTask,
     OperatorCommand,
     Pick,
@@ -24,11 +25,12 @@ from higvf_console.edits import DeleteThing, Edit
 from higvf_console.session.claims import Claims, claimed
 from higvf_console.session.history import rows_before
 from higvf_console.session.run import Run
-from tests.session.editing.deeds import edited_run
+from tests.session.editing.deeds import SCENE, edited_run
 from tests.teams import stroke
 
 WAY = [(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)]
 WAITS = [*stroke(WAY)[:2], StrokeEnd(preview=True)]
+WITH_PATH = SCENE + "path: {circle: {at_m: [700, 300], radius_m: 100}}\n"
 CIRCLE = floats([[450.0, 200.0], [550.0, 200.0], [550.0, 300.0], [450.0, 300.0]])
 
 
@@ -57,6 +59,8 @@ def told(run: Run, *said: tuple[str, list[OperatorCommand] | OperatorCommand]) -
         ([("gaze", stroke(WAY)), ("mouse", NextTask()), ("mouse", TakeUpPath(0))], "mouse"),
         ([("gaze", stroke(WAY)), ("mouse", BendPath(floats([500, 450]), floats([500, 500])))], "mouse"),
         ([("gaze", stroke(WAY)), ("mouse", Pick(2))], "gaze"),
+        ([("mouse", LoadScenario(text=WITH_PATH, name="path.yaml"))], ""),
+        ([("gaze", stroke(WAY)), ("mouse", LoadScenario(text="version: 9", name="refused.yaml"))], "gaze"),
     ],
 )
 def test_a_path_is_the_channel_s_that_gave_it_its_course(
