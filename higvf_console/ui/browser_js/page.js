@@ -81,7 +81,7 @@
 
   // A number field that is left without a number would hide the value in force: its last number comes back. viser sends
   // it again, which changes nothing, as it is the one that the console knows.
-  const numbers = new WeakMap();  // by field
+  const numbers = new WeakMap(); // by field
   const numberField = ({ target }) => (target.matches?.(".mantine-NumberInput-input") ? target : null);
   const isNumber = (text) => text.trim() !== "" && Number.isFinite(Number(text));
   const keep = (event) => {
