@@ -267,6 +267,22 @@ def test_escape_closes_a_dropdown_and_gives_the_keys_back(page: Page, stage: Sta
 
 
 @pytest.mark.usefixtures("fields")
+@pytest.mark.parametrize("key", ["Enter", "Escape"])
+def test_the_key_after_a_field_is_left_is_heard_however_busy_the_page_is(page: Page, stage: Stage, key: str) -> None:
+    stage.focus(page, "text")
+    page.evaluate(
+        """(keys) => {
+            for (const [key, code] of keys)
+                document.activeElement.dispatchEvent(new KeyboardEvent("keydown", { key, code, bubbles: true }));
+        }""",
+        [[key, key], ["p", "KeyP"]],
+    )
+    page.keyboard.press("Space")
+    wait_until(lambda: len(stage.pressed) == 2)
+    assert stage.pressed == ["pause", "stop"]
+
+
+@pytest.mark.usefixtures("fields")
 def test_a_step_by_the_arrows_of_a_number_field_leaves_the_keys_alive(page: Page, stage: Stage) -> None:
     page.locator(".mantine-NumberInput-control").first.click()
     wait_until(lambda: stage.number.value == 2.0)

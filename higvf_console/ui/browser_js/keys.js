@@ -205,13 +205,22 @@
   const endsTyping = ({ key, isComposing }, field) =>
     !isComposing && (key === "Escape" || (key === "Enter" && !field.matches("textarea")));
 
-  // A field that kept the focus would keep the letters; what the key or the click means to it comes first.
+  // A field that kept the focus would keep the letters; what the key or the click means to it comes first, and the
+  // next key after it, however busy the page is.
+  let left; // the field to take the focus from
   function leave(field) {
-    if (field.matches(TYPES_LETTERS) && !field.closest("[role=dialog]")) setTimeout(() => field.blur());
+    if (!field.matches(TYPES_LETTERS) || field.closest("[role=dialog]")) return;
+    left = field;
+    setTimeout(takeFocus);
+  }
+  function takeFocus() {
+    left?.blur();
+    left = undefined;
   }
 
   function onKeyDown(event) {
-    const target = event.composedPath()[0];
+    takeFocus();
+    const target = document.activeElement === document.body ? document.body : event.composedPath()[0];
     if (event.code === "Space") {
       if (target.matches?.(TYPES_SPACE)) return;
       event.preventDefault();
