@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from higvf_console.arrays import Bools
 from higvf_console.control.deadlock import ASK, MORE_HUMAN, OTHER_SIDE
 from higvf_console.control.gains import Gains
 from higvf_console.sim.setup import Event, Severity
@@ -27,14 +28,25 @@ def events_between(
         if target not in (NOBODY, _common_target(was.target)):
             events.append(Event(time, Severity.INFO, "target", f"The team's target is fire {target + 1}."))
     if trace.infeasible.any():
-        events.extend(_robots(trace.infeasible, trace_before.infeasible if trace_before else None, time, "infeasible"))
+        fresh = trace.infeasible if trace_before is None else trace.infeasible & ~trace_before.infeasible
+        events.extend(_robots(fresh, time, "infeasible"))
+    if (near := too_near(trace)).any():
+        fresh = near if trace_before is None else near & ~too_near(trace_before)
+        events.extend(_robots(fresh & ~trace.infeasible, time, "clearance"))
     if was.rung.tobytes() != now.rung.tobytes():
         events.extend(_climbed(was.rung, now.rung, time))
     return tuple(events)
 
 
+def too_near(trace: Trace) -> Bools:
+    """(N,) robots that are nearer to something than their clearance, as a STOP beside a growing fire may leave them."""
+    return trace.barrier < -_ROUNDING
+
+
+_ROUNDING = 1e-6  # by which h of a robot that the filter holds right at a clearance may be below 0
 _TROUBLE = {
-    "infeasible": (Severity.ALARM, "has no safe velocity: it takes the least violation"),
+    "infeasible": "has no safe velocity: it takes the least violation",
+    "clearance": "is nearer to something than its clearance",
 }
 _RUNGS = {
     OTHER_SIDE: (Severity.INFO, "is held by its barriers: the team tries the other side"),
@@ -51,10 +63,8 @@ def _climbed(was: np.ndarray, now: np.ndarray, time: float) -> list[Event]:
     ]
 
 
-def _robots(now: np.ndarray, was: np.ndarray | None, time: float, kind: str) -> list[Event]:
-    fresh = np.flatnonzero(now if was is None else now & ~was)
-    severity, sentence = _TROUBLE[kind]
-    return [Event(time, severity, kind, f"Robot {i + 1} {sentence}.") for i in fresh]
+def _robots(fresh: Bools, time: float, kind: str) -> list[Event]:
+    return [Event(time, Severity.ALARM, kind, f"Robot {i + 1} {_TROUBLE[kind]}.") for i in np.flatnonzero(fresh)]
 
 
 def _path_event(before: int, status: int, influenced: int, time: float) -> list[Event]:

@@ -86,6 +86,7 @@ class Console:
         self._frames = 0
         self._failures: set[str] = set()
         theme.dress(server, session.scenario.title)
+        page.install(server, "frames", {})
         self._scene = Scene(server, session.setup, self._view)
         self._roles = Roles(server, session.pointer, _patience(session.scenario))
         self._build_panels()

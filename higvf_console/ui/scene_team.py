@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from higvf_console.arrays import Bools, Floats, Ints, floats
 from higvf_console.control.gains import controlled
+from higvf_console.sim.events import too_near
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.state import SimState, Trace
@@ -44,7 +45,7 @@ class Team:
         self._clearance = canvas.marks(Layer.CLEARANCE, "/team/clearance", ring, count=count, colour=ink.clearance)
         self._points = ControlledPoints(canvas, setup)
         self._links = canvas.lines(Layer.LINK, "/team/links", ink.link, NOMINAL.link)
-        self._infeasible = canvas.lines(Layer.HALO, "/team/infeasible", ink.trouble, 2.5)
+        self._unsafe = canvas.lines(Layer.HALO, "/team/unsafe", ink.trouble, 2.5)
         self._deadlocked = canvas.lines(Layer.HALO, "/team/deadlocked", ink.trouble, 2.5)
         self._numbers = Numbers(canvas, count, self._length)
         self._trails = Trails(canvas, count)
@@ -63,13 +64,14 @@ class Team:
         self._robots.place(at, self._heading)
         self._clearance.place(at)
         self._points.place(at, motion.position)
-        apart = trace.infeasible | trace.deadlocked
+        unsafe = trace.infeasible | too_near(trace)
+        apart = unsafe | trace.deadlocked
         if 0 <= state.intent.influenced < self._count:
             apart[state.intent.influenced] = True
         self._numbers.place(at, apart)
         self._trails.follow(at, time)
         self._links.draw(link_segments(at, trace.links))
-        self._infeasible.draw(rings(at, trace.infeasible, 0.8 * self._length, 24))
+        self._unsafe.draw(rings(at, unsafe, 0.8 * self._length, 24))
         self._deadlocked.draw(rings(at, trace.deadlocked, 1.1 * self._length, 4))
         self._choose(state.intent.influenced, at)
 

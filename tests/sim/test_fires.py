@@ -115,3 +115,15 @@ def test_the_end_of_a_fire_is_an_event_with_its_loss() -> None:
         found += [e.text for e in events_between(before, state, None, trace, setup.gains)]
         before = state
     assert found == ["Fire 1 is out; it burnt 2,827 m²."]
+
+
+def test_a_stopped_robot_that_a_fire_grows_to_is_told_once_and_a_paused_one_yields() -> None:
+    setup = team(robots=[(100.0, 100.0), (400.0, 400.0)], fires=[(130.0, 100.0, 15.0)], growth=2.0)
+    told: dict[bool, list[str]] = {True: [], False: []}
+    for stopped, texts in told.items():
+        state, trace = setup.start._replace(intent=setup.start.intent._replace(stopped=stopped, paused=True)), None
+        for _ in range(500):
+            before, last = state, trace
+            state, trace = advance(state, setup.world, setup.gains)
+            texts += [e.text for e in events_between(before, state, last, trace, setup.gains) if e.kind == "clearance"]
+    assert told == {True: ["Robot 1 is nearer to something than its clearance."], False: []}

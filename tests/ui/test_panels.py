@@ -89,6 +89,13 @@ def test_the_filter_line_counts_robots_without_a_safe_velocity() -> None:
     assert "7 ticks" in filter_line(trouble)  # pyright: ignore[reportArgumentType]
 
 
+def test_the_filter_line_counts_robots_that_stand_too_near() -> None:
+    near = SimpleNamespace(
+        trace=TRACE._replace(barrier=np.array([-0.1, 0.0, -0.2])), infeasible_ticks=0, deadlock_s=0.0
+    )
+    assert "2 too near" in filter_line(near)  # pyright: ignore[reportArgumentType]
+
+
 def test_what_devices_and_scenarios_say_is_never_markup() -> None:
     evil = "<img src=x onerror=alert(1)>"
     channel = channel_html(evil, ChannelHealth(ChannelState.STALE, f'"{evil}'))

@@ -26,6 +26,7 @@ TITLES = {
     "target": "New target",
     "path": "Path",
     "infeasible": "No safe velocity",
+    "clearance": "Too near",
     "deadlock": "Robot held",
     REFUSED: "Not possible",
     "clipped": "Stroke clipped",

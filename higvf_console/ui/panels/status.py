@@ -7,6 +7,7 @@ import viser
 
 from higvf_console.commands import Acknowledge
 from higvf_console.interface import ChannelHealth, ChannelState, PointerSink
+from higvf_console.sim.events import too_near
 from higvf_console.state import PathKind, PathStatus, SimState
 from higvf_console.ui.panels.callbacks import reaction
 from higvf_console.ui.panels.html import TIMES, block, clock, nearness, text
@@ -117,6 +118,8 @@ def filter_line(snapshot: "Snapshot") -> str:
     infeasible, deadlocked = int(snapshot.trace.infeasible.sum()), int(snapshot.trace.deadlocked.sum())
     if infeasible:
         now = f'<span class="alarm">{infeasible} infeasible</span>'
+    elif near := int(too_near(snapshot.trace).sum()):
+        now = f'<span class="alarm">{near} too near</span>'
     elif deadlocked:
         now = f'<span class="warn">{deadlocked} held by barriers</span>'
     else:

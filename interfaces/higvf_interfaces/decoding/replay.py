@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Sequence
+from copy import deepcopy
+from itertools import islice, takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -33,9 +35,17 @@ class DecoderFeed:
     """Decisions that a decoder makes of a recording as its samples fall due."""
 
     def __init__(self, record: SignalRecord, decoder: Decoder, notes: Sequence[str], start: float) -> None:
-        """Plays `record` from session time `start` on [s]; decisions before 0 are not given."""
-        self._record, self._decoder, self._start, self._said = record, decoder, start, tuple(notes)
+        """Plays `record` from session time `start` on [s]; decisions before 0 are not given.
+
+        The chunks before 0, which may hold minutes, are decoded here, once for all plays.
+        """
+        self._record, self._start, self._said = record, start, tuple(notes)
         self.labels: Sequence[str] = decoder.labels
+        self._skipped = 0
+        for chunk in takewhile(lambda chunk: chunk.times[-1] + start < 0, record.chunks()):
+            decoder.push(self._shifted(chunk))
+            self._skipped += 1
+        self._settled = decoder
         self._restart()
 
     @property
@@ -60,9 +70,9 @@ class DecoderFeed:
         self._now = now
         given: list[Due] = []
         while self._chunk is not None:
-            times = self._chunk.times + self._start
+            times, values = self._shifted(self._chunk)
             ready = int(np.searchsorted(times, now + CLOCK_GRAIN, side="right"))
-            for decision in self._decoder.push(SignalChunk(times[:ready], self._chunk.values[:ready])):
+            for decision in self._decoder.push(SignalChunk(times[:ready], values[:ready])):
                 if decision.time >= 0:
                     given.append(Due(self._count, decision))
                     self._count += 1
@@ -72,9 +82,13 @@ class DecoderFeed:
             self._chunk = next(self._chunks, None)
         return given
 
+    def _shifted(self, chunk: SignalChunk) -> SignalChunk:
+        """A chunk on the session clock."""
+        return SignalChunk(chunk.times + self._start, chunk.values)
+
     def _restart(self) -> None:
-        self._decoder.restart()
-        self._chunks = self._record.chunks()
+        self._decoder = deepcopy(self._settled)
+        self._chunks = islice(self._record.chunks(), self._skipped, None)
         self._chunk: SignalChunk | None = next(self._chunks, None)
         self._now, self._count = -math.inf, 0
 
