@@ -46,7 +46,7 @@ _DRAW = """
 """
 
 # A processor that draws all it can has no time for what is tested: few frames a second, and edges without smoothing.
-_FRAME_REST_MS = 350
+_FRAME_REST_MS = 200
 _SLOW_SCREEN = f"""
   const frame = window.requestAnimationFrame.bind(window);
   window.requestAnimationFrame = (draw) => setTimeout(() => frame(draw), {_FRAME_REST_MS});

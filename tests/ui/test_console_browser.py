@@ -79,6 +79,10 @@ def pixels(page: Page, ground: Floats, size: int = 3) -> np.ndarray:
     return np.array(seen, np.int64)
 
 
+def test_the_page_rests_between_slow_frames(page: Page) -> None:
+    assert page.evaluate("requestAnimationFrame(() => {})") > 2**31
+
+
 def test_the_arena_is_shown_with_fires_and_robots_where_they_are(page: Page, running: Running) -> None:
     wait_until(shown(page, "FROZEN"))
     beside_number = running.state.motion.fire_radius[:3, None] * np.array([0.6, -0.45])
