@@ -5,7 +5,8 @@ the page, strokes at the rate of a real device.
 """
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic, sleep
@@ -121,6 +122,17 @@ def open_console(
     page.goto(url)
     wait_for_console(page)
     return page
+
+
+@contextmanager
+def console_page(browser: Browser, url: str, tab_name: str | None = None) -> Generator[Page]:
+    """A page of 1280 x 720 that shows the console, no notifications, and a tab of the panel; closed at the end."""
+    page = open_console(browser, url, 1280, 720)
+    close_notifications(page)
+    if tab_name:
+        tab(page, tab_name)
+    yield page
+    page.context.close()
 
 
 def wait_for_console(page: Page) -> None:
@@ -261,7 +273,7 @@ def close_notifications(page: Page) -> None:
 
 
 def tab(page: Page, name: str) -> None:
-    page.get_by_role("tab", name=name).click()
+    page.get_by_role("tab", name=name, exact=True).click()
 
 
 def press(page: Page, label: str) -> None:
@@ -274,4 +286,4 @@ def shown(page: Page, text: str) -> Callable[[], bool]:
 
 def visible(page: Page, node: str) -> bool:
     """Whether the page shows a scene node."""
-    return page.evaluate("(node) => window.__viserMutable.nodeRefFromName[node].visible", node)
+    return page.evaluate("(node) => !!window.__viserMutable.nodeRefFromName[node]?.visible", node)

@@ -10,7 +10,7 @@ from higvf_console.arrays import floats
 from higvf_console.commands import OperatorCommand
 from higvf_console.interface import ChannelHealth, ChannelState, OperatorContext
 from higvf_console.reports import CalibrationReport, CaptureReport
-from tests.browser import open_console, screenshot, to_page, turn_wheel, wait_until
+from tests.browser import console_page, screenshot, to_page, turn_wheel, wait_until
 from tests.consoles import Running, console_at_work
 
 pytestmark = pytest.mark.browser
@@ -76,11 +76,8 @@ def running(tracker: Tracker) -> Iterator[Running]:
 
 @pytest.fixture(scope="module")
 def page(chromium: Browser, running: Running) -> Iterator[Page]:
-    page = open_console(chromium, running.url, 1280, 720)
-    page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((close) => close.click())")
-    page.get_by_role("tab", name="Inputs").click()
-    yield page
-    page.context.close()
+    with console_page(chromium, running.url, "Inputs") as page:
+        yield page
 
 
 def test_the_targets_are_shown_over_their_ground_points_until_esc(page: Page, tracker: Tracker) -> None:

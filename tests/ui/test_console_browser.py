@@ -24,8 +24,8 @@ from higvf_console.interface import ChannelState
 from higvf_console.state import PathKind
 from tests.browser import (
     close_notifications,
+    console_page,
     draw,
-    open_console,
     press,
     press_stop,
     screenshot,
@@ -50,11 +50,9 @@ def running() -> Iterator[Running]:
 
 @pytest.fixture(scope="module")
 def page(chromium: Browser, running: Running) -> Iterator[Page]:
-    """A page of 1280 x 720 that shows it."""
-    page = open_console(chromium, running.url, 1280, 720)
-    close_notifications(page)
-    yield page
-    page.context.close()
+    """A page that shows it."""
+    with console_page(chromium, running.url) as page:
+        yield page
 
 
 @pytest.fixture(autouse=True)

@@ -17,8 +17,8 @@ from higvf_console.ui.panels import typed
 from higvf_console.viewport import Arena
 from tests.browser import (
     close_notifications,
+    console_page,
     draw,
-    open_console,
     press,
     screenshot,
     shown,
@@ -43,10 +43,8 @@ def whole_console() -> Iterator[Running]:
 
 @pytest.fixture(scope="module")
 def whole_page(chromium: Browser, whole_console: Running) -> Iterator[Page]:
-    """A page of 1280 x 720 that shows it."""
-    page = open_console(chromium, whole_console.url, 1280, 720)
-    yield page
-    page.context.close()
+    with console_page(chromium, whole_console.url) as page:
+        yield page
 
 
 @pytest.fixture

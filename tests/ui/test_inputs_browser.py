@@ -10,7 +10,7 @@ from higvf_console.interface import InputSpec
 from higvf_console.session.channels import open_interface
 from higvf_console.session.inputs import demo_specs
 from higvf_console.session.scenario import load_scenario
-from tests.browser import open_console, screenshot, wait_until
+from tests.browser import console_page, screenshot, visible, wait_until
 from tests.consoles import Running, console_at_work
 
 pytestmark = pytest.mark.browser
@@ -29,16 +29,9 @@ def running() -> Iterator[Running]:
 
 @pytest.fixture(scope="module")
 def page(chromium: Browser, running: Running) -> Iterator[Page]:
-    """A page of 1280 x 720 that shows it, at the panel of inputs."""
-    page = open_console(chromium, running.url, 1280, 720)
-    page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((close) => close.click())")
-    page.get_by_role("tab", name="Inputs").click()
-    yield page
-    page.context.close()
-
-
-def visible(page: Page, node: str) -> bool:
-    return page.evaluate("(node) => !!window.__viserMutable.nodeRefFromName[node]?.visible", node)
+    """A page that shows it, at the panel of inputs."""
+    with console_page(chromium, running.url, "Inputs") as page:
+        yield page
 
 
 def told(page: Page, words: str) -> str:

@@ -20,6 +20,7 @@ from tests.browser import (
     draw,
     open_console,
     screenshot,
+    tab,
     to_page,
     wait_for_console,
     wait_until,
@@ -99,10 +100,6 @@ def view(running: Running) -> Iterator[View]:
 def put_away_the_browsers_own_note(page: Page) -> None:
     """Closes the remark that each load of a page without a graphics card brings."""
     page.locator(NOTE, has_text="WebGL").locator("button").click()
-
-
-def tab(page: Page, name: str) -> None:
-    page.get_by_role("tab", name=name, exact=True).click()
 
 
 def choose(page: Page, label: str, option: str) -> None:

@@ -10,7 +10,7 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.commands import BendPath, Confirm, Discard, Freeze, ProposePick
 from higvf_console.session.preview import Preview
 from higvf_console.state import NO_PATH, NOBODY, Path, PathKind
-from tests.browser import draw, open_console, screenshot, to_page, wait_until
+from tests.browser import console_page, draw, screenshot, to_page, visible, wait_until
 from tests.consoles import Running, console_at_work
 
 pytestmark = pytest.mark.browser
@@ -28,11 +28,9 @@ def running() -> Iterator[Running]:
 
 @pytest.fixture(scope="module")
 def page(chromium: Browser, running: Running) -> Iterator[Page]:
-    """A page of 1280 x 720 that shows it."""
-    page = open_console(chromium, running.url, 1280, 720)
-    page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((close) => close.click())")
-    yield page
-    page.context.close()
+    """A page that shows it."""
+    with console_page(chromium, running.url) as page:
+        yield page
 
 
 @pytest.fixture(autouse=True)
@@ -49,10 +47,6 @@ def _waiting_is_on(running: Running, page: Page) -> None:
 
 def latest(running: Running) -> Preview | None:
     return running.console._previewer.latest  # pyright: ignore[reportPrivateUsage]
-
-
-def visible(page: Page, node: str) -> bool:
-    return page.evaluate("(node) => window.__viserMutable.nodeRefFromName[node].visible", node)
 
 
 def draw_and_wait(page: Page, running: Running, hand: Floats = HAND, beside: Path = NO_PATH) -> Preview:

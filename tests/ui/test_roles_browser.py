@@ -19,7 +19,17 @@ from higvf_console.edits import MoveThing
 from higvf_console.state import PathKind, PathStatus
 from higvf_console.ui import steering
 from higvf_console.ui.roles import Roles
-from tests.browser import draw, open_console, press_stop, screenshot, to_page, turn_wheel, wait_for_console, wait_until
+from tests.browser import (
+    close_notifications,
+    draw,
+    open_console,
+    press_stop,
+    screenshot,
+    to_page,
+    turn_wheel,
+    wait_for_console,
+    wait_until,
+)
 from tests.consoles import Running, console_at_work
 from tests.roles import button, changes, click, patient_scenario, says, send, strip
 from tests.teams import stroke
@@ -64,12 +74,8 @@ def _from_the_start(running: Running, first: Page, second: Page) -> None:
     running.start_again()
     wait_until(lambda: running.given(Pick) and running.state.motion.tick == 0)
     running.session.commands.clear()
-    close_notifications(first, second)
-
-
-def close_notifications(*pages: Page) -> None:
-    for page in pages:
-        page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((x) => x.click())")
+    close_notifications(first)
+    close_notifications(second)
 
 
 def logged(running: Running, text: str) -> bool:

@@ -11,7 +11,7 @@ from higvf_console.edits import SetParameters
 from higvf_console.session.editing.presets import preset_name
 from higvf_console.ui.scene import View
 from higvf_console.ui.theme import LIGHT, USUAL_LOOK
-from tests.browser import open_console, screenshot, wait_until
+from tests.browser import console_page, screenshot, wait_until
 from tests.consoles import Running, console_at_work
 
 NOTE = ".mantine-Notification-root"
@@ -28,11 +28,9 @@ def running() -> Iterator[Running]:
 @pytest.fixture(scope="module")
 def page(chromium: Browser, running: Running) -> Iterator[Page]:
     """A page that shows the tab, of a clock that stands."""
-    page = open_console(chromium, running.url, 1280, 720)
-    running.push(Freeze(True))
-    page.get_by_role("tab", name="Tune", exact=True).click()
-    yield page
-    page.context.close()
+    with console_page(chromium, running.url, "Tune") as page:
+        running.push(Freeze(True))
+        yield page
 
 
 @pytest.fixture(autouse=True)

@@ -8,7 +8,7 @@ from playwright.sync_api import Browser, Page
 
 from higvf_console.arrays import floats
 from higvf_console.commands import Freeze
-from tests.browser import close_notifications, draw, open_console, screenshot, tab, to_page, visible, wait_until
+from tests.browser import console_page, draw, screenshot, tab, to_page, visible, wait_until
 from tests.consoles import Running, console_at_work
 
 pytestmark = pytest.mark.browser
@@ -24,11 +24,9 @@ def running() -> Iterator[Running]:
 
 @pytest.fixture
 def page(chromium: Browser, running: Running) -> Iterator[Page]:
-    """A page of 1280 x 720 that shows it."""
-    page = open_console(chromium, running.url, 1280, 720)
-    close_notifications(page)
-    yield page
-    page.context.close()
+    """A page that shows it."""
+    with console_page(chromium, running.url) as page:
+        yield page
 
 
 def numbers(shown: list[str]) -> list[float]:

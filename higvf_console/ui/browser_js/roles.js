@@ -43,12 +43,6 @@
     </div>`,
     2147483646,
   );
-  // On a phone the notes have no room beside the STOP button: they come below the strips.
-  const notes = document.head.appendChild(document.createElement("style"));
-  notes.textContent = `@media (max-width: 600px) {
-    body .mantine-Notifications-root { top: var(--hg-strips-end) !important; bottom: auto !important;
-      left: 8px !important; right: 8px !important; width: auto; max-width: none; transform: none; }
-  }`;
 
   const $ = (selector) => overlay.shadowRoot.querySelector(selector);
   const [strip, text, acts] = [$(".roles"), $(".text"), $(".acts")];
@@ -169,7 +163,6 @@
       document.body.classList.remove("hg-watches");
       clearInterval(checking);
       forget();
-      notes.remove();
       document.documentElement.style.removeProperty("--hg-strips-end");
       overlay.remove();
     },

@@ -74,6 +74,11 @@ _STYLE = """
 .mantine-Notification-description { color: var(--hg-dim) !important; }
 .mantine-Notifications-root { top: auto !important; bottom: var(--hg-notes-bottom, 18px) !important;
   left: 290px !important; }
+/* On a phone the notes have no room beside the STOP button: they come below the strips. */
+@media (max-width: 600px) {
+  .mantine-Notifications-root { top: var(--hg-strips-end) !important; bottom: auto !important;
+    left: 8px !important; right: 8px !important; width: auto; max-width: none; transform: none; }
+}
 """
 
 
