@@ -25,6 +25,7 @@ from tests.browser import (
     tab,
     to_page,
     visible,
+    visible,
     wait_until,
 )
 from tests.consoles import Running, console_at_work
@@ -288,7 +289,11 @@ def test_obstacles_are_made_of_an_overhead_image(page: Page, running: Running, t
     low, high = (bound(running.session.setup.polygons[0], axis=0) for bound in (np.min, np.max))
     assert low == pytest.approx([900, 500], abs=8.0)
     assert high == pytest.approx([1100, 620], abs=8.0)
+    wait_until(lambda: visible(page, "/ground/image"))
     screenshot(page, "edit-image")
+    other = load_scenario("swarm")  # which has another ground
+    running.push(LoadScenario(other.text, other.name))
+    wait_until(lambda: not visible(page, "/ground/image"))
 
 
 def test_undo_does_not_set_a_stopped_team_in_motion(page: Page, running: Running) -> None:

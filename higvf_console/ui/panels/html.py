@@ -76,7 +76,7 @@ _STYLE = """
   left: 290px !important; }
 /* On a phone the notes have no room beside the STOP button: they come below the strips. */
 @media (max-width: 600px) {
-  .mantine-Notifications-root { top: var(--hg-strips-end) !important; bottom: auto !important;
+  body .mantine-Notifications-root { top: var(--hg-strips-end) !important; bottom: auto !important;
     left: 8px !important; right: 8px !important; width: auto; max-width: none; transform: none; }
 }
 """
