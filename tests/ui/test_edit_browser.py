@@ -25,7 +25,6 @@ from tests.browser import (
     tab,
     to_page,
     visible,
-    visible,
     wait_until,
 )
 from tests.consoles import Running, console_at_work
@@ -291,7 +290,7 @@ def test_obstacles_are_made_of_an_overhead_image(page: Page, running: Running, t
     assert high == pytest.approx([1100, 620], abs=8.0)
     wait_until(lambda: visible(page, "/ground/image"))
     screenshot(page, "edit-image")
-    other = load_scenario("swarm")  # which has another ground
+    other = load_scenario("building")  # which has another ground
     running.push(LoadScenario(other.text, other.name))
     wait_until(lambda: not visible(page, "/ground/image"))
 
