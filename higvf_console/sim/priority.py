@@ -37,4 +37,4 @@ def prioritise(state: SimState, command: Prioritise, setup: Setup, time: float) 
         return state, say(time, "priority", f"Robot {robot + 1} has no priority any more.")
     names = ", ".join(str(fire + 1) for fire in command.fires)
     plural = "s" if len(command.fires) > 1 else ""
-    return state, say(time, "priority", f"Robot {robot + 1} values fire{plural} {names} {factor:g} times as much.")
+    return state, say(time, "priority", f"Robot {robot + 1} gives fire{plural} {names} a priority of {factor:g}.")
