@@ -24,12 +24,23 @@ AS_IT_IS = SignalRequest()
 
 
 class SignalFormat(NamedTuple, Generic[_Record]):
-    """A format: its short name, what it is, and how to know and read it."""
+    """A format: its short name, what it is, and how to know it and read all that is in it."""
 
     name: str
     title: str
     matches: Callable[[TextFile], bool]
-    read: Callable[[TextFile, SignalRequest], _Record]
+    reader: Callable[[TextFile, SignalRequest], _Record]
+
+    def read(self, file: TextFile, request: SignalRequest) -> _Record:
+        """Reads a file.
+
+        Raises:
+            InputError: the file lacks what the format needs, or a stream is wanted and it has none to choose from.
+        """
+        if request.stream is not None and self.name not in (xdf_signals.NAME, xdf_markers.NAME):
+            wanted = f"{request.stream_option}={request.stream[:80]}"
+            raise InputError(f"{file.path}: {wanted} is for XDF files; this is read as {self.name}")
+        return self.reader(file, request)
 
 
 def _read_jsonl(file: TextFile, request: SignalRequest) -> CommandLog:
