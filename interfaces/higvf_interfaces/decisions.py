@@ -19,7 +19,7 @@ from higvf_interfaces.feeds import LogFeed
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.formats.signal_reading import read_decisions
 from higvf_interfaces.interpretation import Interpreter
-from higvf_interfaces.recorded_options import DECODING, RECORDED, signal_request
+from higvf_interfaces.recorded_options import DECODING, RECORDED, decoder_of, signal_request
 from higvf_interfaces.streams import Stamp
 
 OPTIONS = (
@@ -27,6 +27,7 @@ OPTIONS = (
     *(key for key in interpretation.OPTIONS if key not in ("threshold", "refractory")),
     *(key for key in RECORDED if key != "format"), *DECODING, *ERRORS, *lsl.OPTIONS,
 )  # fmt: skip
+_RECORDED_ALONE = ("format", "start")  # options that mean nothing live; others may speak of a calibration
 
 
 class DecisionReplay:
@@ -43,12 +44,12 @@ class DecisionReplay:
             InputError: the recording, an option or the label map cannot be used.
         """
         options = option_fields(spec, OPTIONS)
-        decodes = options.has("decoder")
+        decodes = decoder_of(spec, options, "channels") is not None
         self._interpreter = Interpreter(defaults, options, STREAMING if decodes else Evidence())
         errors = error_model(options)
         start = options.number("start", 0.0, -1e6, 1e6, "s")
         self._live: lsl.LslReader | None = None
-        if lsl.is_live(spec):
+        if lsl.is_live(spec, _RECORDED_ALONE if decodes else (*_RECORDED_ALONE, "stream", "rate", "period")):
             from higvf_interfaces.live_feeds import live_feed  # noqa: PLC0415 - as below
 
             feed = live_feed(options)

@@ -22,6 +22,7 @@ from higvf_interfaces import lsl
 from higvf_interfaces.calibration import calibration_report
 from higvf_interfaces.capture import Capture
 from higvf_interfaces.dwell_button import IDLE, step
+from higvf_interfaces.emulation import GAZE_ERRORS
 from higvf_interfaces.fields import Fields, option_fields
 from higvf_interfaces.fixations import THRESHOLDS, Fixation
 from higvf_interfaces.gaze_source import OPTIONS as SOURCE_OPTIONS
@@ -33,6 +34,7 @@ from higvf_interfaces.screens import ground_length, to_ground
 from higvf_interfaces.streams import Stamp
 
 OPTIONS = (*SOURCE_OPTIONS, *lsl.OPTIONS, "clutch", "button", "viewport", "commit")
+_RECORDED_ALONE = ("format", "stream", "start", *GAZE_ERRORS)  # options that mean nothing live
 CLUTCHES = ("held", "paused", "always", "dwell")
 PEN_UP = 1.5  # without valid gaze for so long, the pen lifts itself [s]
 LOST = 0.5  # a hole in the log that long loses the cursor [s]
@@ -72,7 +74,7 @@ class GazeReplay:
         """
         options = option_fields(spec, OPTIONS)
         self._clutch, self._box, self._follows_browser, self._waits = manner(options)
-        self._live = LiveGaze(spec, options) if lsl.is_live(spec) else None
+        self._live = LiveGaze(spec, options) if lsl.is_live(spec, _RECORDED_ALONE) else None
         self._source = self._live or GazeSource(spec, options)
         self._playback = GazePlayback(self._source.pieces) if isinstance(self._source, GazeSource) else self._source
         self._arena = spec.arena

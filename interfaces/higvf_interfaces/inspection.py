@@ -27,7 +27,7 @@ from higvf_interfaces.formats.reading import GAZE_FORMATS, unknown_format
 from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, SIGNAL_FORMATS
 from higvf_interfaces.formats.text import look
 from higvf_interfaces.interpretation import Interpreter
-from higvf_interfaces.recorded_options import signal_request
+from higvf_interfaces.recorded_options import named_decoder, signal_request
 
 OPTIONS = tuple(dict.fromkeys(key for key in (*gaze.OPTIONS, *decisions.OPTIONS) if key not in lsl.OPTIONS))
 
@@ -71,6 +71,7 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
             out.
     """
     request = Request(spec, look(spec.source), option_fields(spec, OPTIONS), plot, steps)
+    named_decoder(request.options)
     text = bool(request.file.head) or request.format is not None
     for kind in KINDS if text else KINDS[:1]:  # of a folder, only gaze can be told
         if kind.knows(request):

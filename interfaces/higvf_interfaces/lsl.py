@@ -51,21 +51,26 @@ class Wish(NamedTuple):
         return all(not wish or wish.casefold() == word.casefold() for wish, word in zip(self, said, strict=True))
 
 
-def is_live(spec: InputSpec) -> bool:
+def is_live(spec: InputSpec, recorded: Sequence[str]) -> bool:
     """Whether an input's source is the Lab Streaming Layer rather than a file.
 
+    Args:
+        spec: the input.
+        recorded: its options that mean nothing to a live stream.
+
     Raises:
-        InputError: it is a file, and beside it stands an option that chooses a stream.
+        InputError: it is a file, and beside it stands an option that chooses a stream; or the other way round.
     """
-    if spec.source.strip().casefold() == SOURCE:
-        return True
-    for key in OPTIONS:
+    live = spec.source.strip().casefold() == SOURCE
+    for key in recorded if live else OPTIONS:
         if key in spec.options:
-            raise InputError(
-                f"input {spec.channel}={spec.source}: {key} chooses a live stream, and this is a file; "
-                f"give {SOURCE} in its place, or leave {key} out"
+            reason = (
+                f"{key} is for recordings, and this is a live stream; give a file in its place"
+                if live
+                else f"{key} chooses a live stream, and this is a file; give {SOURCE} in its place"
             )
-    return False
+            raise InputError(f"input {spec.channel}={spec.source}: {reason}, or leave {key} out")
+    return live
 
 
 def library() -> Any:

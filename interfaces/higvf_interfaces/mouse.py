@@ -9,6 +9,7 @@ from time import monotonic
 import numpy as np
 
 from higvf_console.commands import Command, Cursor, OperatorCommand, Stop, StrokePoints
+from higvf_console.errors import InputError
 from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.streams import Stamp
@@ -82,6 +83,8 @@ class Mouse:
 def open_mouse(spec: InputSpec) -> Mouse:
     """Entry point `mouse`; it has no options."""
     option_fields(spec, ())
+    if spec.source:
+        raise InputError(f"input {spec.channel}={spec.source}: the mouse is the browser's and reads no file")
     return Mouse(spec.channel)
 
 

@@ -1,13 +1,15 @@
 """Options that say how a recording of an EMG or BCI is to be read, and how it is to be decoded."""
 
+from higvf_console.interface import InputSpec
 from higvf_interfaces.fields import Fields, shown
 from higvf_interfaces.formats.signal_records import SignalRequest
 
 RECORDED = ("format", "stream", "rate", "period", "channels")
-DECODING = (
-    "decoder", "calibration", "markers", "marker_stream", "trial_s", "calibrate_to", "targets", "mains", "window",
-    "hop",
-)  # fmt: skip
+DECODERS = {
+    "lda": ("calibration", "markers", "marker_stream", "trial_s", "calibrate_to", "mains"),
+    "ssvep": ("targets", "mains", "window", "hop"),
+}
+DECODING = ("decoder", *dict.fromkeys(key for keys in DECODERS.values() for key in keys))
 
 
 def signal_request(options: Fields) -> SignalRequest:
@@ -23,6 +25,34 @@ def signal_request(options: Fields) -> SignalRequest:
         rate = 1.0 / options.number("period", None, 1e-5, 10.0, "s")
     name = options.text("format") if options.has("format") else None
     return SignalRequest(name, word(options, "stream") if options.has("stream") else None, rate, words(options))
+
+
+def named_decoder(options: Fields) -> str | None:
+    """The decoder that the options name; None = none.
+
+    Raises:
+        InputError: there is no such decoder.
+    """
+    return options.choice("decoder", "", tuple(DECODERS)) if options.has("decoder") else None
+
+
+def decoder_of(spec: InputSpec, options: Fields, *raw: str) -> str | None:
+    """Name of the decoder that an input's options ask for; None = none.
+
+    Args:
+        spec: the input.
+        options: its options, those of the scenario included.
+        raw: further options that mean nothing without a decoder.
+
+    Raises:
+        InputError: there is no such decoder, or the command line has an option that is for another one.
+    """
+    name = named_decoder(options)
+    for key in spec.options:
+        users = [known for known, keys in DECODERS.items() if key in (*keys, *raw)]
+        if users and name not in users:
+            options.fail(f"{key} is for decoder={' or '.join(users)}; give that, or leave {key} out")
+    return name
 
 
 def word(options: Fields, key: str) -> str:

@@ -116,6 +116,12 @@ def test_the_options_of_every_channel_are_accepted(write: Write, options: dict[s
     assert inspected(write("time,label\n1,fist\n"), **options)["kind"] == "commands"
 
 
+def test_a_wrong_decoder_is_refused_with_the_choices(write: Write) -> None:
+    for head in ("time,x [px],y [px]\n0,1,1\n1,1,1\n", "time,label\n1,fist\n", "timestamps,C3,C4\n0,1,2\n1,1,2\n"):
+        with pytest.raises(InputError, match="decoder: 'foo' is not one of lda, ssvep"):
+            inspected(write(head), decoder="foo")
+
+
 def test_gaze_of_which_nothing_can_be_used_is_told_with_the_reason(write: Write) -> None:
     told = inspected(write("time,x [px],y [px]\n0,-9,1\n1,-9,1\n"))
     assert (told["samples"], told["becomes"]) == (2, {})

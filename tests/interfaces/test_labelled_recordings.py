@@ -5,7 +5,9 @@ from collections.abc import Callable, Mapping
 import pytest
 
 from higvf_console.errors import InputError
+from higvf_console.interface import InputSpec
 from higvf_interfaces.decoding.replay import decoder_feed, labelled
+from higvf_interfaces.emg import open_emg
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.signal_reading import read_signals
 from higvf_interfaces.recorded_options import DECODING, RECORDED, signal_request
@@ -79,3 +81,25 @@ def test_format_and_rate_of_what_is_decoded_do_not_reach_its_calibration(write: 
     }  # fmt: skip
     feed = decoder_feed(played, Fields(options, (*RECORDED, *DECODING), "input emg"), 0.0)
     assert feed.labels == ("a", "b")
+
+
+def test_a_stream_is_for_xdf_files_the_recording_or_its_calibration(write: Write) -> None:
+    def opened(played: str, calibration: str) -> None:
+        options = {"decoder": "lda", "trial_s": "2", "mains": "0", "stream": "EMG", "calibration": calibration}
+        open_emg(InputSpec("emg", played, options))
+
+    times = [k / 100 for k in range(2500)]
+    rows = [(float(k * 13 % 99), float(k * 7 % 50)) for k in range(2500)]
+    cues = Stream("Cues", "Markers", "", 0, [2.0 * k for k in range(12)], ["ab"[k % 2] for k in range(12)])
+    lab = write(
+        xdf(Stream("A", "EMG", "", 100, times, rows), Stream("B", "EEG", "", 100, times, rows), cues), "lab.xdf"
+    )
+    body = "".join(f"{t},{x},{y},{'ab'[int(t / 2) % 2]}\n" for t, (x, y) in zip(times, rows, strict=True))
+    table = write(f"time,C1,C2,event\n{body}", "table.csv")
+    opened(table, lab)
+    opened(lab, table)
+    with pytest.raises(InputError, match=r"table\.csv: stream=EMG is for XDF files; this is read as signal-csv"):
+        opened(table, table)
+    for log in ("time,label\n1,fist\n", '{"time": 1, "label": "fist"}\n'):
+        with pytest.raises(InputError, match="stream=EMG is for XDF files; this is read as command-"):
+            open_emg(InputSpec("emg", write(log), {"stream": "EMG"}))

@@ -144,3 +144,8 @@ def test_once_a_page_has_told_that_it_is_there_its_silence_counts(monkeypatch: p
 def test_an_unknown_option_is_refused() -> None:
     with pytest.raises(InputError, match=r"unknown key 'stle'"):
         open_mouse(InputSpec("mouse", options={"stle": "5"}))
+
+
+def test_a_file_is_refused() -> None:
+    with pytest.raises(InputError, match=r"input mouse=look\.tsv: the mouse is the browser's and reads no file"):
+        open_mouse(InputSpec("mouse", "look.tsv"))

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from higvf_console.errors import HigvfError
+from higvf_console.errors import HigvfError, InputError
 from higvf_console.interface import InputSpec
+from higvf_interfaces.emg import open_emg
 from higvf_interfaces.gaze import open_gaze
 from higvf_interfaces.paths import named
 from higvf_interfaces.scripted import open_script
@@ -28,3 +29,13 @@ def test_a_file_in_the_home_of_nobody_is_refused(write: Callable[..., str]) -> N
     ):
         with pytest.raises(HigvfError, match=f"{NOBODY}: "):
             opened()
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"), [({}, "decisions (.*command-csv"), ({"decoder": "ssvep"}, "a signal (.*signal-csv")]
+)
+def test_a_folder_where_a_file_is_due_is_refused_with_what_is(
+    tmp_path: Path, options: dict[str, str], expected: str
+) -> None:
+    with pytest.raises(InputError, match=f"{tmp_path}: is a folder; give a file of {expected}".replace("(", r"\(")):
+        open_emg(InputSpec("emg", str(tmp_path), options))

@@ -8,6 +8,7 @@ from higvf_console.errors import InputError
 from higvf_console.interface import InputSpec
 from higvf_interfaces import lsl
 from higvf_interfaces.bci import open_bci
+from higvf_interfaces.emulation import GAZE_ERRORS
 from higvf_interfaces.fields import NAMES, option_fields
 from higvf_interfaces.gaze import open_gaze
 from higvf_interfaces.lsl import Wish, wish_of
@@ -43,3 +44,34 @@ def test_an_option_of_a_live_stream_beside_a_file_is_refused(
     with pytest.raises(InputError, match=f"{key} chooses a live stream, and this is a file; give lsl in its place"):
         opened(InputSpec("input", file, {key: "3"}))
     opened(InputSpec("input", file, settings={key: "3"}))  # a scenario may be made for the live stream
+
+
+@pytest.mark.parametrize(
+    ("opened", "key"),
+    [
+        *((open_gaze, key) for key in ("format", "stream", "start", *GAZE_ERRORS)),
+        *((open_bci, key) for key in ("format", "stream", "start", "rate", "period")),
+    ],
+)
+def test_an_option_of_a_recording_beside_a_live_stream_is_refused(
+    opened: Callable[[InputSpec], object], key: str
+) -> None:
+    with pytest.raises(InputError, match=f"{key} is for recordings, and this is a live stream; give a file"):
+        opened(InputSpec("input", "lsl", {key: "1", "within": "0.1"}))
+
+
+@pytest.mark.parametrize(
+    ("options", "refusal"),
+    [
+        ({"decoder": "foo"}, "decoder: 'foo' is not one of lda, ssvep"),
+        ({"targets": "1@30"}, "targets is for decoder=ssvep; give that, or leave targets out"),
+        ({"channels": "TP9"}, "channels is for decoder=lda or ssvep"),
+        ({"decoder": "lda", "window": "2"}, "window is for decoder=ssvep"),
+        ({"decoder": "ssvep", "calibration": "today.xdf"}, "calibration is for decoder=lda"),
+    ],
+)
+def test_an_option_of_a_decoder_that_is_not_asked_for_is_refused(
+    write: Callable[..., str], options: dict[str, str], refusal: str
+) -> None:
+    with pytest.raises(InputError, match=refusal):
+        open_bci(InputSpec("bci", write("time,label\n1,stop\n"), options))

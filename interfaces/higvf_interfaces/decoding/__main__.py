@@ -25,7 +25,7 @@ from higvf_interfaces.decoding.ssvep import WINDOW
 from higvf_interfaces.evidence import STREAMING
 from higvf_interfaces.fields import Fields, option_fields
 from higvf_interfaces.formats.signal_reading import read_signals
-from higvf_interfaces.recorded_options import DECODING, RECORDED, signal_request
+from higvf_interfaces.recorded_options import DECODERS, DECODING, RECORDED, signal_request
 
 FULL_BAND = 2 * BAND[1]  # sampling rate that holds all of surface EMG [Hz]
 
@@ -55,7 +55,7 @@ def report(source: str, options: Fields) -> dict[str, Any]:
     Raises:
         InputError: the recording, its trials or an option cannot be used.
     """
-    kind, mains = options.choice("decoder", "", replay.DECODERS), options.number("mains", 50.0, 0.0, 1000.0, "Hz")
+    kind, mains = options.choice("decoder", "", tuple(DECODERS)), options.number("mains", 50.0, 0.0, 1000.0, "Hz")
     record = read_signals(source, signal_request(options))
     trials, moved = replay.labelled(source, record, options)
     cautions: list[str] = []

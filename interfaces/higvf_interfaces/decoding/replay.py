@@ -14,13 +14,14 @@ from higvf_interfaces.decoding.ssvep import HOP, WINDOW, SsvepDecoder
 from higvf_interfaces.decoding.trials import shift_to, trials_of
 from higvf_interfaces.feeds import Due
 from higvf_interfaces.fields import Fields, is_number, shown
+from higvf_interfaces.formats import xdf_file
 from higvf_interfaces.formats.signal_reading import read_decisions, read_signals
 from higvf_interfaces.formats.signal_records import SignalChunk, SignalRecord, SignalRequest
+from higvf_interfaces.formats.text import look
 from higvf_interfaces.paths import named
-from higvf_interfaces.recorded_options import signal_request, word
+from higvf_interfaces.recorded_options import DECODERS, signal_request, word
 from higvf_interfaces.streams import CLOCK_GRAIN
 
-DECODERS = ("lda", "ssvep")
 _MAINS = 50.0  # [Hz]
 
 
@@ -99,7 +100,8 @@ def decoder_feed(source: str, options: Fields, start: float) -> DecoderFeed:
     Raises:
         InputError: the recording, its calibration or an option cannot be used.
     """
-    record = read_signals(source, signal_request(options))
+    beside = options.text("calibration") if options.has("calibration") else ""
+    record = read_signals(source, _request_of(source, beside, options))
     return DecoderFeed(record, *make_decoder(source, record, options), start)
 
 
@@ -114,7 +116,7 @@ def make_decoder(source: str, record: SignalRecord, options: Fields) -> tuple[De
     Raises:
         InputError: the calibration or an option cannot be used.
     """
-    kind = options.choice("decoder", "", DECODERS)
+    kind = options.choice("decoder", "", tuple(DECODERS))
     mains = options.number("mains", _MAINS, 0.0, 1000.0, "Hz")
     if kind == "ssvep":
         return ssvep_decoder(record, options, mains), ()
@@ -174,7 +176,7 @@ def calibrated(source: str, request: SignalRequest, options: Fields, mains: floa
 
 def _lda(source: str, record: SignalRecord, options: Fields, mains: float) -> tuple[EmgDecoder, list[str]]:
     calibration = options.text("calibration")
-    own, request = _same(calibration, source), signal_request(options)
+    own, request = _same(calibration, source), _request_of(calibration, source, options)
     model, moved = calibrated(calibration, request if own else request._replace(format=None), options, mains)
     if len(model.deadband) != len(record.names):
         options.fail(
@@ -185,6 +187,17 @@ def _lda(source: str, record: SignalRecord, options: Fields, mains: float) -> tu
     until = f" up to {options.values['calibrate_to']} s" if options.has("calibrate_to") else ""
     notes = [f"calibrated on {len(model.labels)} labels{praised}{until}", *moved]
     return EmgDecoder(model, record.rate, mains), notes
+
+
+def _request_of(file: str, beside: str, options: Fields) -> SignalRequest:
+    """How a recording, or the calibration beside it, is to be read: `stream` is for those of both that are XDF."""
+    request = signal_request(options)
+    elsewhere = request.stream is not None and bool(beside) and not _is_xdf(file) and _is_xdf(beside)
+    return request._replace(stream=None) if elsewhere else request
+
+
+def _is_xdf(source: str) -> bool:
+    return xdf_file.matches(look(source))
 
 
 def _same(one: str, other: str) -> bool:

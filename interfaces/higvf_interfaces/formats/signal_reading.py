@@ -24,12 +24,23 @@ AS_IT_IS = SignalRequest()
 
 
 class SignalFormat(NamedTuple, Generic[_Record]):
-    """A format: its short name, what it is, and how to know and read it."""
+    """A format: its short name, what it is, and how to know it and read all that is in it."""
 
     name: str
     title: str
     matches: Callable[[TextFile], bool]
-    read: Callable[[TextFile, SignalRequest], _Record]
+    reader: Callable[[TextFile, SignalRequest], _Record]
+
+    def read(self, file: TextFile, request: SignalRequest) -> _Record:
+        """Reads a file.
+
+        Raises:
+            InputError: the file lacks what the format needs, or a stream is wanted and it has none to choose from.
+        """
+        if request.stream is not None and self.name not in (xdf_signals.NAME, xdf_markers.NAME):
+            wanted = f"{request.stream_option}={request.stream[:80]}"
+            raise InputError(f"{file.path}: {wanted} is for XDF files; this is read as {self.name}")
+        return self.reader(file, request)
 
 
 def _read_jsonl(file: TextFile, request: SignalRequest) -> CommandLog:
@@ -78,7 +89,7 @@ def read_signals(source: str, request: SignalRequest = AS_IT_IS) -> SignalRecord
         InputError: the file is missing, of no known format, without samples or times, or its stream or channel is
             not there; the message lists the choices.
     """
-    file = look(source)
+    file = _looked(source, SIGNAL_FORMATS, "a signal")
     record = _chosen(file, request.format, SIGNAL_FORMATS, "a signal").read(file, request)
     return pick_channels(record, request.channels, source)
 
@@ -89,12 +100,19 @@ def read_decisions(source: str, request: SignalRequest = AS_IT_IS) -> CommandLog
     Raises:
         InputError: as `read_signals`, or the file holds raw samples alone, which need a decoder.
     """
-    file = look(source)
+    file = _looked(source, DECISION_FORMATS, "decisions")
     if request.format is None and not any(known.matches(file) for known in DECISION_FORMATS):
         held = next((known for known in SIGNAL_FORMATS if known.matches(file)), None)
         if held is not None:
             raise InputError(f"{source}: holds raw samples ({held.title}) and no decisions; give decoder=lda or ssvep")
     return _chosen(file, request.format, DECISION_FORMATS, "decisions").read(file, request)
+
+
+def _looked(source: str, formats: Sequence[SignalFormat[_Record]], what: str) -> TextFile:
+    file = look(source)
+    if not file.head:
+        raise InputError(f"{source}: is a folder; give a file of {what} ({_titles(formats)})")
+    return file
 
 
 def _chosen(
@@ -105,6 +123,9 @@ def _chosen(
         raise InputError(f"format: {name!r} is not one of {', '.join(known.name for known in formats)}")
     found = named or [known for known in formats if known.matches(file)]
     if not found:
-        titles = "; ".join(f"{known.name}: {known.title}" for known in formats)
-        raise InputError(f"{file.path}: not a known format of {what} ({titles}); it has: {file.titles}")
+        raise InputError(f"{file.path}: not a known format of {what} ({_titles(formats)}); it has: {file.titles}")
     return found[0]
+
+
+def _titles(formats: Sequence[SignalFormat[_Record]]) -> str:
+    return "; ".join(f"{known.name}: {known.title}" for known in formats)
