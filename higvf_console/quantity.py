@@ -8,10 +8,16 @@ checks, sliders and documentation read the annotations:
 """
 
 import math
+import reprlib
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 from higvf_console.errors import ScenarioError
+
+_BRIEF = reprlib.Repr()
+_BRIEF.maxlevel = 2
+_BRIEF.maxlist = _BRIEF.maxdict = 12
+_BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 120
 
 
 class Quantity(NamedTuple):
@@ -34,6 +40,11 @@ def quantities(parameters: type[Any]) -> dict[str, Quantity]:
     return found
 
 
+def shown(value: object) -> str:
+    """A value as an error gives it: of what is long, the beginning."""
+    return _BRIEF.repr(value)
+
+
 def checked(name: str, value: object, quantity: Quantity) -> float:
     """`value` as a float within its range.
 
@@ -42,14 +53,14 @@ def checked(name: str, value: object, quantity: Quantity) -> float:
     """
     wanted = f"a number from {quantity.low:g} to {quantity.high:g} {quantity.unit}".rstrip(" -")
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ScenarioError(f"{name}: {value!r} is not {wanted}")
+        raise ScenarioError(f"{name}: {shown(value)} is not {wanted}")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf if value > 0 else -math.inf
     inside = quantity.low <= number <= quantity.high
     if math.isnan(number) or not inside:
-        raise ScenarioError(f"{name}: {value!r} is out of range; give {wanted}")
+        raise ScenarioError(f"{name}: {shown(value)} is out of range; give {wanted}")
     return number
 
 

@@ -41,8 +41,9 @@ def _polygon(node: Node) -> tuple[Floats, ...]:
 
 
 def _outline(node: Node) -> Floats:
+    points = node.points()
     try:
-        return closed_outline(node.points())
+        return closed_outline(points)
     except ScenarioError as error:
         raise node.error(str(error)) from error
 
@@ -86,8 +87,9 @@ def _mask(node: Node, folders: Sequence[Path]) -> tuple[Floats, ...]:
     bright = "obstacle" in entries and entries["obstacle"].choice(("dark", "bright")) == "bright"
     tolerance = entries["tolerance_m"].number(_TOLERANCE) if "tolerance_m" in entries else scale
     least_area = entries["least_area_m2"].number(_AREA) if "least_area_m2" in entries else 4.0 * scale**2
+    image = entries["image"].text()
     try:
-        dark = read_grey(entries["image"].text(), folders) < threshold
+        dark = read_grey(image, folders) < threshold
     except ScenarioError as error:
         raise entries["image"].error(str(error)) from error
     chains = trace(~dark if bright else dark, MaskPlace(entries["at_m"].point(), scale), tolerance, least_area)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from higvf_console.arrays import Bools, Floats, floats
 from higvf_console.errors import ScenarioError
+from higvf_console.quantity import shown
 from higvf_console.session.polygons import MOST_EDGES, crossing, oriented, signed_area
 
 Grey: TypeAlias = NDArray[np.uint8]
@@ -44,13 +45,14 @@ def read_grey(name: str, folders: Sequence[Path]) -> Grey:
     Raises:
         ScenarioError: no such file, or not an image; the message says where it was looked for.
     """
-    file = next((folder / name for folder in folders if (folder / name).is_file()), None)
-    if file is None:
-        raise ScenarioError(f"no image '{name}' in {' or '.join(str(folder.resolve()) for folder in folders)}")
+    file: Path | None = None
     try:
-        coded = np.fromfile(file, np.uint8)
+        file = next((folder / name for folder in folders if (folder / name).is_file()), None)
+        coded = None if file is None else np.fromfile(file, np.uint8)
     except OSError as error:
-        raise ScenarioError(f"{file}: {error.strerror}") from error
+        raise ScenarioError(f"{file or shown(name)}: {error.strerror}") from error
+    if file is None or coded is None:
+        raise ScenarioError(f"no image '{name}' in {' or '.join(str(folder.resolve()) for folder in folders)}")
     image = cv2.imdecode(coded, cv2.IMREAD_UNCHANGED) if coded.size else None
     if image is None:
         raise ScenarioError(f"{file}: not an image that OpenCV can read, such as PNG, JPEG or TIFF")

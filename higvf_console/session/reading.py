@@ -12,7 +12,7 @@ import yaml
 
 from higvf_console.arrays import Floats, floats
 from higvf_console.errors import ScenarioError
-from higvf_console.quantity import Quantity, checked
+from higvf_console.quantity import Quantity, checked, shown
 
 COORDINATE = Quantity("m", -1e6, 1e6, "", "A coordinate.")
 
@@ -21,6 +21,14 @@ class _StrictLoader(yaml.SafeLoader):
     """A safe loader with the scalar types of YAML 1.2 and without double keys."""
 
     yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}  # noqa: RUF012 (PyYAML reads it off the class)
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep)
+        except (ValueError, LookupError, AttributeError) as error:  # a tag that its text does not fit, endless digits
+            kind = str(node.tag).rpartition(":")[2]
+            text = f"{shown(node.value)} cannot be read as '{kind}'"
+            raise yaml.constructor.ConstructorError(None, None, text, node.start_mark) from error
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         seen: set[object] = set()
@@ -69,7 +77,7 @@ class Node(NamedTuple):
 
     def wrong(self, wanted: str) -> ScenarioError:
         """The error that this value is not what was wanted."""
-        return self.error(f"{self.value!r} is not {wanted}")
+        return self.error(f"{shown(self.value)} is not {wanted}")
 
     def section(self, known: Sequence[str], required: Sequence[str] = ()) -> dict[str, "Node"]:
         """The entries of a mapping by name.
@@ -86,7 +94,7 @@ class Node(NamedTuple):
         for name, entry in entries.items():
             if name not in known:
                 raise entry.error(
-                    f"unknown key{closest(name, known)}; value {entry.value!r}; known keys: {', '.join(known)}"
+                    f"unknown key{closest(name, known)}; value {shown(entry.value)}; known keys: {', '.join(known)}"
                 )
         for name in required:
             if name not in entries:
@@ -155,6 +163,8 @@ def read_yaml(text: str, source: str) -> Node:
         raise ScenarioError(f"{source}: {line}{error.problem}") from error
     except yaml.YAMLError as error:
         raise ScenarioError(f"{source}: {str(error).splitlines()[0]}") from error
+    except RecursionError as error:
+        raise ScenarioError(f"{source}: lists or sections are nested too deeply") from error
     if content is None:
         raise ScenarioError(f"{source}: the file is empty")
     return Node(content, source)

@@ -38,7 +38,7 @@ from higvf_console.arrays import Floats, floats, ints
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.gains import Gains
 from higvf_console.errors import ScenarioError
-from higvf_console.quantity import Quantity
+from higvf_console.quantity import Quantity, shown
 from higvf_console.session.channel_settings import read_inputs
 from higvf_console.session.channel_state import Limits
 from higvf_console.session.channels import unknown_settings
@@ -230,7 +230,9 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
     entries = root.section(KEYS, ("version", "arena", "robots"))
     version = entries["version"]
     if str(version.value) != str(VERSION):
-        raise version.error(f"{version.value!r} is not a version that this console reads; known versions: {VERSION}")
+        raise version.error(
+            f"{shown(version.value)} is not a version that this console reads; known versions: {VERSION}"
+        )
 
     def entry(key: str, default: object) -> Node:
         return entries.get(key, Node(default, source, key))

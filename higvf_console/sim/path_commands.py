@@ -92,13 +92,16 @@ def repaired(
 
 
 def mended(state: SimState, path: Path, time: float, *, anew: bool | None = None) -> Outcome:
-    """`path` in place of the one in force: it goes on where that is. `anew` = None: if the durations differ."""
+    """`path` in place of the one in force: it goes on where that is. `anew` = None: if the durations differ.
+
+    Where the time of the one in force is over, it begins again.
+    """
     old, motion = state.intent.path, state.motion
     anew = path.duration != old.duration if anew is None else anew
     motion = motion._replace(
         path_parameter=same_place(old, path, motion.path_parameter), path_status=int(PathStatus.FOLLOWING),
         path_idle=0.0, path_gap=math.inf,
-        path_left=path.duration if anew else motion.path_left,
+        path_left=motion.path_left if motion.path_left > 0.0 and not anew else path.duration,
     )  # fmt: skip
     paths = tuple(path if other is old else other for other in state.drawing.paths)
     state = with_drawing(state._replace(motion=motion, intent=state.intent._replace(path=path)), paths=paths)

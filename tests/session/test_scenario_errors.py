@@ -33,6 +33,10 @@ MISTAKES = {
         "fires: [{at_m: [1, 2], radius_m: wide}]", "fires[1].radius_m: 'wide' is not a number from 0.001 to 1e+06 m"
     ),
     "boolean as number": ("duration_s: true", "duration_s: True is not a number"),
+    "too many digits": (f"duration_s: {'9' * 5000}", "line 5: '99999"),
+    "a tag that does not fit": ("duration_s: !!int soon", "t.yaml: line 5: 'soon' cannot be read as 'int'"),
+    "a tag of nothing": ('duration_s: !!int ""', "line 5: '' cannot be read as 'int'"),
+    "nested without end": (f"title: {'[' * 2000}", "t.yaml: lists or sections are nested too deeply"),
     "beyond all numbers": (f"duration_s: {10**400}", "is out of range; give a number from 0.001 to 1e+06 s"),
     "not a number": ("duration_s: .nan", "duration_s: nan is out of range"),
     "octal is text": ("duration_s: 010", "duration_s: '010' is not a number"),
@@ -115,6 +119,17 @@ MISTAKES = {
     "polygon as a bar": (
         "obstacles: {polygons: [{points_m: [[0, 0], [9, 0], [9, 9]], half_width_m: 1}]}",
         "obstacles.polygons[1].half_width_m: unknown key; value 1; known keys: points_m",
+    ),
+    "polygon of words": (
+        "obstacles: {polygons: [{points_m: [[0, 0], [90, x], [0, 60]]}]}",
+        "t.yaml: obstacles.polygons[1].points_m[2][2]: 'x' is not a number",
+    ),
+    "mask of a number": (
+        "obstacles: {masks: [{image: 5, at_m: [0, 0], metres_per_pixel: 1}]}",
+        "t.yaml: obstacles.masks[1].image: 5 is not a text",
+    ),
+    "mask with an endless name": (
+        f"obstacles: {{masks: [{{image: {'a' * 5000}, at_m: [0, 0], metres_per_pixel: 1}}]}}", "File name too long"
     ),
     "mask without a scale": (
         "obstacles: {masks: [{image: plan.png, at_m: [0, 0]}]}",
@@ -210,7 +225,16 @@ def test_a_mistake_is_told_in_one_sentence(line: str, sentence: str) -> None:
     message = str(caught.value)
     assert message.startswith("t.yaml")
     assert sentence in message
+    assert message.count("t.yaml") == 1
     assert "\n" not in message
+
+
+def test_of_a_long_value_the_beginning_is_told() -> None:
+    tenfold = ", ".join(f"&a{k} [{f'*a{k - 1}, ' * 10}]" for k in range(1, 8))
+    bomb = f"firez: [&a0 [x], {tenfold}]"
+    with pytest.raises(ScenarioError, match=r"firez: unknown key .* value \[\[") as caught:
+        parse_scenario(with_line(bomb), "t.yaml")
+    assert len(str(caught.value)) < 1000
 
 
 def test_an_unknown_scenario_is_answered_with_the_names() -> None:

@@ -96,6 +96,16 @@ def test_when_its_time_is_over_a_path_ends(ending: str, status: str) -> None:
     assert states[-1].motion.path_status == PathStatus[status]
 
 
+@pytest.mark.parametrize("ending", ["release", "hold"])
+def test_a_path_repaired_after_its_time_is_given_that_time_again(ending: str) -> None:
+    setup = team()
+    over = histories(setup, led(setup, ShapePath(ending=ending, duration=1.0)), 80)[-1]
+    assert over.motion.path_left == 0.0
+    back, _ = apply_command(over, ReversePath(), setup)
+    assert back.motion.path_left == 1.0
+    assert histories(setup, back, 30)[-1].motion.path_status == PathStatus.FOLLOWING
+
+
 def test_the_time_of_a_path_stands_while_the_team_is_paused() -> None:
     setup = team()
     state, _ = apply_command(histories(setup, led(setup, ShapePath(duration=1.0)), 20)[-1], Pause(), setup)
