@@ -1,8 +1,14 @@
 """The words of the command line: every command of `higvf` with its options."""
 
 import argparse
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
+
+Number = TypeVar("Number", int, float)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -15,6 +21,7 @@ class _Parser(argparse.ArgumentParser):
 def parser() -> argparse.ArgumentParser:
     """The parser of all commands; `command` holds the name of the one that was given."""
     whole = _Parser(prog="higvf", description="One person guides a team of robots from the browser.")
+    whole.add_argument("--version", action="version", version=f"higvf {version('higvf-console')}")
     commands = whole.add_subparsers(required=True, metavar="COMMAND")
     _add_run(commands)
     scenarios = commands.add_parser("scenarios", help="list the shipped scenarios")
@@ -120,26 +127,24 @@ def _add_fit(commands: Any) -> None:
     fit.add_argument("--scenario", metavar="FILE", help="write the chosen world as a scenario file")
 
 
+def _read(text: str, kind: Callable[[str], Number], meets: Callable[[Number], bool], meaning: str) -> Number:
+    with suppress(ValueError):
+        if meets(number := kind(text)):
+            return number
+    raise argparse.ArgumentTypeError(f"{text!r} is not {meaning}")
+
+
 def _positive(text: str) -> float:
-    number = float(text)
-    if not 0.0 < number < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
-    return number
+    return _read(text, float, lambda number: 0.0 < number < math.inf, "a number above 0")
 
 
 def _seed(text: str) -> int:
-    number = int(text)
-    if number < 0:
-        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 0")
-    return number
+    return _read(text, int, lambda number: number >= 0, "a whole number from 0")
 
 
 def _count(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 1")
-    return number
+    return _read(text, int, lambda number: number >= 1, "a whole number from 1")
 
 
 def _port(text: str) -> int:
-    return 0 if text == "auto" else int(text)
+    return 0 if text == "auto" else _read(text, int, lambda _: True, "a port from 1 to 65535, or auto for a free one")

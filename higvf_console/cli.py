@@ -231,6 +231,7 @@ def _run_headless(session: "Session", given: argparse.Namespace) -> int:
     from higvf_console.sim.setup import Severity
 
     report = json.dumps(run_headless(session, given.duration), indent=2) + "\n"
+    session.close()  # now: that may fail as well, of which the events tell
     for event in session.snapshot.events:
         if event.kind in _WORTH_SAYING and event.severity in (Severity.WARNING, Severity.ALARM):
             _tell(f"{event.time:.2f} s: {event.text}")

@@ -38,11 +38,14 @@ def open_interface(spec: InputSpec) -> Interface:
     except Exception as error:  # whatever there is in a package's module
         raise InputError(f"interface '{spec.channel}' ({points[spec.channel].value}) does not load: {error}") from error
     try:
-        return opener(spec)
+        interface = opener(spec)
     except HigvfError:
         raise
     except Exception as error:  # as above
         raise CrashedError(f"interface '{spec.channel}' does not open: {type(error).__name__}: {error}") from error
+    if missing := [name for name in ("name", "poll", "health", "close") if not hasattr(interface, name)]:
+        raise CrashedError(f"interface '{spec.channel}' opens as {interface!r:.60}, without {', '.join(missing)}")
+    return interface
 
 
 class Channels:

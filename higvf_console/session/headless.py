@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from higvf_console.control.forms import name_of
+from higvf_console.interrupts import held_back
 from higvf_console.session.attention_report import attention_section
 from higvf_console.session.run import TrajectoryDigest
 from higvf_console.session.session import Session
@@ -29,15 +30,17 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
     dt = session.setup.gains.safety.control_period
     duration = session.scenario.duration if duration is None else duration
     digest, tick_ms, done = TrajectoryDigest(), list[float](), 0
-    for _ in range(math.ceil(duration / dt - 1e-9)):
-        session.tick()
-        if session.ticks > done:
-            done = session.ticks
-            digest.add(session.snapshot.state.motion)
-            tick_ms.append(session.snapshot.tick_ms)
-        burning = session.snapshot.state.motion.fire_burning
-        if len(burning) and not burning.any():
-            break
+    with held_back() as give_interrupt:
+        for _ in range(math.ceil(duration / dt - 1e-9)):
+            give_interrupt()
+            session.tick()
+            if session.ticks > done:
+                done = session.ticks
+                digest.add(session.snapshot.state.motion)
+                tick_ms.append(session.snapshot.tick_ms)
+            burning = session.snapshot.state.motion.fire_burning
+            if len(burning) and not burning.any():
+                break
     inputs = session.input_reports
     return {
         "scenario": session.scenario.name,

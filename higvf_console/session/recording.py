@@ -26,6 +26,7 @@ from higvf_console.arrays import Floats, floats
 from higvf_console.commands import Command, LoadScenario, OperatorCommand
 from higvf_console.control.forms import WORDS, Forms
 from higvf_console.errors import InputError
+from higvf_console.interrupts import held_back
 from higvf_console.reports import CalibrationReport
 from higvf_console.session.run import Run, TrajectoryDigest
 from higvf_console.session.scenario import Scenario, parse_scenario
@@ -222,7 +223,7 @@ def read_recording(file: Path) -> Recording:
     recording = Recording(scenario, header["seed"], header["versions"], {}, [], False)
     for number, line in enumerate(lines[1:-1], 2):
         entry = _parsed(line)
-        if entry is None:
+        if entry is None or not (_marks(entry) or isinstance(entry.get("tick"), int)):
             raise InputError(f"{file}: line {number} is damaged: {line[:60]!r}")
         if "mark" in entry:
             recording.marks.append(Mark(entry["mark"], entry["digest"]))
@@ -230,6 +231,10 @@ def read_recording(file: Path) -> Recording:
         elif "calibration" not in entry:
             recording.commands.setdefault(entry["tick"], []).append(_command(entry, f"{file}: line {number}"))
     return recording
+
+
+def _marks(entry: dict[str, Any]) -> bool:
+    return isinstance(entry.get("mark"), int) and isinstance(entry.get("digest"), str)
 
 
 def _parsed(line: str) -> dict[str, Any] | None:
@@ -256,15 +261,17 @@ def replay(recording: Recording) -> Replay:
     expected = {mark.ticks: mark.digest for mark in recording.marks}
     last = max([*expected, *recording.commands, 0])
     agreed, differs_after = 0, None
-    for tick in range(1, last + 1):
-        for command in recording.commands.get(tick - 1, ()):
-            run.apply(command)
-        run.step()
-        digest.add(run.state.motion)
-        if tick in expected and differs_after is None:
-            if digest.hex() != expected[tick]:
-                differs_after = agreed
-            agreed = tick
+    with held_back() as give_interrupt:
+        for tick in range(1, last + 1):
+            give_interrupt()
+            for command in recording.commands.get(tick - 1, ()):
+                run.apply(command)
+            run.step()
+            digest.add(run.state.motion)
+            if tick in expected and differs_after is None:
+                if digest.hex() != expected[tick]:
+                    differs_after = agreed
+                agreed = tick
     here = versions()
     changed = [f"{name} {old} -> {here.get(name)}" for name, old in recording.versions.items() if here.get(name) != old]
     final = recording.marks[-1].digest if recording.marks else None

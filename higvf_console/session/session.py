@@ -189,6 +189,7 @@ class Session:
         finally:
             if self._recorder is not None:
                 self._record(self._recorder.close)
+                self._publish(perf_counter())  # an event tells if that failed
             if self._markers is not None:
                 self._markers.close()
 

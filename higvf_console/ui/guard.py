@@ -145,7 +145,7 @@ def open_server(
 def _bind(host: str, port: int) -> socket.socket:
     """A listening socket; viser would hang on a host that cannot be assigned, and take the next port on a busy one."""
     if not 0 <= port <= 65535:
-        raise ConsoleError(f"port {port} does not exist: choose one from 1 to 65535 with --port, or 0 for a free one")
+        raise ConsoleError(f"port {port} does not exist: choose one from 1 to 65535 with --port, or auto")
     try:
         found = socket.getaddrinfo(host or None, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
         family, kind, protocol, _, address = min(found, key=lambda entry: entry[0] != socket.AF_INET)

@@ -71,3 +71,11 @@ def test_an_interface_that_does_not_import_says_where_it_should_be(monkeypatch: 
     ):
         open_interface(InputSpec("glove"))
     assert GROUP == "higvf_console.interfaces"
+
+
+def test_an_interface_that_opens_as_nothing_is_one_clear_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    installed(monkeypatch, tmp_path, "def open_glove(spec): pass")
+    assert cli.main(["run", "empty", "--headless", "--input", "glove"]) == 2
+    assert capsys.readouterr().err == "higvf: interface 'glove' opens as None, without name, poll, health, close\n"

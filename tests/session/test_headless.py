@@ -2,8 +2,10 @@
 
 import hashlib
 import json
+import signal
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -77,6 +79,25 @@ def test_a_headless_run_warns_of_an_input_that_fails(
     monkeypatch.setattr(channels, "open_interface", opened)
     assert cli.main(["run", "empty", "--headless", "--duration", "0.2", "--input", "glove"]) == 0
     assert "s: Input 'glove' failed and is off: RuntimeError: cable pulled\n" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_a_headless_run_warns_of_a_recording_that_cannot_be_completed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["run", "firefighting", "--headless", "--duration", "0.2", "--record", "/dev/full"]) == 0
+    assert "The recording ends here: No space left on device" in capsys.readouterr().err
+
+
+def test_an_interrupt_of_a_headless_run_comes_between_two_ticks(team: Scenario) -> None:
+    session, tick = Session(team, []), Session.tick
+
+    def interrupted(*, advance: bool = True) -> None:
+        signal.raise_signal(signal.SIGINT)
+        tick(session, advance=advance)
+
+    session.tick = interrupted  # pyright: ignore[reportAttributeAccessIssue]
+    with pytest.raises(KeyboardInterrupt):
+        run_headless(session, 1.0)
+    assert session.ticks == 1
 
 
 def test_a_run_ends_when_all_fires_are_out(team: Scenario) -> None:

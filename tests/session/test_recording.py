@@ -170,6 +170,8 @@ def test_other_versions_are_named(team: Scenario, tmp_path: Path) -> None:
     [
         ('{"recording": 1', '{"recording": 2', "not a recording of version 1"),
         ('{"mark": 50', '{"mark": 50 oops', r"line \d+ is damaged"),
+        ('{"mark": 50', '{"foo": 50', r"line \d+ is damaged"),
+        ('{"mark": 50', '{"mark": "50"', r"line \d+ is damaged"),
         ('"command": "Pick"', '"command": "Jump"', r"line \d+: not a command that this console knows: 'Jump'"),
         ('"robot": 2', '"robots": 2', r"line \d+: not a command that this console knows: .*robots"),
     ],

@@ -1,0 +1,36 @@
+"""Ctrl-C between two control periods: raised while compiled code makes its results, it would crash the process."""
+
+import signal
+import threading
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from types import FrameType
+
+
+@contextmanager
+def held_back() -> Generator[Callable[[], None]]:
+    """Keeps a Ctrl-C until the function that this gives is called; a second one is raised at once.
+
+    Raises:
+        KeyboardInterrupt: from that function. Outside the main thread, which alone is interrupted, nothing is kept.
+    """
+    asked = False
+
+    def note(_number: int, _frame: FrameType | None) -> None:
+        nonlocal asked
+        if asked:
+            raise KeyboardInterrupt
+        asked = True
+
+    def give() -> None:
+        if asked:
+            raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield give
+        return
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield give
+    finally:
+        signal.signal(signal.SIGINT, before)
