@@ -11,8 +11,11 @@ from types import FrameType
 def held_back() -> Generator[Callable[[], None]]:
     """Keeps a Ctrl-C until the function that this gives is called; a second one is raised at once.
 
+    Outside the main thread, which alone is interrupted, and where interrupts are ignored or somebody else's, nothing
+    changes.
+
     Raises:
-        KeyboardInterrupt: from that function. Outside the main thread, which alone is interrupted, nothing is kept.
+        KeyboardInterrupt: from that function.
     """
     asked = False
 
@@ -26,11 +29,12 @@ def held_back() -> Generator[Callable[[], None]]:
         if asked:
             raise KeyboardInterrupt
 
-    if threading.current_thread() is not threading.main_thread():
+    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if not usual or threading.current_thread() is not threading.main_thread():
         yield give
         return
-    before = signal.signal(signal.SIGINT, note)
+    signal.signal(signal.SIGINT, note)
     try:
         yield give
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -1,6 +1,7 @@
 """What all tests share: a real browser, recorded samples, and what is said when there is none."""
 
 import os
+import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -90,6 +91,14 @@ def page(whole_page: Page, stage: Stage) -> Page:
         wait_for_stop(whole_page, shown)
     stage.pressed.clear()
     return whole_page
+
+
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Ctrl-C raises KeyboardInterrupt, as in a terminal; programs in the background ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture

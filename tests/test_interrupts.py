@@ -7,6 +7,8 @@ import pytest
 
 from higvf_console.interrupts import held_back
 
+pytestmark = pytest.mark.usefixtures("interruptible")
+
 
 def test_a_first_interrupt_waits_until_it_is_asked_for() -> None:
     steps = 0
@@ -38,3 +40,10 @@ def test_another_thread_leaves_interrupts_as_they_are() -> None:
     thread.start()
     thread.join()
     assert seen == [signal.default_int_handler]
+
+
+def test_interrupts_that_are_ignored_stay_ignored() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with held_back() as give_interrupt:
+        signal.raise_signal(signal.SIGINT)
+        give_interrupt()

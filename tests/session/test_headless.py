@@ -87,6 +87,7 @@ def test_a_headless_run_warns_of_a_recording_that_cannot_be_completed(capsys: py
     assert "The recording ends here: No space left on device" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_of_a_headless_run_comes_between_two_ticks(team: Scenario) -> None:
     session, tick = Session(team, []), Session.tick
 
