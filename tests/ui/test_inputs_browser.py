@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from higvf_console.commands import Freeze, ResetRun, SetSpeed
+from higvf_console.commands import Freeze, ResetRun, SetSpeed, Step
 from higvf_console.interface import InputSpec
 from higvf_console.session.channels import open_interface
 from higvf_console.session.inputs import demo_specs
@@ -40,18 +40,22 @@ def told(page: Page, words: str) -> str:
 
 
 def test_the_ring_fills_while_gaze_rests_on_the_button(page: Page, running: Running) -> None:
-    running.push(ResetRun())  # while the page was opened, the eye may have left the button
-    wait_until(lambda: (report := running.session.snapshot.inputs.dwell) and report.progress > 0.4)
     running.push(Freeze(True))
     wait_until(lambda: running.session.snapshot.frozen)
+    running.push(ResetRun())  # while the page was opened, the eye may have left the button
+    wait_until(lambda: running.session.snapshot.time == 0.0)
+    while not (report := running.session.snapshot.inputs.dwell) or report.progress < 0.4:
+        before = running.session.snapshot.time
+        assert before < 20.0, "the eye never rests on the button"
+        running.push(Step())
+        wait_until(lambda before=before: running.session.snapshot.time > before)
     wait_until(lambda: visible(page, "/gaze/button") and visible(page, "/gaze/dwell"))
     page.wait_for_timeout(500)
     screenshot(page, "inputs-dwell")
-    running.push(Freeze(False), SetSpeed(8.0))
 
 
 def test_the_panel_tells_what_was_looked_at_and_what_was_decided(page: Page, running: Running) -> None:
-    running.push(SetSpeed(8.0))
+    running.push(Freeze(False), SetSpeed(8.0))
     wait_until(lambda: running.session.snapshot.time > 20.0)
     wait_until(lambda: "Fire 3" in told(page, "Fixation rate"))
     wait_until(lambda: "right passed" in told(page, "Decisions of bci"))
