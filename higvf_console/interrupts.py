@@ -9,13 +9,13 @@ from types import FrameType
 
 @contextmanager
 def held_back() -> Generator[Callable[[], None]]:
-    """Keeps a Ctrl-C until the function that this gives is called; a second one is raised at once.
+    """Keeps a Ctrl-C until the function that this gives is called, or the end; a second one is raised at once.
 
     Outside the main thread, which alone is interrupted, and where interrupts are ignored or somebody else's, nothing
     changes.
 
     Raises:
-        KeyboardInterrupt: from that function.
+        KeyboardInterrupt: from that function, or at the end.
     """
     asked = False
 
@@ -38,3 +38,4 @@ def held_back() -> Generator[Callable[[], None]]:
         yield give
     finally:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    give()

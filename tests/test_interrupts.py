@@ -22,10 +22,18 @@ def test_a_first_interrupt_waits_until_it_is_asked_for() -> None:
 
 
 def test_a_second_interrupt_does_not_wait_for_a_step_that_hangs() -> None:
-    with held_back():
+    with pytest.raises(KeyboardInterrupt), held_back():
         signal.raise_signal(signal.SIGINT)
-        with pytest.raises(KeyboardInterrupt):
-            signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+        pytest.fail("the second one was kept too")
+
+
+def test_an_interrupt_in_the_last_step_is_not_lost() -> None:
+    steps = 0
+    with pytest.raises(KeyboardInterrupt), held_back():
+        signal.raise_signal(signal.SIGINT)
+        steps += 1
+    assert steps == 1
 
 
 def test_another_thread_leaves_interrupts_as_they_are() -> None:
