@@ -2,11 +2,11 @@
 
 Where to start reading:
 
-    state, commands       what changes in a run, and what an operator can ask for
-    control.controller    the paper's method, step by step
-    sim.simulation        one control period, pure: `advance`
-    session.session       the loop between operator and team
-    ui.console            what the browser shows
+    core.state, core.commands     what changes in a run, and what an operator can ask for
+    control.controller            the paper's method, step by step
+    sim.simulation                one control period, pure: `advance`
+    runtime.session               the loop between operator and team
+    ui.console                    what the browser shows
 
 The public names below are imported when they are first used, so that `import higvf_console` is quick.
 """
@@ -20,36 +20,36 @@ from typing import TYPE_CHECKING, Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 if TYPE_CHECKING:
-    from higvf_console.commands import OperatorCommand
+    from higvf_console.channels.channels import open_interface
     from higvf_console.control.gains import Gains
-    from higvf_console.errors import HigvfError
-    from higvf_console.interface import InputSpec, Interface, OperatorContext
-    from higvf_console.session.channels import open_interface
-    from higvf_console.session.headless import run_headless
-    from higvf_console.session.recording import Recorder, read_recording, replay
-    from higvf_console.session.scenario import Scenario, load_scenario, scenario_names
-    from higvf_console.session.session import Session
-    from higvf_console.session.snapshot import Snapshot
-    from higvf_console.sim.operator import apply_command
+    from higvf_console.core.commands import OperatorCommand
+    from higvf_console.core.errors import HigvfError
+    from higvf_console.core.interface import InputSpec, Interface, OperatorContext
+    from higvf_console.core.state import SimState, Trace, World
+    from higvf_console.operator.reducer import apply_command
+    from higvf_console.runtime.headless import run_headless
+    from higvf_console.runtime.recording import Recorder, read_recording, replay
+    from higvf_console.runtime.session import Session
+    from higvf_console.runtime.snapshot import Snapshot
+    from higvf_console.scenario.scenario import Scenario, load_scenario, scenario_names
     from higvf_console.sim.setup import Event, Setup
     from higvf_console.sim.simulation import advance, roll
-    from higvf_console.state import SimState, Trace, World
 
 _HOMES = {
-    "commands": ("OperatorCommand",),
-    "interface": ("InputSpec", "Interface", "OperatorContext"),
+    "channels.channels": ("open_interface",),
     "control.gains": ("Gains",),
-    "errors": ("HigvfError",),
-    "session.channels": ("open_interface",),
-    "session.headless": ("run_headless",),
-    "session.recording": ("Recorder", "read_recording", "replay"),
-    "session.scenario": ("Scenario", "load_scenario", "scenario_names"),
-    "session.session": ("Session",),
-    "session.snapshot": ("Snapshot",),
-    "sim.operator": ("apply_command",),
+    "core.commands": ("OperatorCommand",),
+    "core.errors": ("HigvfError",),
+    "core.interface": ("InputSpec", "Interface", "OperatorContext"),
+    "core.state": ("SimState", "Trace", "World"),
+    "operator.reducer": ("apply_command",),
+    "runtime.headless": ("run_headless",),
+    "runtime.recording": ("Recorder", "read_recording", "replay"),
+    "runtime.session": ("Session",),
+    "runtime.snapshot": ("Snapshot",),
+    "scenario.scenario": ("Scenario", "load_scenario", "scenario_names"),
     "sim.setup": ("Event", "Setup"),
     "sim.simulation": ("advance", "roll"),
-    "state": ("SimState", "Trace", "World"),
 }
 
 __all__ = [

@@ -2,6 +2,6 @@
 
 import sys
 
-from higvf_console.cli import main
+from higvf_console.cli.main import main
 
 sys.exit(main())

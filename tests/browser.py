@@ -16,9 +16,10 @@ import numpy as np
 import viser
 from playwright.sync_api import Browser, Page
 
-from higvf_console.arrays import Floats
-from higvf_console.ui import camera, guard, keys, pointer
-from higvf_console.viewport import Arena, Viewport
+from higvf_console.core.arrays import Floats
+from higvf_console.core.viewport import Arena, Viewport
+from higvf_console.ui.interaction import camera, keys, pointer
+from higvf_console.ui.page import guard
 
 # Dispatches one pointer event at every point; `rate` 0 = all at once, one event with the others coalesced into it.
 _DRAW = """

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import settings
 from playwright.sync_api import Browser, Page, expect
 
-from higvf_console.lab.chromium import NAMES, find_chromium, launched
-from higvf_console.ui import keys
+from higvf_console.lab.bench.chromium import NAMES, find_chromium, launched
+from higvf_console.ui.interaction import keys
 from tests.browser import (
     PATIENCE,
     Stage,

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import viser
 
-from higvf_console.commands import (
+from higvf_console.channels.channels import open_interface
+from higvf_console.core.commands import (
     AskReset,
     Discard,
     Freeze,
@@ -18,14 +19,13 @@ from higvf_console.commands import (
     Resume,
     SetSpeed,
 )
-from higvf_console.interface import InputSpec, Interface
-from higvf_console.session.channels import open_interface
-from higvf_console.session.scenario import load_scenario
-from higvf_console.session.session import Session
+from higvf_console.core.interface import InputSpec, Interface
+from higvf_console.core.state import SimState
+from higvf_console.runtime.session import Session
+from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.simulation import warm_up
-from higvf_console.state import SimState
-from higvf_console.ui import guard
 from higvf_console.ui.console import Console
+from higvf_console.ui.page import guard
 from tests.teams import stroke
 
 

@@ -5,8 +5,8 @@ from typing import Any
 
 from playwright.sync_api import Page
 
-from higvf_console.commands import HandOver
-from higvf_console.session.scenario import load_scenario
+from higvf_console.core.commands import HandOver
+from higvf_console.scenario.scenario import load_scenario
 from tests.consoles import Running
 
 

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from higvf_console.arrays import Floats, floats, ints
-from higvf_console.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.control.gains import Gains, controlled
-from higvf_console.control.world import make_world
+from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
+from higvf_console.core.viewport import Arena
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import initial_state
-from higvf_console.viewport import Arena
+from higvf_console.world.build import make_world
 
 TRIANGLE = ((100.0, 350.0), (60.0, 320.0), (60.0, 380.0))
 

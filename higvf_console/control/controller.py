@@ -16,28 +16,34 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.arrays import Bools, Floats, Ints
-from higvf_console.control.blending import blended_velocity
-from higvf_console.control.deadlock import climb, forgotten, formation_grip, receptivity
-from higvf_console.control.disturbances import heard
-from higvf_console.control.following import broken_away, destination, following, progress
-from higvf_console.control.formation import formation_velocity
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains
-from higvf_console.control.guiding import (
+from higvf_console.control.guidance.deadlock import climb, forgotten, formation_grip, receptivity
+from higvf_console.control.guidance.following import broken_away, destination, following, progress
+from higvf_console.control.guidance.guiding import (
     agree_sides,
     composite_velocity,
     guiding_vector,
     has_human,
     zero_in_product,
 )
-from higvf_console.control.intention import shared_intention
+from higvf_console.control.guidance.paths import WINDOW
+from higvf_console.control.guidance.rings import Rings, find_rings, fire_ring
+from higvf_console.control.intention.blending import blended_velocity
+from higvf_console.control.intention.formation import formation_velocity
+from higvf_console.control.intention.intention import shared_intention
+from higvf_console.control.intention.neighbours import components, within
+from higvf_console.control.intention.perception import (
+    choose_target,
+    fire_value,
+    half_angle,
+    interval_room,
+    robot_intention,
+)
 from higvf_console.control.kernel import kernel
-from higvf_console.control.neighbours import components, within
-from higvf_console.control.paths import WINDOW
-from higvf_console.control.perception import choose_target, fire_value, half_angle, interval_room, robot_intention
-from higvf_console.control.rings import Rings, find_rings, fire_ring
-from higvf_console.state import NOBODY, Intent, Motion, PathKind, PathStatus, World
+from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.state import NOBODY, Intent, Motion, PathKind, PathStatus, World
+from higvf_console.sim.disturbances import heard
 
 
 class Sight(NamedTuple):

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from higvf_console.errors import ScenarioError
+from higvf_console.core.errors import ScenarioError
 
 CORRECTED, PRINTED = 0.0, 1.0
 WORDS: Mapping[str, float] = MappingProxyType({"corrected": CORRECTED, "printed": PRINTED})

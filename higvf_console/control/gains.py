@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.control.forms import CORRECTED, Forms
-from higvf_console.quantity import Quantity as Q  # noqa: N817
+from higvf_console.core.quantity import Quantity as Q  # noqa: N817
 
 INFINITE = float("inf")
 
@@ -114,7 +114,7 @@ class StallGains(NamedTuple):
 
 
 class RobotGains(NamedTuple):
-    """The robots' model, `sim.unicycle`, and what disturbs it, `control.disturbances`."""
+    """The robots' model, `sim.unicycle`, and what disturbs it, `sim.disturbances`."""
 
     look_ahead: A[float, Q("m", 0.0, 100.0, "l", "Centre of a unicycle to its controlled point; 0 = no unicycles.")] = (
         0.0

@@ -19,7 +19,7 @@ _KEPT_FOR = 14 * 86400.0  # [s]; caches of builds that nobody has run for so lon
 def _cache_folder() -> Path:
     house = Path(__file__).parents[1]
     digest = hashlib.sha256()
-    sources = [house / "arrays.py", house / "state.py", *house.glob("control/**/*.py")]
+    sources = [house / "core" / "arrays.py", house / "core" / "state.py", *house.glob("control/**/*.py")]
     sources += [source for source in house.glob("sim/**/*.py") if "@kernel" in source.read_text(encoding="utf-8")]
     for source in sorted(sources):
         digest.update(source.read_bytes())

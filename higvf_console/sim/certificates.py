@@ -17,13 +17,13 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.csgraph import laplacian as sparse_laplacian
 from scipy.sparse.linalg import eigsh
 
-from higvf_console.arrays import Floats, Ints
-from higvf_console.control.barriers.certificate import SAMPLING_LIMIT, sampling_conditions
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains, controlled
-from higvf_console.control.intention import map_radius
+from higvf_console.control.intention.intention import map_radius
+from higvf_console.control.safety.barriers.certificate import SAMPLING_LIMIT, sampling_conditions
+from higvf_console.core.arrays import Floats, Ints
+from higvf_console.core.state import Motion, SimState, Trace
 from higvf_console.sim.setup import Setup
-from higvf_console.state import Motion, SimState, Trace
 
 FORMATION_LIMIT = 2.0  # of dt k_form 2 deg
 CONNECTED = 1e-6  # lambda_2 of a connected graph is above it

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from higvf_console.arrays import Bools
-from higvf_console.control.deadlock import ASK, MORE_HUMAN, OTHER_SIDE
 from higvf_console.control.gains import Gains
+from higvf_console.control.guidance.deadlock import ASK, MORE_HUMAN, OTHER_SIDE
+from higvf_console.core.arrays import Bools
+from higvf_console.core.state import NOBODY, PathStatus, SimState, Trace
 from higvf_console.sim.setup import Event, Severity
-from higvf_console.state import NOBODY, PathStatus, SimState, Trace
 
 
 def events_between(

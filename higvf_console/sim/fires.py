@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from higvf_console.arrays import Bools, Floats, Ints
 from higvf_console.control.gains import Gains
 from higvf_console.control.kernel import kernel
-from higvf_console.state import Motion, World
+from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.state import Motion, World
 
 
 @kernel

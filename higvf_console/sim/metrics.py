@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 
-from higvf_console.arrays import Bools, Floats, Ints
 from higvf_console.control.controller import Plan
 from higvf_console.control.gains import Gains, SafetyGains
+from higvf_console.control.guidance.obstacles import part_at, part_radius
+from higvf_console.control.intention.neighbours import within
 from higvf_console.control.kernel import kernel
-from higvf_console.control.neighbours import within
-from higvf_console.control.obstacles import part_at, part_radius
-from higvf_console.control.safety_filter import blocked
-from higvf_console.state import NOBODY, Motion, World
+from higvf_console.control.safety.safety_filter import blocked
+from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.state import NOBODY, Motion, World
 
 
 def loss_area(motion: Motion) -> Floats:

@@ -3,14 +3,14 @@
 from enum import StrEnum
 from typing import NamedTuple
 
-from higvf_console.arrays import Floats
 from higvf_console.control.gains import Gains
-from higvf_console.state import SimState, World
-from higvf_console.viewport import Arena
+from higvf_console.core.arrays import Floats
+from higvf_console.core.state import SimState, World
+from higvf_console.core.viewport import Arena
 
 
 class Setup(NamedTuple):
-    """A run before its first tick; made from a scenario file by `session.scenario`.
+    """A run before its first tick; made from a scenario file by `scenario.scenario`.
 
     Attributes:
         arena: what the operator sees.

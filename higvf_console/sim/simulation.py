@@ -11,19 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.arrays import Bools, Floats, Ints, bools, floats, ints
 from higvf_console.control.controller import Plan, compute
-from higvf_console.control.coupled_filter import CoupledFilter
-from higvf_console.control.disturbances import as_measured
-from higvf_console.control.field import FieldKind, field_at
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains, PackedGains, SafetyGains, packed
+from higvf_console.control.guidance.field import FieldKind, field_at
 from higvf_console.control.kernel import closed, kernel
-from higvf_console.control.safety_filter import filter_velocities
-from higvf_console.sim.fires import burn, crews, growth_rates
-from higvf_console.sim.metrics import clearances, stalls
-from higvf_console.sim.unicycle import body_centres, headings_after
-from higvf_console.state import (
+from higvf_console.control.safety.coupled_filter import CoupledFilter
+from higvf_console.control.safety.safety_filter import filter_velocities
+from higvf_console.core.arrays import Bools, Floats, Ints, bools, floats, ints
+from higvf_console.core.state import (
     NO_PATH,
     NO_PRIORITY,
     NOBODY,
@@ -35,6 +31,10 @@ from higvf_console.state import (
     Trace,
     World,
 )
+from higvf_console.sim.disturbances import as_measured
+from higvf_console.sim.fires import burn, crews, growth_rates
+from higvf_console.sim.metrics import clearances, stalls
+from higvf_console.sim.unicycle import body_centres, headings_after
 
 
 class Rollout(NamedTuple):

@@ -21,8 +21,8 @@ import math
 
 import numpy as np
 
-from higvf_console.arrays import Floats
 from higvf_console.control.kernel import kernel
+from higvf_console.core.arrays import Floats
 
 
 @kernel

@@ -15,18 +15,19 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.session.channel_state import default_limits
-from higvf_console.session.editing.layout import layout_of
-from higvf_console.session.history import History
-from higvf_console.session.previewer import Choice, Previewer
-from higvf_console.ui import camera, hints, keys, page, pointer, theme, tools
-from higvf_console.ui.calibration import Calibration
-from higvf_console.ui.hand import Hand
+from higvf_console.channels.channel_state import default_limits
+from higvf_console.runtime.history import History
+from higvf_console.runtime.previewer import Choice, Previewer
+from higvf_console.ui import theme
+from higvf_console.ui.interaction import camera, hints, keys, pointer, tools
+from higvf_console.ui.interaction.calibration import Calibration
+from higvf_console.ui.interaction.hand import Hand
+from higvf_console.ui.page import page
+from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.panels.edit import EditPanel
 from higvf_console.ui.panels.files import FilesPanel
 from higvf_console.ui.panels.fires import FiresPanel
 from higvf_console.ui.panels.history import HistoryPanel
-from higvf_console.ui.panels.html import SPACER, style_html
 from higvf_console.ui.panels.inputs import InputsPanel
 from higvf_console.ui.panels.log import LogPanel
 from higvf_console.ui.panels.preview import PreviewPanel
@@ -36,13 +37,14 @@ from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.tune import TunePanel
 from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.panels.why import WhyPanel
-from higvf_console.ui.roles import Roles
-from higvf_console.ui.scene import Scene, View
+from higvf_console.ui.panels.widgets.html import SPACER, style_html
+from higvf_console.ui.scene.scene import Scene, View
+from higvf_console.world.editing.layout import layout_of
 
 if TYPE_CHECKING:
-    from higvf_console.session.scenario import Scenario
-    from higvf_console.session.session import Session
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.session import Session
+    from higvf_console.runtime.snapshot import Snapshot
+    from higvf_console.scenario.scenario import Scenario
 
 FRAME = 1 / 30  # [s]
 # Between two frames, at least [s]: viser looks 60 times a second whether there is anything to send, and sends nothing

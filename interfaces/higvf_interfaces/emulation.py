@@ -15,10 +15,10 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from higvf_console.arrays import Bools, Floats, bools, floats
-from higvf_console.commands import OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd
-from higvf_console.interface import ChannelHealth, Interface, OperatorContext
-from higvf_interfaces.feeds import DecisionFeed, Due
+from higvf_console.core.arrays import Bools, Floats, bools, floats
+from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd
+from higvf_console.core.interface import ChannelHealth, Interface, OperatorContext
+from higvf_interfaces.decisions.feeds import DecisionFeed, Due
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.records import Decision, GazeRecording
 from higvf_interfaces.streams import CLOCK_GRAIN, Stamp

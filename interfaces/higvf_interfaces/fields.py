@@ -5,9 +5,9 @@ import reprlib
 from collections.abc import Mapping, Sequence
 from typing import NoReturn, TypeGuard, cast
 
-from higvf_console.arrays import Floats, floats
-from higvf_console.errors import HigvfError, InputError
-from higvf_console.interface import InputSpec
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import HigvfError, InputError
+from higvf_console.core.interface import InputSpec
 
 _NAMING = "stream marker_stream x y name type source_id host channels format calibration markers"
 NAMES = frozenset(_NAMING.split())  # options that name something, which may be called by a number

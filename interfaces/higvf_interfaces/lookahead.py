@@ -13,7 +13,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterator
 
-from higvf_interfaces.fixations import Classified
+from higvf_interfaces.gaze.fixations import Classified
 
 AHEAD = 6.0  # a block a poll, 50 polls a second: the longest piece is read in 5.2 s [s]
 

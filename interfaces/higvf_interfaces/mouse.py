@@ -8,9 +8,9 @@ from time import monotonic
 
 import numpy as np
 
-from higvf_console.commands import Command, Cursor, OperatorCommand, Stop, StrokePoints
-from higvf_console.errors import InputError
-from higvf_console.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
+from higvf_console.core.commands import Command, Cursor, OperatorCommand, Stop, StrokePoints
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.streams import Stamp
 

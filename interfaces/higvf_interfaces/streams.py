@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from higvf_console.arrays import Floats
-from higvf_console.commands import OperatorCommand
-from higvf_console.interface import OperatorContext
+from higvf_console.core.arrays import Floats
+from higvf_console.core.commands import OperatorCommand
+from higvf_console.core.interface import OperatorContext
 
 CLOCK_GRAIN = 1e-9  # ticks times the control period may miss a decimal time by a rounding [s]
 

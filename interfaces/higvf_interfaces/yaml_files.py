@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from higvf_console.errors import HigvfError
+from higvf_console.core.errors import HigvfError
 
 _DEEPEST = 100  # brackets; the scanner takes minutes for a few thousand
 

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from higvf_console.arrays import Floats, Ints, floats, ints
-from higvf_console.control.blending import blended_velocity, blending_weight
-from higvf_console.control.formation import formation_velocity
 from higvf_console.control.forms import Forms
 from higvf_console.control.gains import BlendingGains, FormationGains, IntentionGains
-from higvf_console.control.intention import shared_intention
+from higvf_console.control.intention.blending import blended_velocity, blending_weight
+from higvf_console.control.intention.formation import formation_velocity
+from higvf_console.control.intention.intention import shared_intention
+from higvf_console.core.arrays import Floats, Ints, floats, ints
 
 FORMATION, INTENTION, BLENDING = FormationGains(), IntentionGains(), BlendingGains()
 PAIR = ints([0, 1, 2]), ints([1, 0])

@@ -7,8 +7,8 @@ from types import ModuleType
 import pytest
 from lsl_devices import isolated_library
 
-from higvf_console.interface import OperatorContext
-from higvf_console.viewport import Viewport
+from higvf_console.core.interface import OperatorContext
+from higvf_console.core.viewport import Viewport
 
 ContextAt = Callable[..., OperatorContext]
 

@@ -6,16 +6,16 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from higvf_console.arrays import bools, floats
-from higvf_console.commands import OperatorCommand
-from higvf_console.errors import InputError
-from higvf_console.interface import ChannelState, InputSpec, OperatorContext
-from higvf_interfaces.bci import open_bci
+from higvf_console.core.arrays import bools, floats
+from higvf_console.core.commands import OperatorCommand
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import ChannelState, InputSpec, OperatorContext
+from higvf_interfaces.decisions.bci import open_bci
+from higvf_interfaces.decisions.feeds import LogFeed
 from higvf_interfaces.emulation import EmulatedFeed, ErrorModel, emulate, emulate_gaze
-from higvf_interfaces.feeds import LogFeed
 from higvf_interfaces.formats.records import CommandLog, Decision, GazeRecording
-from higvf_interfaces.gaze import open_gaze
-from higvf_interfaces.scripted import open_script
+from higvf_interfaces.gaze.interface import open_gaze
+from higvf_interfaces.scripts.interface import open_script
 
 ContextAt = Callable[..., OperatorContext]
 Write = Callable[..., str]

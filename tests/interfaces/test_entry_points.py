@@ -5,7 +5,7 @@ from importlib.metadata import entry_points
 
 import pytest
 
-from higvf_console.interface import ChannelHealth, InputSpec, Interface, OperatorContext, PointerSink
+from higvf_console.core.interface import ChannelHealth, InputSpec, Interface, OperatorContext, PointerSink
 
 GROUP = "higvf_console.interfaces"
 SOURCES = {

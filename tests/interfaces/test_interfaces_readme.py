@@ -6,18 +6,18 @@ from pathlib import Path
 
 import pytest
 
-from higvf_console.errors import InputError
-from higvf_console.interface import InputSpec
-from higvf_interfaces.actions import ACTIONS
-from higvf_interfaces.bci import CLASSES
-from higvf_interfaces.calibration import read_calibration
-from higvf_interfaces.decisions import OPTIONS as DECISION_OPTIONS
-from higvf_interfaces.emg import GESTURES, open_emg
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import InputSpec
+from higvf_interfaces.decisions.actions import ACTIONS
+from higvf_interfaces.decisions.bci import CLASSES
+from higvf_interfaces.decisions.emg import GESTURES, open_emg
+from higvf_interfaces.decisions.interface import OPTIONS as DECISION_OPTIONS
 from higvf_interfaces.formats.reading import GAZE_FORMATS
-from higvf_interfaces.formats.signal_reading import DECISION_FORMATS, SIGNAL_FORMATS
-from higvf_interfaces.gaze import OPTIONS as GAZE_OPTIONS
-from higvf_interfaces.recordings import make_recordings
-from higvf_interfaces.script_file import DETAILS, EVENTS, read_script
+from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, SIGNAL_FORMATS
+from higvf_interfaces.gaze.calibration import read_calibration
+from higvf_interfaces.gaze.interface import OPTIONS as GAZE_OPTIONS
+from higvf_interfaces.recordings.plan import make_recordings
+from higvf_interfaces.scripts.file import DETAILS, EVENTS, read_script
 from higvf_interfaces.yaml_files import read_yaml
 
 README = (Path(__file__).parents[2] / "interfaces" / "README.md").read_text(encoding="utf-8")

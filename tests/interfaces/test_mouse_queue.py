@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from higvf_console.arrays import floats
-from higvf_console.commands import (
+from higvf_console.core.arrays import floats
+from higvf_console.core.commands import (
     Cursor,
     OperatorCommand,
     Pause,
@@ -18,8 +18,8 @@ from higvf_console.commands import (
     StrokeEnd,
     StrokePoints,
 )
-from higvf_console.errors import InputError
-from higvf_console.interface import ChannelState, InputSpec, OperatorContext
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.mouse import Mouse, open_mouse
 
 ContextAt = Callable[..., OperatorContext]

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from higvf_console.errors import HigvfError, InputError
-from higvf_console.interface import InputSpec
-from higvf_interfaces.emg import open_emg
-from higvf_interfaces.gaze import open_gaze
+from higvf_console.core.errors import HigvfError, InputError
+from higvf_console.core.interface import InputSpec
+from higvf_interfaces.decisions.emg import open_emg
+from higvf_interfaces.gaze.interface import open_gaze
 from higvf_interfaces.paths import named
-from higvf_interfaces.scripted import open_script
+from higvf_interfaces.scripts.interface import open_script
 
 NOBODY = "~nobody-of-this-name/file"
 

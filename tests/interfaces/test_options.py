@@ -4,16 +4,16 @@ from collections.abc import Callable
 
 import pytest
 
-from higvf_console.errors import InputError
-from higvf_console.interface import InputSpec
-from higvf_interfaces import lsl
-from higvf_interfaces.bci import open_bci
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import InputSpec
+from higvf_interfaces.decisions.bci import open_bci
+from higvf_interfaces.decisions.options import word
 from higvf_interfaces.emulation import GAZE_ERRORS
 from higvf_interfaces.fields import NAMES, option_fields
-from higvf_interfaces.gaze import open_gaze
-from higvf_interfaces.lsl import Wish, wish_of
-from higvf_interfaces.recorded_options import word
-from tests.interfaces.xdf_files import Stream, xdf
+from higvf_interfaces.gaze.interface import open_gaze
+from higvf_interfaces.live import lsl
+from higvf_interfaces.live.lsl import Wish, wish_of
+from tests.interfaces.formats.xdf_files import Stream, xdf
 
 
 @pytest.mark.parametrize("text", ["46202862", "1e3", "007", "nan", "2"])

@@ -1,6 +1,6 @@
 """The playhead hands out each index of a log once, on the session clock."""
 
-from higvf_console.arrays import floats
+from higvf_console.core.arrays import floats
 from higvf_interfaces.streams import Playhead
 
 

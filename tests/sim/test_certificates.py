@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from higvf_console.arrays import Ints, ints
+from higvf_console.core.arrays import Ints, ints
 from higvf_console.sim.certificates import DENSE, connectivity, laplacian
 
 

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from higvf_console.arrays import Floats, floats
-from higvf_console.control.deadlock import ASK, OTHER_SIDE, passes
 from higvf_console.control.gains import Gains, PerceptionGains
-from higvf_console.control.paths import WINDOW, sketch_path
-from higvf_console.sim.path_commands import follow
+from higvf_console.control.guidance.deadlock import ASK, OTHER_SIDE, passes
+from higvf_console.control.guidance.paths import WINDOW, sketch_path
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.state import PathStatus, SimState, Trace
+from higvf_console.operator.path_commands import follow
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
-from higvf_console.state import PathStatus, SimState, Trace
 from tests.teams import team
 
 U = floats([(500, 250), (640, 250), (640, 450), (500, 450), (500, 430), (620, 430), (620, 270), (500, 270)])

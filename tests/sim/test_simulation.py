@@ -7,15 +7,15 @@ import sys
 import numpy as np
 import pytest
 
-from higvf_console.control.coupled_filter import CoupledFilter
-from higvf_console.control.field import FieldKind, field_at
-from higvf_console.control.paths import circle_path
-from higvf_console.session.scenario import load_scenario
-from higvf_console.sim.operator import apply_command
-from higvf_console.sim.path_commands import follow
+from higvf_console.control.guidance.field import FieldKind, field_at
+from higvf_console.control.guidance.paths import circle_path
+from higvf_console.control.safety.coupled_filter import CoupledFilter
+from higvf_console.core.state import NOBODY, PathStatus, SimState
+from higvf_console.operator.path_commands import follow
+from higvf_console.operator.reducer import apply_command
+from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance, advance_coupled, roll
-from higvf_console.state import NOBODY, PathStatus, SimState
 from tests.teams import stroke, team
 
 FIRES = ((600.0, 350.0, 30.0), (900.0, 500.0, 20.0))

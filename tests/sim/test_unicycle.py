@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from higvf_console.arrays import Floats
-from higvf_console.control.coupled_filter import CoupledFilter
 from higvf_console.control.gains import Gains, RobotGains, SafetyGains, controlled
-from higvf_console.session.scenario import load_scenario
+from higvf_console.control.safety.coupled_filter import CoupledFilter
+from higvf_console.core.arrays import Floats
+from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance, advance_coupled, roll
 from higvf_console.sim.unicycle import body_centres, drive

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from higvf_console.arrays import Floats, floats
-from higvf_console.commands import (
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.commands import (
     AskReset,
     Freeze,
     OperatorCommand,
@@ -20,8 +20,8 @@ from higvf_console.commands import (
     Step,
     Stop,
 )
-from higvf_console.interface import ChannelState
-from higvf_console.state import PathKind
+from higvf_console.core.interface import ChannelState
+from higvf_console.core.state import PathKind
 from tests.browser import (
     close_notifications,
     console_page,

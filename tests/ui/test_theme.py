@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from higvf_console.ui.panels.html import style_html
+from higvf_console.ui.panels.widgets.html import style_html
 from higvf_console.ui.theme import (
     CSS,
     DARK,

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
-from higvf_console.errors import HigvfError
+from higvf_console.core.errors import HigvfError
 
 OUT = Path("reproduction")
 

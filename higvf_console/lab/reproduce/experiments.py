@@ -8,14 +8,14 @@ import math
 
 import numpy as np
 
-from higvf_console.arrays import Floats
-from higvf_console.control.blending import blending_weight
-from higvf_console.control.bump import zero_in
 from higvf_console.control.gains import Gains
-from higvf_console.session.scenario import load_scenario, parse_scenario
+from higvf_console.control.guidance.bump import zero_in
+from higvf_console.control.intention.blending import blending_weight
+from higvf_console.core.arrays import Floats
+from higvf_console.core.state import SimState
+from higvf_console.scenario.scenario import load_scenario, parse_scenario
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance, roll
-from higvf_console.state import SimState
 
 _HEAD = "version: 1\narena: {x_min: -400, y_min: -400, x_max: 400, y_max: 400, walls: false}\n"
 _PAIR = _HEAD + "robots: {start_m: [[-15, 0], [15, 0]]}\nformation_m: [[0, 0], [60, 0]]\n"

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from higvf_console.arrays import Bools, Floats
-from higvf_console.control.paths import EVERYWHERE, nearest
+from higvf_console.control.guidance.paths import EVERYWHERE, nearest
+from higvf_console.core.arrays import Bools, Floats
+from higvf_console.core.state import Path
 from higvf_console.lab.reproduce.runs import Run
-from higvf_console.state import Path
 
 
 def path_distance(path: Path, points: Floats) -> Floats:

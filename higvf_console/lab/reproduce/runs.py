@@ -5,17 +5,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from higvf_console.arrays import Bools, Floats, Ints
-from higvf_console.interface import InputSpec
-from higvf_console.session.channels import open_interface
-from higvf_console.session.headless import run_headless
-from higvf_console.session.inputs import demo_specs
-from higvf_console.session.scenario import Scenario, data_folder, load_scenario
-from higvf_console.session.session import Session
-from higvf_console.session.snapshot import Snapshot
+from higvf_console.channels.channels import open_interface
+from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.interface import InputSpec
+from higvf_console.core.state import Path, PathKind
+from higvf_console.runtime.headless import run_headless
+from higvf_console.runtime.inputs import demo_specs
+from higvf_console.runtime.session import Session
+from higvf_console.runtime.snapshot import Snapshot
+from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
 from higvf_console.sim.certificates import connectivity
 from higvf_console.sim.setup import Event, Setup
-from higvf_console.state import Path, PathKind
 
 
 class RunSpec(NamedTuple):

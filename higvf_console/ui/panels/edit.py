@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
-from higvf_console.arrays import floats
-from higvf_console.edits import ChangeThing, DeleteThing, LinkByRange, SetArena
-from higvf_console.interface import PointerSink
-from higvf_console.session.editing.layout import Layout, layout_of
-from higvf_console.session.editing.things import NUMBERS, Place, exists, name_of, numbers_of
-from higvf_console.ui.panels.callbacks import SETTLE_S, mirror, number_in, reaction, truth
-from higvf_console.ui.panels.html import block
-from higvf_console.ui.panels.typed import TYPED_S, Typed
-from higvf_console.ui.scene import View
-from higvf_console.viewport import Arena
+from higvf_console.core.arrays import floats
+from higvf_console.core.edits import ChangeThing, DeleteThing, LinkByRange, SetArena
+from higvf_console.core.interface import PointerSink
+from higvf_console.core.viewport import Arena
+from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, reaction, truth
+from higvf_console.ui.panels.widgets.html import block
+from higvf_console.ui.panels.widgets.typed import TYPED_S, Typed
+from higvf_console.ui.scene.scene import View
+from higvf_console.world.editing.layout import Layout, layout_of
+from higvf_console.world.editing.things import NUMBERS, Place, exists, name_of, numbers_of
 
 if TYPE_CHECKING:
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.snapshot import Snapshot
 
 _MOST_NUMBERS = max(len(numbers) for numbers in NUMBERS.values())
 _SIDES = {"x_min": "Left m", "y_min": "Bottom m", "x_max": "Right m", "y_max": "Top m"}

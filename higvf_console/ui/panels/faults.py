@@ -6,9 +6,9 @@ from typing import Any
 
 import viser
 
-from higvf_console.commands import FaultKind, InjectFault
-from higvf_console.interface import PointerSink
-from higvf_console.ui.panels.callbacks import number_in, one_of, reaction
+from higvf_console.core.commands import FaultKind, InjectFault
+from higvf_console.core.interface import PointerSink
+from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reaction
 
 LONGEST_S, SHORTEST_S = 60.0, 0.1
 _KINDS: dict[str, Any] = {

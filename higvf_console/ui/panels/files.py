@@ -6,21 +6,21 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
-from higvf_console.commands import LoadScenario
-from higvf_console.edits import AddOutlines
-from higvf_console.errors import ScenarioError
-from higvf_console.interface import PointerSink
-from higvf_console.session.editing.overhead import outlines_in, read_picture
-from higvf_console.session.masks import MaskPlace
-from higvf_console.session.scenario_writer import scenario_yaml
-from higvf_console.ui import files
-from higvf_console.ui.panels.callbacks import number_in, one_of, reaction
-from higvf_console.ui.panels.html import block, text
-from higvf_console.ui.scene import View
-from higvf_console.ui.scene_background import Background
+from higvf_console.core.commands import LoadScenario
+from higvf_console.core.edits import AddOutlines
+from higvf_console.core.errors import ScenarioError
+from higvf_console.core.interface import PointerSink
+from higvf_console.scenario.writer import scenario_yaml
+from higvf_console.ui.page.page import files
+from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reaction
+from higvf_console.ui.panels.widgets.html import block, text
+from higvf_console.ui.scene.background import Background
+from higvf_console.ui.scene.scene import View
+from higvf_console.world.editing.overhead import outlines_in, read_picture
+from higvf_console.world.masks import MaskPlace
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Session, Snapshot
+    from higvf_console.runtime.session import Session, Snapshot
 
 _DARK, _BRIGHT = "Dark", "Bright"
 _SCENARIO, _IMAGE = "scenario", "image"

@@ -5,16 +5,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 import viser
 
-from higvf_console.arrays import Floats, floats
-from higvf_console.ui.panels.chart import Curve, chart_svg
-from higvf_console.ui.panels.html import DASH, area, block, dot
-from higvf_console.ui.scene_fires import fire_look
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.ui.panels.widgets.chart import Curve, chart_svg
+from higvf_console.ui.panels.widgets.html import DASH, area, block, dot
+from higvf_console.ui.scene.fires import fire_look
 from higvf_console.ui.theme import CSS
 
 if TYPE_CHECKING:
-    from higvf_console.session.baseline import Baseline
-    from higvf_console.session.session import Session
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.analysis.baseline import Baseline
+    from higvf_console.runtime.session import Session
+    from higvf_console.runtime.snapshot import Snapshot
 
 SAMPLE_PERIOD = 0.5  # of the curve [s]
 MOST_SAMPLES = 400  # beyond, every second one goes

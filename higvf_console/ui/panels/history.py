@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.commands import Redo, Undo
-from higvf_console.interface import PointerSink
-from higvf_console.session.history import Entry, History
-from higvf_console.ui.panels.callbacks import one_of, reaction
-from higvf_console.ui.panels.html import block, clock, text
+from higvf_console.core.commands import Redo, Undo
+from higvf_console.core.interface import PointerSink
+from higvf_console.runtime.history import Entry, History
+from higvf_console.ui.panels.widgets.callbacks import one_of, reaction
+from higvf_console.ui.panels.widgets.html import block, clock, text
 
 if TYPE_CHECKING:
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.snapshot import Snapshot
 
 SHOWN = 12  # deeds
 _UNDO, _REDO = "Undo", "Redo"

@@ -4,17 +4,17 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.commands import Acknowledge
-from higvf_console.interface import ChannelState, PointerSink
-from higvf_console.reports import Calibrated
-from higvf_console.ui.panels.callbacks import reaction
+from higvf_console.core.commands import Acknowledge
+from higvf_console.core.interface import ChannelState, PointerSink
+from higvf_console.core.reports import Calibrated
 from higvf_console.ui.panels.faults import FaultWidgets
-from higvf_console.ui.panels.html import block
 from higvf_console.ui.panels.inputs_tables import attention_html, calibration_html, channels_html, decisions_html
+from higvf_console.ui.panels.widgets.callbacks import reaction
+from higvf_console.ui.panels.widgets.html import block
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Session
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.session import Session
+    from higvf_console.runtime.snapshot import Snapshot
 
 
 class InputsPanel:

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import viser
 
 from higvf_console.sim.setup import Event, Severity
-from higvf_console.ui import page
-from higvf_console.ui.panels.callbacks import reaction
-from higvf_console.ui.panels.html import block, severity_colour, text
-from higvf_console.ui.panels.html import clock as session_clock
-from higvf_console.ui.scene import View
+from higvf_console.ui.page import page
+from higvf_console.ui.panels.widgets.callbacks import reaction
+from higvf_console.ui.panels.widgets.html import block, severity_colour, text
+from higvf_console.ui.panels.widgets.html import clock as session_clock
+from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import hex_rgb
 
 if TYPE_CHECKING:
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.snapshot import Snapshot
 
 MOST_SHOWN = 30
 MOST_ALARMS = 99  # that wait to be acknowledged; older ones are let go

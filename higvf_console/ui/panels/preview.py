@@ -5,17 +5,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import viser
 
-from higvf_console.commands import Confirm, Discard
-from higvf_console.interface import PointerSink
-from higvf_console.session.preview import FiresOut, Preview
-from higvf_console.sim.operator import proposal, waiting
-from higvf_console.state import NOBODY
-from higvf_console.ui.panels.callbacks import one_of, reaction
-from higvf_console.ui.panels.html import area, block, nearness
+from higvf_console.analysis.preview import FiresOut, Preview
+from higvf_console.core.commands import Confirm, Discard
+from higvf_console.core.interface import PointerSink
+from higvf_console.core.state import NOBODY
+from higvf_console.operator.reducer import proposal, waiting
+from higvf_console.ui.panels.widgets.callbacks import one_of, reaction
+from higvf_console.ui.panels.widgets.html import area, block, nearness
 
 if TYPE_CHECKING:
-    from higvf_console.session.previewer import Previewer
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.previewer import Previewer
+    from higvf_console.runtime.snapshot import Snapshot
 
 _COMMIT, _REDRAW, _DISCARD = "Commit", "Redraw", "Discard"
 _ARROW, _MINUS = " \u2192 ", "\u2212"

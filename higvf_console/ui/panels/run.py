@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
-from higvf_console.commands import Freeze, Pause, ResetRun, Resume, SetSpeed, Step
-from higvf_console.interface import PointerSink
-from higvf_console.ui.panels.callbacks import mirror, one_of, reaction
-from higvf_console.ui.panels.html import TIMES
+from higvf_console.core.commands import Freeze, Pause, ResetRun, Resume, SetSpeed, Step
+from higvf_console.core.interface import PointerSink
+from higvf_console.ui.panels.widgets.callbacks import mirror, one_of, reaction
+from higvf_console.ui.panels.widgets.html import TIMES
 
 if TYPE_CHECKING:
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.snapshot import Snapshot
 
 SPEEDS: dict[str, Any] = {f"{factor:g}{TIMES}": factor for factor in (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)}
 CONFIRM_S = 4.0  # within which a reset must be confirmed

@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.arrays import Floats, floats
-from higvf_console.session.explain import Say
-from higvf_console.ui.panels.chart import WIDTH
-from higvf_console.ui.panels.html import text
+from higvf_console.analysis.explain import Say
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.ui.panels.widgets.chart import WIDTH
+from higvf_console.ui.panels.widgets.html import text
 from higvf_console.ui.theme import CSS
 
 SPAN = 30.0  # of session time that is shown [s]

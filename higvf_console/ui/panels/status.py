@@ -5,18 +5,18 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.commands import Acknowledge
-from higvf_console.interface import ChannelHealth, ChannelState, PointerSink
+from higvf_console.core.commands import Acknowledge
+from higvf_console.core.interface import ChannelHealth, ChannelState, PointerSink
+from higvf_console.core.state import PathKind, PathStatus, SimState
 from higvf_console.sim.events import too_near
-from higvf_console.state import PathKind, PathStatus, SimState
-from higvf_console.ui.panels.callbacks import reaction
-from higvf_console.ui.panels.html import TIMES, block, clock, nearness, text
 from higvf_console.ui.panels.log import alarms_text
-from higvf_console.ui.scene import View
+from higvf_console.ui.panels.widgets.callbacks import reaction
+from higvf_console.ui.panels.widgets.html import TIMES, block, clock, nearness, text
+from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import CSS
 
 if TYPE_CHECKING:
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.snapshot import Snapshot
 
 # Shape and word tell the state; the colour only repeats it.
 CHANNEL_MARK = {

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
-from higvf_console.arrays import floats
-from higvf_console.commands import (
+from higvf_console.analysis.preview import LONGEST, SHORTEST
+from higvf_console.core.arrays import floats
+from higvf_console.core.commands import (
     ClearPath,
     ForgetPath,
     NextTask,
@@ -20,20 +21,19 @@ from higvf_console.commands import (
     StrokeUse,
     TakeUpPath,
 )
-from higvf_console.interface import PointerSink
-from higvf_console.quantity import quantities
-from higvf_console.session.preview import LONGEST, SHORTEST
-from higvf_console.sim.path_commands import FASTEST, SLOWEST, in_hand, path_words
-from higvf_console.state import NO_PATH, Path, PathEnding, PathKind
-from higvf_console.ui.panels.callbacks import mirror, number_in, one_of, reaction, truth
-from higvf_console.ui.panels.html import TIMES, block
-from higvf_console.ui.panels.picker import RobotPicker
-from higvf_console.ui.scene import View
+from higvf_console.core.interface import PointerSink
+from higvf_console.core.quantity import quantities
+from higvf_console.core.state import NO_PATH, Path, PathEnding, PathKind
+from higvf_console.operator.path_commands import FASTEST, SLOWEST, in_hand, path_words
+from higvf_console.ui.panels.widgets.callbacks import mirror, number_in, one_of, reaction, truth
+from higvf_console.ui.panels.widgets.html import TIMES, block
+from higvf_console.ui.panels.widgets.picker import RobotPicker
+from higvf_console.ui.scene.scene import View
 
 if TYPE_CHECKING:
-    from higvf_console.session.scenario import Scenario
-    from higvf_console.session.sections import ShownStroke
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.snapshot import Snapshot
+    from higvf_console.scenario.scenario import Scenario
+    from higvf_console.scenario.sections import ShownStroke
 
 LONGEST_DURATION = 3600.0  # [s]
 _CLEAR, _REVERSE, _CLOSE, _OPEN, _NEXT = "Clear", "Reverse", "Close", "Open", "Finish"

@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import viser
 
 from higvf_console.control.gains import Gains
-from higvf_console.edits import SetParameters
-from higvf_console.interface import PointerSink
-from higvf_console.quantity import Quantity
-from higvf_console.session.editing.parameters import FIXED, parameter, parameter_names, quantity_of
-from higvf_console.session.editing.presets import AS_IN_THE_SCENARIO, PRESETS, preset_name, preset_values
+from higvf_console.core.edits import SetParameters
+from higvf_console.core.interface import PointerSink
+from higvf_console.core.quantity import Quantity
 from higvf_console.sim.setup import Event
-from higvf_console.ui.panels.callbacks import SETTLE_S, mirror, number_in, one_of, reaction
-from higvf_console.ui.panels.html import block, text
 from higvf_console.ui.panels.log import newer
-from higvf_console.ui.panels.typed import TYPED_S, Typed
+from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, one_of, reaction
+from higvf_console.ui.panels.widgets.html import block, text
+from higvf_console.ui.panels.widgets.typed import TYPED_S, Typed
+from higvf_console.world.editing.parameters import FIXED, parameter, parameter_names, quantity_of
+from higvf_console.world.editing.presets import AS_IN_THE_SCENARIO, PRESETS, preset_name, preset_values
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Session, Snapshot
+    from higvf_console.runtime.session import Session, Snapshot
 
 Field: TypeAlias = viser.GuiNumberHandle[float] | viser.GuiTextHandle
 

@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
-from higvf_console.control.field import FieldKind
-from higvf_console.ui.panels.callbacks import mirror, one_of, reaction, truth
-from higvf_console.ui.panels.html import block
-from higvf_console.ui.scene import View
+from higvf_console.control.guidance.field import FieldKind
+from higvf_console.ui.panels.widgets.callbacks import mirror, one_of, reaction, truth
+from higvf_console.ui.panels.widgets.html import block
+from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import CSS, TEXT_SIZES, THEMES
 
 if TYPE_CHECKING:
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.snapshot import Snapshot
 
 FIELDS: dict[str, Any] = {
     "Off": None,

@@ -5,21 +5,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 import viser
 
-from higvf_console.arrays import ints
-from higvf_console.session.explain import explain
-from higvf_console.session.sight import sights
-from higvf_console.session.tight_rows import tight_rows
+from higvf_console.analysis.explain import explain
+from higvf_console.analysis.sight import sights
+from higvf_console.analysis.tight_rows import tight_rows
+from higvf_console.core.arrays import ints
 from higvf_console.sim.certificates import certificates
-from higvf_console.ui.panels.callbacks import mirror, reaction, truth
-from higvf_console.ui.panels.html import block
-from higvf_console.ui.panels.picker import RobotPicker
 from higvf_console.ui.panels.shares import ShareHistory, bands_svg, legend_html
 from higvf_console.ui.panels.why_tables import certificate_html, parts_html, rows_html, sight_html
-from higvf_console.ui.scene import View
+from higvf_console.ui.panels.widgets.callbacks import mirror, reaction, truth
+from higvf_console.ui.panels.widgets.html import block
+from higvf_console.ui.panels.widgets.picker import RobotPicker
+from higvf_console.ui.scene.scene import View
 
 if TYPE_CHECKING:
-    from higvf_console.session.session import Session
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.session import Session
+    from higvf_console.runtime.snapshot import Snapshot
 
 MOST_SHARED = 200  # robots; a larger team has no chart of its own
 CERTIFIED_EVERY = 5  # updates; lambda_2 of a larger team takes longer, and is renewed ten times less often

@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from higvf_console.arrays import Floats
-from higvf_console.session.explain import Part
-from higvf_console.session.sight import Sight, hider_names
-from higvf_console.session.tight_rows import TightRow
+from higvf_console.analysis.explain import Part
+from higvf_console.analysis.sight import Sight, hider_names
+from higvf_console.analysis.tight_rows import TightRow
+from higvf_console.core.arrays import Floats
 from higvf_console.sim.certificates import CONNECTED, Certificate
 from higvf_console.sim.setup import Setup
-from higvf_console.ui.panels.html import DASH, dot, text
-from higvf_console.ui.scene_reasons import part_colours
+from higvf_console.ui.panels.widgets.html import DASH, dot, text
+from higvf_console.ui.scene.reasons import part_colours
 from higvf_console.ui.theme import CSS
 
 if TYPE_CHECKING:
-    from higvf_console.session.snapshot import Snapshot
+    from higvf_console.runtime.snapshot import Snapshot
 
 PART_NAMES = {
     Part.TARGET: ("Own target", "Robot intention v_t"),

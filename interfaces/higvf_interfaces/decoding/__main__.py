@@ -10,8 +10,10 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from higvf_console.errors import HigvfError
-from higvf_console.interface import InputSpec
+from higvf_console.core.errors import HigvfError
+from higvf_console.core.interface import InputSpec
+from higvf_interfaces.decisions.evidence import STREAMING
+from higvf_interfaces.decisions.options import DECODERS, DECODING, RECORDED, signal_request
 from higvf_interfaces.decoding import replay
 from higvf_interfaces.decoding.emg_lda import BAND
 from higvf_interfaces.decoding.evaluation import (
@@ -22,10 +24,8 @@ from higvf_interfaces.decoding.evaluation import (
     verdict,
 )
 from higvf_interfaces.decoding.ssvep import WINDOW
-from higvf_interfaces.evidence import STREAMING
 from higvf_interfaces.fields import Fields, option_fields
-from higvf_interfaces.formats.signal_reading import read_signals
-from higvf_interfaces.recorded_options import DECODERS, DECODING, RECORDED, signal_request
+from higvf_interfaces.formats.signals.reading import read_signals
 
 FULL_BAND = 2 * BAND[1]  # sampling rate that holds all of surface EMG [Hz]
 

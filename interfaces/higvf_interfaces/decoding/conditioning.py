@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from scipy.signal import butter, iirnotch, sosfilt, sosfilt_zi, tf2sos
 
-from higvf_console.arrays import Floats, floats
-from higvf_console.errors import InputError
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import InputError
 
 _TOP = 0.45  # of the sampling rate: the highest frequency used
 _NOTCH_Q = 20.0  # 60 Hz +- 1.5 Hz

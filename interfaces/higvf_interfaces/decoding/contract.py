@@ -5,9 +5,9 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from higvf_console.arrays import Floats
+from higvf_console.core.arrays import Floats
 from higvf_interfaces.formats.records import Decision
-from higvf_interfaces.formats.signal_records import SignalChunk
+from higvf_interfaces.formats.signals.records import SignalChunk
 
 
 class Decoder(Protocol):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from higvf_console.arrays import Floats, floats
+from higvf_console.core.arrays import Floats, floats
 
 PER_CHANNEL = 5
 _DEADBAND = 0.1  # of a channel's standard deviation: what the counts take for noise

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from higvf_console.arrays import Floats, floats
-from higvf_console.errors import InputError
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import InputError
 from higvf_interfaces.decoding.conditioning import Conditioner
 from higvf_interfaces.decoding.contract import SlidingWindow, Trial, Window
 from higvf_interfaces.decoding.emg_features import deadband_of, features
 from higvf_interfaces.formats.records import Decision
-from higvf_interfaces.formats.signal_records import SignalChunk
+from higvf_interfaces.formats.signals.records import SignalChunk
 
 BAND = (20.0, 450.0)  # of surface EMG [Hz]
 WINDOW, HOP = 0.25, 0.1  # [s]

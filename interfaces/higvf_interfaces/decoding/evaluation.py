@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.errors import InputError
-from higvf_interfaces.debouncer import Debounced, Evidence, Stage, judge, observe
+from higvf_console.core.errors import InputError
+from higvf_interfaces.decisions.debouncer import Debounced, Evidence, Stage, judge, observe
+from higvf_interfaces.decisions.evidence import STREAMING
 from higvf_interfaces.decoding.contract import Decoder, Trial
 from higvf_interfaces.decoding.emg_lda import EmgFrontEnd, decided, fit, label_at
 from higvf_interfaces.decoding.ssvep import IDLE
-from higvf_interfaces.evidence import STREAMING
 from higvf_interfaces.formats.records import Decision
-from higvf_interfaces.formats.signal_records import SignalRecord
+from higvf_interfaces.formats.signals.records import SignalRecord
 
 STEERING = 0.7  # share of right decisions that control is usually said to need
 _Z = 1.96  # 95 %

@@ -8,7 +8,7 @@ canonical correlation between the channels and the sines and cosines of the harm
 
 import numpy as np
 
-from higvf_console.arrays import Floats, floats
+from higvf_console.core.arrays import Floats, floats
 
 _HUM = 1.0  # a harmonic that near to one of the mains is not used [Hz]
 

@@ -8,18 +8,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from higvf_interfaces.decisions.feeds import Due
+from higvf_interfaces.decisions.options import DECODERS, signal_request, word
 from higvf_interfaces.decoding.contract import Decoder, Trial
 from higvf_interfaces.decoding.emg_lda import EmgDecoder, EmgFrontEnd, EmgModel, fit
 from higvf_interfaces.decoding.ssvep import HOP, WINDOW, SsvepDecoder
 from higvf_interfaces.decoding.trials import shift_to, trials_of
-from higvf_interfaces.feeds import Due
 from higvf_interfaces.fields import Fields, is_number, shown
-from higvf_interfaces.formats import xdf_file
-from higvf_interfaces.formats.signal_reading import read_decisions, read_signals
-from higvf_interfaces.formats.signal_records import SignalChunk, SignalRecord, SignalRequest
+from higvf_interfaces.formats.signals.reading import read_decisions, read_signals
+from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, SignalRequest
 from higvf_interfaces.formats.text import look
+from higvf_interfaces.formats.xdf import file as xdf_file
 from higvf_interfaces.paths import named
-from higvf_interfaces.recorded_options import DECODERS, signal_request, word
 from higvf_interfaces.streams import CLOCK_GRAIN
 
 _MAINS = 50.0  # [Hz]

@@ -9,13 +9,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from higvf_console.arrays import Floats, floats
-from higvf_console.errors import InputError
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import InputError
 from higvf_interfaces.decoding.conditioning import Conditioner
 from higvf_interfaces.decoding.contract import SlidingWindow
 from higvf_interfaces.decoding.fbcca import band_weights, basis, canonical_correlation, reference, usable_harmonics
 from higvf_interfaces.formats.records import Decision
-from higvf_interfaces.formats.signal_records import SignalChunk
+from higvf_interfaces.formats.signals.records import SignalChunk
 
 IDLE = "idle"
 WINDOW, HOP = 1.0, 0.25  # [s]

@@ -3,11 +3,11 @@
 import re
 from collections.abc import Sequence
 
-from higvf_console.errors import InputError
+from higvf_console.core.errors import InputError
 from higvf_interfaces.decoding.contract import Trial
-from higvf_interfaces.formats import bids_events, brainvision, edf
 from higvf_interfaces.formats.records import CommandLog, Decision
-from higvf_interfaces.formats.signal_records import SignalRecord
+from higvf_interfaces.formats.signals import bids_events, brainvision, edf
+from higvf_interfaces.formats.signals.records import SignalRecord
 
 _SPAN = re.compile(r"(.*?)[\s_-]*(s|start|onset|e|end|offset)", re.IGNORECASE | re.DOTALL)
 _FROM_START = (bids_events.NAME, brainvision.NAME, edf.MARKED_NAME)  # their times count from the recording's start

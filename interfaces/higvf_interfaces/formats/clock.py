@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from higvf_console.arrays import Floats, Ints, floats, ints
-from higvf_console.errors import InputError
+from higvf_console.core.arrays import Floats, Ints, floats, ints
+from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.records import MAX_HOLE, log_start
 
 _SAME_TIME = 1e-5  # samples nearer in time are one, given twice [s]

@@ -9,9 +9,9 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple, cast
 
-from higvf_console.errors import InputError
+from higvf_console.core.errors import InputError
 from higvf_interfaces.fields import is_number, shown
-from higvf_interfaces.formats.gaze_csv import TIMES, seconds_of
+from higvf_interfaces.formats.gaze.plain import TIMES, seconds_of
 from higvf_interfaces.formats.records import CommandLog, Decision, log_start
 from higvf_interfaces.formats.text import TextFile, as_label, cell, number, without_milliseconds
 

@@ -7,13 +7,12 @@ from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from higvf_console.arrays import bools, floats
-from higvf_console.errors import InputError
-from higvf_interfaces.formats import (
-    bids_gaze,
+from higvf_console.core.arrays import bools, floats
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.clock import GazeClock
+from higvf_interfaces.formats.gaze import bids as bids_gaze
+from higvf_interfaces.formats.gaze import (
     eyelink_asc,
-    gaze_csv,
-    gaze_xdf,
     gazepoint,
     neon_csv,
     neon_native,
@@ -22,9 +21,10 @@ from higvf_interfaces.formats import (
     tobii_prolab,
     tobii_research,
 )
-from higvf_interfaces.formats.clock import GazeClock
+from higvf_interfaces.formats.gaze import plain as gaze_csv
 from higvf_interfaces.formats.records import ANYTHING, MAX_HOLE, GazeBlock, GazeRecording, GazeStream, Wanted
 from higvf_interfaces.formats.text import TextFile, look
+from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 
 
 class GazeFormat(NamedTuple):

@@ -6,7 +6,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from higvf_console.arrays import Bools, Floats, bools, floats
+from higvf_console.core.arrays import Bools, Floats, bools, floats
 
 FRAMES = ("arena", "screen", "unit")
 SCENE_FRAMES = {"scene": "screen", "scene-unit": "unit"}  # of a camera on the head, and what it is taken as on demand

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, NamedTuple
 
-from higvf_console.errors import InputError
+from higvf_console.core.errors import InputError
 from higvf_interfaces.paths import named
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "us": 1e-6, "ns": 1e-9}  # [s]; NFKC makes both mu this one

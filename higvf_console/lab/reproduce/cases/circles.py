@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from higvf_console.arrays import Bools, Floats
+from higvf_console.core.arrays import Bools, Floats
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
 from higvf_console.lab.reproduce.figures import maps

@@ -4,17 +4,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from higvf_console.arrays import Bools, Floats, floats, ints
-from higvf_console.control.bump import zero_in
-from higvf_console.control.field import FieldKind, field_at
-from higvf_console.control.obstacles import part_at
+from higvf_console.control.guidance.bump import zero_in
+from higvf_console.control.guidance.field import FieldKind, field_at
+from higvf_console.control.guidance.obstacles import part_at
+from higvf_console.core.arrays import Bools, Floats, floats, ints
 from higvf_console.lab.reproduce.case import Case, Findings, Picture, within
 from higvf_console.lab.reproduce.cases.fields import WIDE, draw_rings
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, dress_map, new_figure
 from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.maps import draw_obstacles, draw_path
 from higvf_console.lab.reproduce.runs import Runs
-from higvf_console.session.scenario import parse_scenario
+from higvf_console.scenario.scenario import parse_scenario
 from higvf_console.sim.setup import Setup
 
 _CROSSED = f"""

@@ -6,21 +6,21 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from higvf_console.arrays import floats
-from higvf_console.control.bump import zero_in
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.gains import Gains
-from higvf_console.control.guiding import guiding_vector
-from higvf_console.control.paths import EVERYWHERE, circle_path
+from higvf_console.control.guidance.bump import zero_in
+from higvf_console.control.guidance.guiding import guiding_vector
+from higvf_console.control.guidance.paths import EVERYWHERE, circle_path
+from higvf_console.core.arrays import floats
+from higvf_console.core.state import World
+from higvf_console.core.viewport import Arena
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, dress_map, new_figure
 from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.maps import capsule, draw_obstacles, draw_path, ring
 from higvf_console.lab.reproduce.runs import Runs
-from higvf_console.session.scenario import parse_scenario
+from higvf_console.scenario.scenario import parse_scenario
 from higvf_console.sim.setup import Setup
-from higvf_console.state import World
-from higvf_console.viewport import Arena
 
 GAINS = Gains()
 CORRECTED, PIXELS = Forms(), Forms(bump=PRINTED)

@@ -8,11 +8,11 @@ import numpy as np
 
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.gains import Gains
-from higvf_console.control.intention import map_radius
+from higvf_console.control.intention.intention import map_radius
 from higvf_console.lab.reproduce import experiments
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Table
 from higvf_console.lab.reproduce.runs import Runs
-from higvf_console.session.scenario import load_scenario
+from higvf_console.scenario.scenario import load_scenario
 
 
 class Doubt(NamedTuple):

@@ -6,14 +6,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from higvf_console.control.paths import WINDOW
+from higvf_console.control.guidance.paths import WINDOW
+from higvf_console.core.state import PathStatus
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
 from higvf_console.lab.reproduce.figures import maps
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, map_figure, new_figure
 from higvf_console.lab.reproduce.figures.charts import over_time
 from higvf_console.lab.reproduce.runs import Run, Runs, RunSpec
-from higvf_console.state import PathStatus
 
 PATROL = RunSpec("physical-1")
 GAZE = RunSpec("barrier-gaze", demo=True)

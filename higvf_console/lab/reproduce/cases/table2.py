@@ -5,13 +5,13 @@ from typing import Any, NamedTuple
 
 from matplotlib.figure import Figure
 
+from higvf_console.lab.fit.table2 import FIRE_LIMIT, REDUCTION_LIMIT, TOTAL_LIMIT, kept_fit
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, Table
 from higvf_console.lab.reproduce.cases.firefighting import SPECS
 from higvf_console.lab.reproduce.figures.charts import table_2_bars
 from higvf_console.lab.reproduce.paper import COLUMNS
 from higvf_console.lab.reproduce.runs import Run, Runs
-from higvf_console.lab.table2 import FIRE_LIMIT, REDUCTION_LIMIT, TOTAL_LIMIT, kept_fit
 
 FIRE_BAND, TOTAL_BAND, REDUCTION_BAND = (100.0 * limit for limit in (FIRE_LIMIT, TOTAL_LIMIT, REDUCTION_LIMIT))
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from higvf_console.viewport import Arena
+from higvf_console.core.viewport import Arena
 
 
 class Inks(NamedTuple):

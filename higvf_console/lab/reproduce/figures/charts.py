@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from higvf_console.arrays import Floats
+from higvf_console.core.arrays import Floats
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, new_figure
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from higvf_console.arrays import Floats, floats
-from higvf_console.viewport import Arena
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.viewport import Arena
 
 
 def grid_points(arena: Arena, columns: int) -> Floats:

@@ -10,12 +10,12 @@ from matplotlib.patches import Circle, PathPatch, Polygon
 from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
 
-from higvf_console.arrays import Floats
-from higvf_console.control.paths import path_points
+from higvf_console.control.guidance.paths import path_points
+from higvf_console.core.arrays import Floats
+from higvf_console.core.state import Path, PathKind, World
+from higvf_console.core.viewport import Arena
 from higvf_console.lab.reproduce.figures.canvas import INK, nice_step, robot_ink
 from higvf_console.lab.reproduce.runs import Run
-from higvf_console.state import Path, PathKind, World
-from higvf_console.viewport import Arena
 
 _CORNER = 24  # points on each end of a bar
 _ROOMY = 38.0  # a fire of this radius has room for its words [m]

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from higvf_console.errors import HigvfError
+from higvf_console.core.errors import HigvfError
 from higvf_console.lab.reproduce.figures.canvas import rendered
 from higvf_console.lab.reproduce.report.markdown import markdown_report
 from higvf_console.lab.reproduce.report.page import html_report

@@ -1,0 +1,129 @@
+"""The operator's interfaces: found by entry point, polled each tick, set aside when they fail."""
+
+from collections.abc import Iterable, Mapping
+from importlib.metadata import EntryPoint, entry_points
+
+from higvf_console.core.commands import OperatorCommand
+from higvf_console.core.errors import HigvfError, InputError
+from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
+from higvf_console.scenario.reading import closest
+from higvf_console.sim.setup import Event, Severity
+
+GROUP = "higvf_console.interfaces"
+
+
+class CrashedError(InputError):
+    """An interface failed to open where it should have refused its input with `InputError`."""
+
+
+def interface_names() -> tuple[str, ...]:
+    """Names of the installed interfaces."""
+    return tuple(sorted({point.name for point in entry_points(group=GROUP)}))
+
+
+def open_interface(spec: InputSpec) -> Interface:
+    """Opens the interface that the entry point `spec.channel` names.
+
+    Raises:
+        InputError: no such interface is installed, it cannot be imported, or its input cannot be used.
+        CrashedError: it raised something else while it opened.
+    """
+    points: Mapping[str, EntryPoint] = {point.name: point for point in entry_points(group=GROUP)}
+    if spec.channel not in points:
+        names = sorted(points)
+        hint = closest(spec.channel, names)
+        raise InputError(f"no interface '{spec.channel}'{hint}; installed interfaces: {', '.join(names) or 'none'}")
+    try:
+        opener = points[spec.channel].load()
+    except Exception as error:  # whatever there is in a package's module
+        raise InputError(f"interface '{spec.channel}' ({points[spec.channel].value}) does not load: {error}") from error
+    try:
+        interface = opener(spec)
+    except HigvfError:
+        raise
+    except Exception as error:  # as above
+        raise CrashedError(f"interface '{spec.channel}' does not open: {type(error).__name__}: {error}") from error
+    if missing := [name for name in ("name", "poll", "health", "close") if not hasattr(interface, name)]:
+        raise CrashedError(f"interface '{spec.channel}' opens as {interface!r:.60}, without {', '.join(missing)}")
+    return interface
+
+
+class Channels:
+    """Interfaces in use; one that raises is polled no more."""
+
+    def __init__(self, interfaces: Iterable[Interface]) -> None:
+        """Takes them in the order in which they are to be polled.
+
+        Raises:
+            InputError: two have the same name.
+        """
+        self._interfaces = tuple(interfaces)
+        self._failed: dict[str, str] = {}
+        names = [interface.name for interface in self._interfaces]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(f"interface '{name}' is given {names.count(name)} times; give each once")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the interfaces, in the order given."""
+        return tuple(interface.name for interface in self._interfaces)
+
+    def named(self, name: str) -> Interface | None:
+        """The interface of that name."""
+        return next((interface for interface in self._interfaces if interface.name == name), None)
+
+    def poll(self, context: OperatorContext) -> tuple[dict[str, list[OperatorCommand]], list[Event]]:
+        """The commands that are due, by interface, and an event for each interface that failed just now."""
+        commands: dict[str, list[OperatorCommand]] = {}
+        events: list[Event] = []
+        for interface in self._interfaces:
+            if interface.name in self._failed:
+                continue
+            try:
+                commands[interface.name] = list(interface.poll(context))
+            except Exception as error:  # whatever a device's code raises must not stop the team's loop
+                events.append(self.fail(interface.name, error, context.time))
+        return commands, events
+
+    def fail(self, name: str, error: Exception, time: float) -> Event:
+        """Sets an interface aside; the event says why."""
+        self._failed[name] = f"{type(error).__name__}: {error}"
+        return Event(time, Severity.ALARM, "channel", f"Input '{name}' failed and is off: {self._failed[name]}")
+
+    def failed(self, name: str) -> bool:
+        """Whether the interface of that name has been set aside."""
+        return name in self._failed
+
+    def health(self, now: float) -> tuple[tuple[str, ChannelHealth], ...]:
+        """How each channel is, in the order given."""
+        return tuple((interface.name, self._health_of(interface, now)) for interface in self._interfaces)
+
+    def _health_of(self, interface: Interface, now: float) -> ChannelHealth:
+        if interface.name in self._failed:
+            return ChannelHealth(ChannelState.LOST, self._failed[interface.name])
+        try:
+            return interface.health(now)
+        except Exception as error:  # as in poll
+            return ChannelHealth(ChannelState.LOST, f"{type(error).__name__}: {error}")
+
+    def close(self) -> None:
+        """Closes every interface, also after one of them fails to."""
+        errors: list[Exception] = []
+        for interface in self._interfaces:
+            try:
+                interface.close()
+            except Exception as error:  # the others must still be closed
+                errors.append(error)
+        if errors:
+            raise InputError(f"an input did not close: {errors[0]}") from errors[0]
+
+
+def unknown_settings(inputs: Iterable[str]) -> tuple[str, ...]:
+    """A warning for each section of settings that no installed interface reads."""
+    known = interface_names()
+    return tuple(
+        f"inputs.{name}: no such interface is installed{closest(name, known)}; installed: {', '.join(known)}"
+        for name in inputs
+        if name not in known
+    )

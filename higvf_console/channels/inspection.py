@@ -1,0 +1,95 @@
+"""Asks the installed packages what a file is: inspectors are found by entry point, as interfaces are."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any, Protocol, cast
+
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import InputSpec
+
+GROUP = "higvf_console.inspectors"
+_LIST_WIDTH = 100  # letters; a longer list is told item by item
+
+
+class Inspector(Protocol):
+    """Describes a file in plain values; an entry point of the group `higvf_console.inspectors`."""
+
+    def __call__(self, spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:
+        """Format, kind, streams, samples, duration_s, rate_hz, frame, origin, valid_share, gaps, warnings, and more.
+
+        Raises:
+            InputError: it knows no such file, or the file cannot be read.
+        """
+        ...
+
+
+def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> Mapping[str, object]:
+    """What the first inspector that knows `spec.source` says of it.
+
+    Args:
+        spec: the file, with the options of the input that it is to become.
+        plot: where a picture goes; None = none.
+        steps: whether the steps of the processing are told.
+
+    Raises:
+        InputError: no inspector is installed, or none knows the file; the message gives each one's reason.
+    """
+    points = sorted(entry_points(group=GROUP), key=lambda point: point.name)
+    if not points:
+        raise InputError(f"no inspector is installed (entry points of the group {GROUP}); install the package again")
+    refusals: list[str] = []
+    for point in points:
+        inspector: Inspector = point.load()
+        try:
+            return inspector(spec, plot, steps)
+        except InputError as refusal:
+            refusals.append(str(refusal))
+    raise InputError("; ".join(refusals))
+
+
+def as_json(description: Mapping[str, object]) -> str:
+    """A description as JSON; a number that is none becomes null."""
+    return json.dumps(_finite(description), indent=2, ensure_ascii=False)
+
+
+def as_text(description: Mapping[str, object]) -> str:
+    """A description as lines of `key: value`, warnings last."""
+    lines = _lines({key: value for key, value in description.items() if key != "warnings"}, 0)
+    warnings = cast(Sequence[object], description.get("warnings") or ())
+    return "\n".join([*lines, *(f"Warning: {warning}" for warning in warnings)])
+
+
+def _lines(values: Mapping[str, object], depth: int) -> list[str]:
+    """Lines of a mapping, those of a mapping in it further in; what is empty or does not apply has none."""
+    lines: list[str] = []
+    for key, value in values.items():
+        if value in (None, {}, [], ()):
+            continue
+        head = "  " * depth + key.replace("_", " ") + ":"
+        if isinstance(value, Mapping):
+            lines += [head, *_lines(cast(Mapping[str, object], value), depth + 1)]
+        elif isinstance(value, list | tuple):
+            items = [_item(item) for item in cast(Sequence[object], value)]
+            joined = ", ".join(items)
+            short = len(joined) <= _LIST_WIDTH
+            lines += [f"{head} {joined}"] if short else [head, *("  " * (depth + 1) + item for item in items)]
+        else:
+            lines.append(f"{head} {_item(value)}")
+    return lines
+
+
+def _item(value: object) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {item}" for key, item in cast(Mapping[str, object], value).items())
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _finite(item) for key, item in cast(Mapping[object, Any], value).items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in cast(Sequence[Any], value)]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

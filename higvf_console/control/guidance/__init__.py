@@ -1,0 +1,1 @@
+"""Guiding vector fields: desired paths, progress along them, the way round obstacles, recovery from deadlock."""

@@ -1,0 +1,133 @@
+"""The ladder out of a deadlock: the other side, then more of the human, then a word to the operator.
+
+A robot is deadlocked when its barrier rows hold it against its nominal velocity for `stall_time`. Scaling that velocity
+frees nobody: the filtered speed is zero exactly when the nominal velocity lies in the cone of the active normals, and
+with it every multiple. So each rung changes a direction, is climbed when the stall lasts or comes again, and is
+forgotten once the robot has left all rings:
+
+    1  the component goes round on the other side, and lets go of its formation
+    2  the first side again; the human intention weighs more, where that turns the influenced robot's shared intention
+    3  the operator is asked for a new stroke; on rungs 4, 8, 16 ... the side changes again
+
+A team can also hold itself: the formation, at its cap, may cancel a weak intention, and no barrier is active. So the
+formation loosens as well while the influenced robot makes no progress on its path.
+"""
+
+import math
+
+import numpy as np
+
+from higvf_console.control.forms import PRINTED
+from higvf_console.control.gains import Gains
+from higvf_console.control.intention.intention import shared_intention
+from higvf_console.control.kernel import kernel
+from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.state import NOBODY, Motion
+
+OTHER_SIDE, MORE_HUMAN, ASK = 1, 2, 3
+GIVE_UP = 9  # a robot on a higher rung has tried enough
+EN_ROUTE_PATIENCE = 40.0  # a robot on its way round obstacles may take this many times longer than one that stands
+_LOOSENING = 0.1  # share of the path's patience after which an idle team keeps no formation
+_SHUTTLE = 0.125  # share of the path's patience that passes between two rungs of a robot that moves in vain
+_TURNED = 0.985  # cosine of ten degrees: a smaller turn is none
+
+
+@kernel
+def climb(motion: Motion, leader: int, gains: Gains) -> tuple[Ints, Bools]:
+    """Rungs (N,) after this tick, and the robots (N,) for which the other side is to be tried now.
+
+    A stalled robot climbs each time that its stall has lasted another `stall_time`; the influenced robot, `leader`,
+    also when it moves without progress on its path: then it may shuttle where a ring turns it back.
+    """
+    rung, flip = motion.rung.copy(), np.zeros(motion.rung.shape[0], np.bool_)
+    if gains.forms.human == PRINTED:
+        return rung, flip
+    period = gains.safety.control_period
+    slow = gains.stall.stall_fraction * gains.blending.cruise_speed
+    for i in range(rung.shape[0]):
+        climbs = passes(float(motion.stalled[i]), gains.stall.stall_time, period)
+        if i == leader and math.hypot(motion.velocity[i, 0], motion.velocity[i, 1]) > slow:
+            climbs = climbs or passes(motion.path_idle, _SHUTTLE * gains.path.patience, period / EN_ROUTE_PATIENCE)
+        if climbs:
+            rung[i] += 1
+            flip[i] = rung[i] & (rung[i] - 1) == 0  # 1, 2, 4, 8, ...
+    return rung, flip
+
+
+@kernel
+def formation_grip(rung: Ints, component: Ints, leader: int, idle: float, gains: Gains) -> Floats:
+    """How firmly each robot keeps the formation, (N,) from 0 to 1.
+
+    Args:
+        rung: (N,) from `climb`.
+        component: (N,) names of connected components.
+        leader: the influenced robot, or NOBODY.
+        idle: how long it has made no progress on its path [s], see `following.progress`.
+        gains: with the patience for that.
+    """
+    grip = np.ones(rung.shape[0])
+    if gains.forms.human == PRINTED:
+        return grip
+    loose = np.zeros(rung.shape[0], np.bool_)  # by component
+    for i in range(rung.shape[0]):
+        loose[component[i]] = loose[component[i]] or rung[i] > 0
+    for i in range(rung.shape[0]):
+        if loose[component[i]]:
+            grip[i] = 0.0
+        elif leader != NOBODY and component[i] == component[leader]:
+            grip[i] = max(0.0, 1.0 - idle / (_LOOSENING * gains.path.patience))
+    return grip
+
+
+@kernel
+def passes(time: float, step: float, period: float) -> bool:
+    """Whether `time` has passed a whole multiple of `step` (not 0) within the last `period` [s]."""
+    return time >= step and time % step < period
+
+
+@kernel
+def receptivity(
+    leader: int, rung: Ints, robot: Floats, human: Floats, intention: Floats, start: Ints, to: Ints, gains: Gains
+) -> float:
+    """Psi of the influenced robot: 1, or `human_boost` on the second rung if that turns its shared intention.
+
+    Args:
+        leader: the influenced robot, or NOBODY.
+        rung: (N,) from `climb`.
+        robot: (N, 2) v_t.
+        human: (N, 2) v_h.
+        intention: (N, 2) v_s.
+        start: (N + 1,) rows of `to`.
+        to: neighbours.
+        gains: weights and boost.
+    """
+    if leader == NOBODY or rung[leader] < MORE_HUMAN:
+        return 1.0
+    plain_x, plain_y = _fixed_point(leader, 1.0, robot, human, intention, start, to, gains)
+    more_x, more_y = _fixed_point(leader, gains.stall.human_boost, robot, human, intention, start, to, gains)
+    along = plain_x * more_x + plain_y * more_y
+    turned = along < _TURNED * math.hypot(plain_x, plain_y) * math.hypot(more_x, more_y)
+    return gains.stall.human_boost if turned else 1.0
+
+
+@kernel
+def _fixed_point(
+    i: int, psi: float, robot: Floats, human: Floats, intention: Floats, start: Ints, to: Ints, gains: Gains
+) -> tuple[float, float]:
+    return shared_intention(
+        i, intention[i, 0], intention[i, 1], robot[i, 0], robot[i, 1], human[i, 0], human[i, 1], psi, intention,
+        start, to, gains.intention, gains.forms, math.inf,
+    )  # fmt: skip
+
+
+@kernel
+def forgotten(rung: Ints, side: Ints, stalled: Floats) -> Ints:
+    """Rungs (N,) without those of robots whose component is in no ring (`side` (N, K) is then 0) and not stalled."""
+    kept = rung.copy()
+    for i in range(kept.shape[0]):
+        inside = stalled[i] > 0.0
+        for k in range(side.shape[1]):
+            inside = inside or side[i, k] != 0
+        if not inside:
+            kept[i] = 0
+    return kept

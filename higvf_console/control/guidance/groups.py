@@ -1,0 +1,188 @@
+"""Which still obstacles the field treats as one: parts that leave no way between them, and how to leave their pockets.
+
+Computed once for a world. Two parts with a gap below 2 R_o are one group, and so are groups whose hulls come as near;
+a group's ring is its convex hull. A robot that finds itself inside a hull (in a U, between two arms) is led out along
+the shortest way that keeps R_o, found on a grid.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import label as label_regions
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components, dijkstra
+
+from higvf_console.control.guidance.rings import capsule_corners, convex_hull
+from higvf_console.core.arrays import Bools, Floats, Ints, floats, ints
+
+_CELLS = 48  # of a pocket's grid along its longer side, at most
+_LEAST_CELL = 4.0  # [m]
+_CROWDED = 30.0  # how much longer a metre counts where a robot would be too near to a part
+_STEPS = ((0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (1, -2), (2, -1))  # to half of a cell's neighbours
+
+
+class Groups(NamedTuple):
+    """Groups of parts, as `state.World` holds them; see there."""
+
+    ring: Floats
+    ring_start: Ints
+    hull: Floats
+    part: Ints
+    pocket: Floats
+
+
+def group_obstacles(circles: Floats, bars: Floats, clearance: float) -> Groups:
+    """Groups the parts of a world.
+
+    Args:
+        circles: (P, 3) x, y, radius [m].
+        bars: (Q, 5) ax, ay, bx, by, half width [m].
+        clearance: R_o [m].
+    """
+    parts = np.concatenate([circles[:, [0, 1, 0, 1, 2]], bars]) if len(circles) + len(bars) else np.zeros((0, 5))
+    label = _labels(parts, 2.0 * clearance)
+    members = [np.flatnonzero(label == name) for name in range(label.max(initial=-1) + 1)]
+    ring = np.zeros((len(members), 9))
+    hulls, pockets = [np.zeros((0, 2))], [np.zeros((0, 3))]
+    for g, group in enumerate(members):
+        if len(group) == 1:
+            ring[g, :5] = parts[group[0]]
+            hulls.append(np.zeros((0, 2)))
+            pockets.append(np.zeros((0, 3)))
+            continue
+        hull = _hull(parts[group])
+        centre = (hull.min(axis=0) + hull.max(axis=0)) / 2
+        ring[g, :5] = [*centre, *centre, np.hypot(*(hull - centre).T).max()]
+        ring[g, 5:], pocket = _pocket(parts[group], hull, clearance)
+        hulls.append(hull)
+        pockets.append(pocket)
+    starts = [np.cumsum([len(piece) for piece in pieces]) for pieces in (hulls, pockets)]
+    part_start = np.concatenate([[0], np.cumsum([len(group) for group in members])])
+    return Groups(
+        floats(ring),
+        ints([starts[0], part_start, starts[1]]),
+        floats(np.concatenate(hulls)),
+        ints(np.concatenate(members) if members else [], -1),
+        floats(np.concatenate(pockets)),
+    )
+
+
+def _labels(parts: Floats, least: float) -> Ints:
+    """Group number (n,) of each part: first by the parts' gaps, then by the gaps of the hulls that these make."""
+    label = _joined(len(parts), _gaps(parts) < least)
+    while True:
+        sizes = np.bincount(label)
+        hulls = [_hull(parts[label == name]) for name in range(len(sizes))]
+        near = np.zeros((len(hulls), len(hulls)), np.bool_)
+        for i, j in _neighbours(hulls, least):
+            near[i, j] = max(sizes[i], sizes[j]) > 1 and _polygon_gap(hulls[i], hulls[j]) < least
+        if not near.any():
+            return label
+        label = _joined(len(hulls), near)[label]
+
+
+def _joined(count: int, near: Bools) -> Ints:
+    return ints(connected_components(coo_array(near), directed=False)[1]) if count else ints([])
+
+
+def _neighbours(hulls: list[Floats], least: float) -> list[tuple[int, int]]:
+    """Pairs i > j of hulls whose bounding boxes are nearer than `least` [m]."""
+    if not hulls:
+        return []
+    low, high = (np.array([side(hull, axis=0) for hull in hulls]) for side in (np.min, np.max))
+    apart = np.maximum(low[:, None] - high[None], low[None] - high[:, None]).max(axis=2)
+    return [(int(i), int(j)) for i, j in np.argwhere(np.tril(apart < least, -1))]
+
+
+def _hull(parts: Floats) -> Floats:
+    return convex_hull(floats(np.concatenate([capsule_corners(floats(part)) for part in parts])))
+
+
+def _gaps(parts: Floats) -> Floats:
+    """Gaps (n, n) between capsules (n, 5) [m]; at most 0 where they touch."""
+    a, b, radius = parts[:, :2], parts[:, 2:4], parts[:, 4]
+    ends = np.minimum(_to_spines(a, a, b), _to_spines(b, a, b))
+    distance = np.minimum(ends, ends.T)
+    across = _side(a, b, a) * _side(a, b, b) < 0.0
+    distance[across & across.T] = 0.0
+    return distance - radius[:, None] - radius[None]
+
+
+def _side(a: Floats, b: Floats, points: Floats) -> Floats:
+    """On which side of line i through a (n, 2) and b point j of (m, 2) lies: (n, m), positive to the left."""
+    along, to = (b - a)[:, None], points[None] - a[:, None]
+    return along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]
+
+
+def _to_spines(points: Floats, a: Floats, b: Floats) -> Floats:
+    """Distance (m, n) of points (m, 2) from the segments a-b (n, 2) [m]."""
+    along, to = (b - a)[None], points[:, None] - a[None]
+    share = np.clip((to * along).sum(axis=2) / np.maximum((along * along).sum(axis=2), 1e-300), 0.0, 1.0)
+    return np.hypot(*np.moveaxis(to - share[..., None] * along, 2, 0))
+
+
+def _polygon_gap(a: Floats, b: Floats) -> float:
+    """Gap between two convex polygons [m]; 0 where they overlap, as no edge of either then parts them."""
+    if not (_parted(a, b) or _parted(b, a)):
+        return 0.0
+    return float(min(_to_spines(b, a, np.roll(a, -1, 0)).min(), _to_spines(a, b, np.roll(b, -1, 0)).min()))
+
+
+def _parted(a: Floats, b: Floats) -> bool:
+    """Whether an edge of a convex polygon has the whole other one outside."""
+    along = np.roll(a, -1, 0) - a
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    return bool((((b[None] - a[:, None]) * outward[:, None]).sum(axis=2).min(axis=1) > 0.0).any())
+
+
+def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floats]:
+    """The way out of a hull, on a grid: none, with 0 columns, for a hull without room for a robot.
+
+    Returns:
+        (4,) x, y of the first node and cell width [m], number of columns.
+        (rows * columns, 3) unit vectors and distances to the parts [m], row by row.
+    """
+    low, high = hull.min(axis=0), hull.max(axis=0)
+    cell = max(_LEAST_CELL, float((high - low).max()) / _CELLS)
+    columns, rows = (math.ceil(side / cell) + 3 for side in high - low)
+    xs, ys = low[0] + cell * (np.arange(columns) - 1), low[1] + cell * (np.arange(rows) - 1)
+    nodes = np.stack([axis.ravel() for axis in np.meshgrid(xs, ys)], axis=1)
+    depth = _depth(hull, nodes)
+    room = (_to_spines(nodes, parts[:, :2], parts[:, 2:4]) - parts[None, :, 4]).min(axis=1)
+    free = (room >= clearance).reshape(rows, columns)
+    region = np.zeros(free.shape, np.int64)
+    label_regions(free, output=region)
+    region = region.ravel()
+    open_regions = np.unique(region[free.ravel() & (depth <= 0.0)])
+    if not (np.isin(region, open_regions) & free.ravel() & (depth > 0.0)).any():
+        return np.zeros(4), np.zeros((0, 3))
+    way = _travel(room, depth <= 0.0, clearance, cell, rows, columns)
+    down, across = np.gradient(-way.reshape(rows, columns))
+    length = np.maximum(np.hypot(across, down), 1e-300)
+    way_out = [(across / length).ravel(), (down / length).ravel(), room]
+    return floats([xs[0], ys[0], cell, columns]), np.stack(way_out, axis=1)
+
+
+def _depth(hull: Floats, points: Floats) -> Floats:
+    """How deep points (n, 2) lie inside a convex polygon (n,) [m]; negative outside."""
+    along = np.roll(hull, -1, 0) - hull
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
+    return -((points[:, None] - hull[None]) * outward[None]).sum(axis=2).max(axis=1)
+
+
+def _travel(room: Floats, out: Bools, clearance: float, cell: float, rows: int, columns: int) -> Floats:
+    """Shortest travel (n,) from each node to the outside of the hull [m]."""
+    index = np.arange(rows * columns).reshape(rows, columns)
+    cost = np.where(room >= clearance, 1.0, 1.0 + _CROWDED * (1.0 - np.maximum(room, 0.0) / clearance))
+    starts, stops, lengths = [], [], []
+    for down, right in _STEPS:
+        at = index[: rows - down, max(0, -right) : columns - max(0, right)].ravel()
+        to = index[down:, max(0, right) : columns + min(0, right)].ravel()
+        starts.append(at)
+        stops.append(to)
+        lengths.append(cell * math.hypot(down, right) * (cost[at] + cost[to]) / 2)
+    graph = coo_array(
+        (np.concatenate(lengths), (np.concatenate(starts), np.concatenate(stops))), shape=(rows * columns,) * 2
+    )
+    return floats(dijkstra(graph.tocsr(), directed=False, indices=np.flatnonzero(out), min_only=True))

@@ -1,0 +1,271 @@
+"""Guiding vector field of the desired path, [2], and the composite field round obstacles, [7], [8].
+
+The composite step is applied once, to the blended velocity: inside a reactive boundary that the robot heads into, its
+velocity turns towards circulation, fully so at the repulsive boundary. The whole team circulates on one side of a ring:
+that side is agreed in each connected component and kept until the ring is empty. Robots that each choose a side split
+round a bar and hold each other there.
+"""
+
+import math
+
+import numpy as np
+
+from higvf_console.control.forms import Forms
+from higvf_console.control.gains import PathGains, RingGains
+from higvf_console.control.guidance.bump import zero_in
+from higvf_console.control.guidance.obstacles import part_at, part_radius
+from higvf_console.control.guidance.paths import nearest
+from higvf_console.control.guidance.rings import ALONE, TOGETHER, Rings, has_hull, opened, ring_at, row_of
+from higvf_console.control.kernel import kernel
+from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.state import NOBODY, Motion, Path, World
+
+
+@kernel
+def guiding_vector(path: Path, w: float, window: float, x: float, y: float, gains: PathGains) -> tuple[float, float]:
+    """Unit guiding vector at (x, y), [2] with signed distance over capture distance.
+
+    X_hat = (gamma t - k e n) / sqrt(1 + (k e)^2); past the end of an open path it points back to the end.
+    """
+    w, fx, fy, tx, ty = nearest(path, w, window, x, y)
+    gamma = path.direction
+    if not path.closed and (
+        (gamma > 0.0 and w >= path.length) or (gamma < 0.0 and w <= 0.0 and path.length < math.inf)
+    ):
+        gamma = 0.0
+    vx = gamma * tx - (x - fx) / gains.capture_distance
+    vy = gamma * ty - (y - fy) / gains.capture_distance
+    norm = math.sqrt(vx * vx + vy * vy)
+    if norm == 0.0:
+        return path.direction * tx, path.direction * ty
+    return vx / norm, vy / norm
+
+
+@kernel
+def composite_velocity(
+    vx: float, vy: float, x: float, y: float, i: int, side: Ints, own_ring: int, goal_x: float, goal_y: float,
+    rings: Rings, world: World, margins: RingGains, forms: Forms,
+) -> tuple[float, float]:  # fmt: skip
+    """Turns robot i's velocity towards circulation inside the rings it heads into, [8].
+
+    v <- w_P v + |v| sum_i w_i tau_i,  w_P = prod S_i,  w_i = (1 - w_P) Z_i / sum Z,  tau_i = side_i E n_i.
+
+    Inside a hull that is not opened for its goal the robot leaves on the shortest way.
+
+    Args:
+        vx: velocity [m/s].
+        vy: velocity [m/s].
+        x: position [m].
+        y: position [m].
+        i: robot index.
+        side: (N, K) circulation sides.
+        own_ring: ring of the robot's goal, no obstacle to it, or NOBODY.
+        goal_x: where the robot is bound for [m]; NaN for nowhere.
+        goal_y: where the robot is bound for [m].
+        rings: from `rings.find_rings`.
+        world: the parts of the rings.
+        margins: margins and bump rates.
+        forms: of the bump.
+    """
+    speed = math.sqrt(vx * vx + vy * vy)
+    path_weight, bump_sum, turn_x, turn_y = 1.0, 0.0, 0.0, 0.0
+    for k in range(rings.capsule.shape[0]):
+        row = row_of(rings, k, own_ring, goal_x, goal_y)
+        if row == NOBODY:
+            continue
+        gap, nx, ny = ring_at(rings, row, k, x, y)
+        if gap >= margins.reactive_margin:
+            continue
+        around = 1.0 if side[i, k] >= 0 else -1.0
+        hull = has_hull(rings, row, k)
+        if hull and row == ALONE and opened(rings, ALONE, k, goal_x, goal_y):
+            if gap < 0.0 and world.ring[k, 8] > 0.0:
+                gap, nx, ny = smoothed_gap(k, x, y, world)
+                zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, 0.0, around, False, margins, forms)
+                path_weight *= 1.0 - zero_out
+                bump_sum += zero_out
+                turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
+                continue
+            for p in range(world.ring_start[1, k], world.ring_start[1, k + 1]):
+                part = world.part[p]
+                gap, nx, ny = part_at(part, x, y, world)
+                zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, part_radius(part, world), around, False, margins, forms)
+                path_weight *= 1.0 - zero_out
+                bump_sum += zero_out
+                turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
+            continue
+        if hull and gap < 0.0:
+            out_x, out_y = way_out(rings, row, k, x, y, world)
+            if out_x != 0.0 or out_y != 0.0:
+                return speed * out_x, speed * out_y
+        radius = 0.0 if hull else float(rings.capsule[k, 4])
+        zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, radius, around, hull, margins, forms)
+        path_weight *= 1.0 - zero_out
+        bump_sum += zero_out
+        turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
+    if bump_sum == 0.0:
+        return vx, vy
+    share = speed * (1.0 - path_weight) / bump_sum
+    return path_weight * vx + share * turn_x, path_weight * vy + share * turn_y
+
+
+@kernel
+def _turn(
+    vx: float, vy: float, gap: float, nx: float, ny: float, radius: float, around: float, hull: bool,
+    margins: RingGains, forms: Forms,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Bump Z of a ring and the direction tau that it wants; Z = 0 for a robot outside or heading out.
+
+    Near a hull, where no barrier need be, tau also leads outwards, so that nobody slides along an opening into an edge.
+    """
+    if gap >= margins.reactive_margin or vx * nx + vy * ny >= 0.0:
+        return 0.0, 0.0, 0.0
+    zero_out = 1.0 - zero_in(max(gap, 0.0) + radius if hull else gap + radius, radius, margins, forms)
+    out = min(max(1.0 - gap / margins.repulsive_margin, 0.0), 1.0) if hull and margins.repulsive_margin > 0.0 else 0.0
+    return zero_out, out * nx - (1.0 - out) * around * ny, out * ny + (1.0 - out) * around * nx
+
+
+@kernel
+def way_out(rings: Rings, row: int, k: int, x: float, y: float, world: World) -> tuple[float, float]:
+    """Unit vector of the shortest way out of the hull that holds (x, y); zero where there is no grid for it."""
+    for g in range(world.ring.shape[0]):
+        member = g == k if row == ALONE else rings.cluster[g] == k
+        columns = int(world.ring[g, 8])
+        if not member or columns == 0 or ring_at(rings, ALONE, g, x, y)[0] >= 0.0:
+            continue
+        first, last = world.ring_start[2, g], world.ring_start[2, g + 1]
+        rows = (last - first) // columns
+        u = min(max((x - world.ring[g, 5]) / world.ring[g, 7], 0.0), columns - 1.001)
+        v = min(max((y - world.ring[g, 6]) / world.ring[g, 7], 0.0), rows - 1.001)
+        column, line = int(u), int(v)
+        u, v = u - column, v - line
+        at = first + line * columns + column
+        out_x, out_y = 0.0, 0.0
+        for corner in range(4):
+            node = at + corner % 2 + columns * (corner // 2)
+            weight = (u if corner % 2 == 1 else 1.0 - u) * (v if corner >= 2 else 1.0 - v)
+            out_x, out_y = out_x + weight * world.pocket[node, 0], out_y + weight * world.pocket[node, 1]
+        length = math.sqrt(out_x * out_x + out_y * out_y)
+        if length > 0.0:
+            return out_x / length, out_y / length
+    return 0.0, 0.0
+
+
+@kernel
+def smoothed_gap(g: int, x: float, y: float, world: World) -> tuple[float, float, float]:
+    """Gap to the parts of group g inside its hull [m], and its unit gradient, both C2.
+
+    A uniform cubic B-spline over the distances at the nodes of the group's grid: where parts meet at an angle, the
+    distance itself has edges. Barrier rows keep to the exact distances.
+    """
+    columns = int(world.ring[g, 8])
+    first = world.ring_start[2, g]
+    rows = (world.ring_start[2, g + 1] - first) // columns
+    cell = world.ring[g, 7]
+    u = min(max((x - world.ring[g, 5]) / cell, 1.0), columns - 2.001)
+    v = min(max((y - world.ring[g, 6]) / cell, 1.0), rows - 2.001)
+    column, line = int(u), int(v)
+    gap, slope_x, slope_y = 0.0, 0.0, 0.0
+    for down in range(4):
+        weight_v, change_v = _spline(v - line, down)
+        for right in range(4):
+            weight_u, change_u = _spline(u - column, right)
+            room = world.pocket[first + (line + down - 1) * columns + column + right - 1, 2]
+            gap += weight_u * weight_v * room
+            slope_x += change_u * weight_v * room
+            slope_y += weight_u * change_v * room
+    length = math.sqrt(slope_x * slope_x + slope_y * slope_y)
+    return (gap, slope_x / length, slope_y / length) if length > 0.0 else (gap, 1.0, 0.0)
+
+
+@kernel
+def _spline(t: float, node: int) -> tuple[float, float]:
+    """Weight of the uniform cubic B-spline's node 0..3 at t in [0, 1), and its derivative."""
+    s = 1.0 - t
+    if node == 0:
+        return s * s * s / 6.0, -s * s / 2.0
+    if node == 1:
+        return (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0, (3.0 * t * t - 4.0 * t) / 2.0
+    if node == 2:
+        return (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0, (4.0 * s - 3.0 * s * s) / 2.0
+    return t * t * t / 6.0, t * t / 2.0
+
+
+@kernel
+def zero_in_product(x: float, y: float, motion: Motion, world: World, margins: RingGains, forms: Forms) -> float:
+    """prod_j S_j at (x, y) over all obstacles and burning fires: the factor of [9], [13] and [14] as printed."""
+    product = 1.0
+    for k in range(world.circles.shape[0] + world.bars.shape[0]):
+        radius = part_radius(k, world)
+        product *= zero_in(part_at(k, x, y, world)[0] + radius, radius, margins, forms)
+    for j in range(world.fire_position.shape[0]):
+        if motion.fire_burning[j]:
+            dx, dy = x - world.fire_position[j, 0], y - world.fire_position[j, 1]
+            product *= zero_in(math.sqrt(dx * dx + dy * dy), float(motion.fire_radius[j]), margins, forms)
+    return product
+
+
+@kernel
+def agree_sides(
+    blended: Floats, position: Floats, before: Ints, component: Ints, influenced: int, flip: Bools, rings: Rings,
+    margins: RingGains,
+) -> Ints:  # fmt: skip
+    """The circulation side of each ring, (N, K), agreed in each connected component, one for all rings of a cluster.
+
+    Set by the first robot that heads inward in a ring (sign of v . E n, +-1), set anew by the influenced robot when it
+    first heads inward there (+-2), turned over where a robot that is to `flip` stands (+-3), adopted by all, cleared
+    when no robot of the component is in the ring.
+
+    Args:
+        blended: (N, 2) velocities [m/s].
+        position: (N, 2) [m].
+        before: (N, K) sides so far.
+        component: (N,) names of connected components.
+        influenced: the robot that feels the human, or NOBODY.
+        flip: (N,) robots for which the other side is to be tried.
+        rings: from `rings.find_rings`.
+        margins: of the reactive boundary.
+    """
+    robots, count = before.shape
+    agreed = np.zeros((robots, count), np.int64)  # row of a component: its smallest robot index
+    occupied = np.zeros((robots, count), np.bool_)
+    for i in range(robots):
+        c = component[i]
+        for k in range(count):
+            name = rings.cluster[k]
+            if abs(before[i, k]) > abs(agreed[c, name]):
+                agreed[c, name] = before[i, k]
+    for i in range(robots):
+        c = component[i]
+        weight = 2 if i == influenced else 1
+        for k in range(count):
+            if rings.cluster[k] != k:
+                continue
+            row = TOGETHER if has_hull(rings, TOGETHER, k) else ALONE
+            gap, nx, ny = ring_at(rings, row, k, position[i, 0], position[i, 1])
+            if gap >= margins.reactive_margin:
+                continue
+            occupied[c, k] = True
+            heading_in = blended[i, 0] * nx + blended[i, 1] * ny < 0.0
+            if flip[i] and agreed[c, k] != 0:
+                agreed[c, k] = -3 if agreed[c, k] > 0 else 3
+            elif abs(agreed[c, k]) < weight and heading_in:
+                agreed[c, k] = weight if blended[i, 1] * nx - blended[i, 0] * ny >= 0.0 else -weight
+    side = np.zeros((robots, count), np.int64)
+    for i in range(robots):
+        c = component[i]
+        for k in range(count):
+            name = rings.cluster[k]
+            if occupied[c, name]:
+                side[i, k] = agreed[c, name]
+    return side
+
+
+@kernel
+def has_human(component: Ints, influenced: int, active: bool) -> Bools:
+    """(N,) whether the human intention acts in each robot's component."""
+    found = np.zeros(component.shape[0], np.bool_)
+    if active:
+        for i in range(component.shape[0]):
+            found[i] = component[i] == component[influenced]
+    return found

@@ -1,0 +1,241 @@
+"""Rings: what the vector field goes round. Ring g is a group of still obstacles, ring G + j is fire j.
+
+    a lone circle or bar, a fire      its own capsule
+    parts without a way between       their convex hull: nobody is led into a gap or a pocket that has no other end
+    rings that a growing fire joins   one cluster: one side for all, and the hull of all
+
+The hulls shape the field alone; barrier rows keep to the parts. A goal inside a hull, such as a fire in a courtyard,
+opens it: the field then goes round the parts.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.control.guidance.obstacles import capsule_at, spine_point
+from higvf_console.control.kernel import kernel
+from higvf_console.core.arrays import Floats, Ints
+from higvf_console.core.state import NOBODY, Motion, World
+
+NO_RING = -math.inf  # radius of a ring that is not there: an extinguished fire
+ALONE, TOGETHER = 0, 1  # a ring by itself, or as one with its cluster
+_CORNERS = 16  # of the polygon that stands for a disc in a hull
+
+
+class Rings(NamedTuple):
+    """The rings of one tick, K = G + M.
+
+    Attributes:
+        capsule: (K, 5) spine ax, ay, bx, by and radius [m]; of a hull, the circle round it.
+        corner_start: (2, K + 1) ring k's hull is `corner[corner_start[row, k]:corner_start[row, k + 1]]`, row ALONE or
+            (by the cluster's name) TOGETHER; empty for a capsule.
+        corner: (V, 2) corners of hulls, counter-clockwise [m].
+        cluster: (K,) rings with a gap that no robot can pass; named by the smallest index.
+    """
+
+    capsule: Floats
+    corner_start: Ints
+    corner: Floats
+    cluster: Ints
+
+
+@kernel
+def find_rings(motion: Motion, world: World, clearance: float) -> Rings:
+    """The rings as the fires are now; `clearance` is R_o [m], so a gap below 2 R_o has no way through."""
+    groups, fires = world.ring.shape[0], world.fire_position.shape[0]
+    capsule = np.empty((groups + fires, 5))
+    corner_start = np.zeros((2, groups + fires + 1), np.int64)
+    for g in range(groups):
+        for column in range(5):
+            capsule[g, column] = world.ring[g, column]
+        corner_start[0, g + 1] = world.ring_start[0, g + 1]
+    for j in range(fires):
+        k = groups + j
+        capsule[k, 0] = capsule[k, 2] = world.fire_position[j, 0]
+        capsule[k, 1] = capsule[k, 3] = world.fire_position[j, 1]
+        capsule[k, 4] = motion.fire_radius[j] if motion.fire_burning[j] else NO_RING
+        corner_start[0, k + 1] = corner_start[0, k]
+    rings = Rings(capsule, corner_start, world.hull, np.arange(groups + fires))
+    return _with_clusters(rings, groups, clearance)
+
+
+@kernel
+def _with_clusters(rings: Rings, groups: int, clearance: float) -> Rings:
+    """Fires join the rings that they have grown to; each cluster gets its hull."""
+    cluster, joined = rings.cluster, False
+    count = cluster.shape[0]
+    for k in range(groups, count):
+        radius = rings.capsule[k, 4]
+        if radius == NO_RING:
+            continue
+        for other in range(k):
+            if rings.capsule[other, 4] == NO_RING:
+                continue
+            gap, _, _ = ring_at(rings, ALONE, other, rings.capsule[k, 0], rings.capsule[k, 1])
+            if gap - radius < 2.0 * clearance and cluster[other] != cluster[k]:
+                joined = True
+                old, new = max(cluster[k], cluster[other]), min(cluster[k], cluster[other])
+                for member in range(count):
+                    if cluster[member] == old:
+                        cluster[member] = new
+    if not joined:
+        return rings
+    corner, corner_start = rings.corner, rings.corner_start
+    first = corner.shape[0]
+    for name in range(count):
+        corner_start[1, name] = first
+        size = 0
+        for member in range(count):
+            size += cluster[member] == name
+        if size > 1:
+            hull = convex_hull(_corners_of(rings, name))
+            corner = np.concatenate((corner, hull))
+            first += hull.shape[0]
+    corner_start[1, count] = first
+    return Rings(rings.capsule, corner_start, corner, cluster)
+
+
+@kernel
+def _corners_of(rings: Rings, name: int) -> Floats:
+    """Points (n, 2) whose hull holds every ring of a cluster."""
+    points = np.empty((0, 2))
+    for k in range(rings.cluster.shape[0]):
+        if rings.cluster[k] == name:
+            first, last = rings.corner_start[0, k], rings.corner_start[0, k + 1]
+            own = rings.corner[first:last] if last > first else capsule_corners(rings.capsule[k])
+            points = np.concatenate((points, own))
+    return points
+
+
+@kernel
+def capsule_corners(capsule: Floats) -> Floats:
+    """Corners (n, 2) of a polygon round a capsule (5,), two discs' circumscribed polygons; spine ends without width."""
+    radius = capsule[4]
+    corners = _CORNERS if radius > 0.0 else 1
+    points = np.empty((2 * corners, 2))
+    reach = radius / math.cos(math.pi / _CORNERS)
+    for c in range(corners):
+        turn = 2.0 * math.pi * (c + 0.5) / _CORNERS
+        points[c, 0], points[c, 1] = capsule[0] + reach * math.cos(turn), capsule[1] + reach * math.sin(turn)
+        points[corners + c, 0] = capsule[2] + reach * math.cos(turn)
+        points[corners + c, 1] = capsule[3] + reach * math.sin(turn)
+    return points
+
+
+@kernel
+def convex_hull(points: Floats) -> Floats:
+    """Corners (h, 2), counter-clockwise, of the convex hull of points (n, 2): gift wrapping."""
+    count = points.shape[0]
+    start = 0
+    for k in range(1, count):
+        if points[k, 0] < points[start, 0] or (points[k, 0] == points[start, 0] and points[k, 1] < points[start, 1]):
+            start = k
+    chosen = np.empty(count, np.int64)
+    used, at = 0, start
+    while used < count:
+        chosen[used] = at
+        used += 1
+        best = -1
+        for k in range(count):
+            bx, by = points[k, 0] - points[at, 0], points[k, 1] - points[at, 1]
+            if bx * bx + by * by < 1e-18:
+                continue
+            if best < 0:
+                best = k
+                continue
+            ax, ay = points[best, 0] - points[at, 0], points[best, 1] - points[at, 1]
+            cross = ax * by - ay * bx
+            if cross < 0.0 or (cross == 0.0 and bx * bx + by * by > ax * ax + ay * ay):
+                best = k
+        if best < 0:
+            break
+        at = best
+        dx, dy = points[at, 0] - points[start, 0], points[at, 1] - points[start, 1]
+        if dx * dx + dy * dy < 1e-18:
+            break
+    return points[chosen[:used]]
+
+
+@kernel
+def ring_at(rings: Rings, row: int, k: int, x: float, y: float) -> tuple[float, float, float]:
+    """Ring k from (x, y): gap to its surface [m], negative inside, and outward unit normal; far from a hull, a bound.
+
+    Args:
+        rings: from `find_rings`.
+        row: ALONE, or TOGETHER for the cluster that k names.
+        k: ring.
+        x: position [m].
+        y: position [m].
+    """
+    first, last = rings.corner_start[row, k], rings.corner_start[row, k + 1]
+    if first == last or row == ALONE:
+        capsule = rings.capsule
+        gap, nx, ny = capsule_at(
+            x, y, capsule[k, 0], capsule[k, 1], capsule[k, 2], capsule[k, 3], float(capsule[k, 4])
+        )  # fmt: skip
+        if first == last or gap > capsule[k, 4]:
+            return gap, nx, ny
+    return _hull_at(rings.corner, first, last, x, y)
+
+
+@kernel
+def _hull_at(corner: Floats, first: int, last: int, x: float, y: float) -> tuple[float, float, float]:
+    """Signed distance to a convex polygon and its gradient."""
+    inside, least, nx, ny = -math.inf, math.inf, 1.0, 0.0
+    in_nx, in_ny = 1.0, 0.0
+    for k in range(first, last):
+        after = k + 1 if k + 1 < last else first
+        ax, ay, bx, by = corner[k, 0], corner[k, 1], corner[after, 0], corner[after, 1]
+        ex, ey = bx - ax, by - ay
+        length = math.sqrt(ex * ex + ey * ey)
+        out_x, out_y = ey / length, -ex / length
+        depth = (x - ax) * out_x + (y - ay) * out_y
+        if depth > inside:
+            inside, in_nx, in_ny = depth, out_x, out_y
+        ox, oy = spine_point(x, y, ax, ay, bx, by)
+        distance = math.sqrt((x - ox) ** 2 + (y - oy) ** 2)
+        if distance < least:
+            least = distance
+            if distance > 0.0:
+                nx, ny = (x - ox) / distance, (y - oy) / distance
+    return (inside, in_nx, in_ny) if inside <= 0.0 else (least, nx, ny)
+
+
+@kernel
+def has_hull(rings: Rings, row: int, k: int) -> bool:
+    """Whether ring k (row ALONE), or the cluster that k names (TOGETHER), is a hull."""
+    return rings.corner_start[row, k + 1] > rings.corner_start[row, k]
+
+
+@kernel
+def opened(rings: Rings, row: int, k: int, goal_x: float, goal_y: float) -> bool:
+    """Whether a hull holds the goal, so that a robot must be let in; never for a goal that is not a number."""
+    return math.isfinite(goal_x) and has_hull(rings, row, k) and ring_at(rings, row, k, goal_x, goal_y)[0] < 0.0
+
+
+@kernel
+def row_of(rings: Rings, k: int, own_ring: int, goal_x: float, goal_y: float) -> int:
+    """How a robot goes round ring k: ALONE or TOGETHER; NOBODY where another ring stands for it, or it is the goal.
+
+    Args:
+        rings: from `find_rings`.
+        k: ring.
+        own_ring: ring of the robot's target, or NOBODY.
+        goal_x: where the robot is bound for [m]; NaN for nowhere.
+        goal_y: where the robot is bound for [m].
+    """
+    name = rings.cluster[k]
+    if k == own_ring or rings.capsule[k, 4] == NO_RING:
+        return NOBODY
+    if not has_hull(rings, TOGETHER, name):
+        return ALONE
+    if (own_ring != NOBODY and rings.cluster[own_ring] == name) or opened(rings, TOGETHER, name, goal_x, goal_y):
+        return ALONE
+    return TOGETHER if k == name else NOBODY
+
+
+@kernel
+def fire_ring(fire: int, world: World) -> int:
+    """The ring of a fire; NOBODY for none."""
+    return NOBODY if fire == NOBODY else world.ring.shape[0] + fire

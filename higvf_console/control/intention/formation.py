@@ -1,0 +1,38 @@
+"""Distance-based formation control, [12], [14], with the sign that attracts when too far and repels when too near."""
+
+import math
+
+from higvf_console.control.forms import PRINTED, Forms
+from higvf_console.control.gains import FormationGains
+from higvf_console.control.kernel import kernel
+from higvf_console.core.arrays import Floats, Ints
+
+
+@kernel
+def formation_velocity(
+    i: int, x: float, y: float, position: Floats, shape: Floats, start: Ints, to: Ints, gains: FormationGains,
+    forms: Forms,
+) -> tuple[float, float]:  # fmt: skip
+    """Formation velocity v_f of robot i at (x, y) [m/s]: sum of -k_form (|r| - d) r/|r| over its links, capped.
+
+    d is the links' length in the formation `shape` (N, 2) [m]. Robots at one point part along x. As printed, with
+    | |r| - d | for |r| - d, robots that are too near attract each other as well.
+    """
+    vx, vy = 0.0, 0.0
+    for entry in range(start[i], start[i + 1]):
+        j = to[entry]
+        rx, ry = x - position[j, 0], y - position[j, 1]
+        distance = math.hypot(rx, ry)
+        wanted = math.hypot(shape[i, 0] - shape[j, 0], shape[i, 1] - shape[j, 1])
+        pull = gains.formation_rate * (wanted - distance)
+        if forms.formation == PRINTED:
+            pull = -abs(pull)
+        if distance == 0.0:
+            vx += pull if i > j else -pull
+        else:
+            vx += pull * rx / distance
+            vy += pull * ry / distance
+    speed = math.hypot(vx, vy)
+    if speed > gains.formation_speed:
+        vx, vy = vx * gains.formation_speed / speed, vy * gains.formation_speed / speed
+    return vx, vy

@@ -1,0 +1,69 @@
+"""Shared intention, [15], [16]: each robot blends its own, its neighbours' and the human's intention."""
+
+import math
+
+import numpy as np
+
+from higvf_console.control.forms import PRINTED, Forms
+from higvf_console.control.gains import IntentionGains
+from higvf_console.control.kernel import kernel
+from higvf_console.core.arrays import Floats, Ints
+
+
+@kernel
+def shared_intention(
+    i: int, vx: float, vy: float, robot_x: float, robot_y: float, human_x: float, human_y: float, psi: float,
+    intention: Floats, start: Ints, to: Ints, gains: IntentionGains, forms: Forms, dt: float,
+) -> tuple[float, float]:  # fmt: skip
+    """v_s of robot i after dt [s]: the ODE of Appendix A, semi-implicit, so stable at every dt and degree.
+
+    v <- (v + dt (w1 v_t + w2 sum g v_j + w3 psi v_h)) / (1 + dt (w0 + w1 + w2 sum g + w3 psi)), where the dead zone
+    [16] gives g = max(0, n - epsilon) / n for n = |v_j - v|. An infinite dt gives the fixed point for the present g.
+    As printed, a map v <- w1 v_t + w2 sum g v_j + w3 psi v_h - (w0 + w1 + w2 sum g + w3 psi) v with weights that are
+    no rates: it alternates in sign, and converges only with a spectral radius below 1 (see `map_radius`).
+
+    Args:
+        i: robot index.
+        vx: v_s of the robot.
+        vy: v_s of the robot.
+        robot_x: robot intention v_t.
+        robot_y: robot intention v_t.
+        human_x: human intention v_h.
+        human_y: human intention v_h.
+        psi: how strongly the robot receives the human intention: 1, or more on the way out of a deadlock; else 0.
+        intention: (N, 2) v_s of all robots.
+        start: (N + 1,) rows of `to`.
+        to: neighbours.
+        gains: weights.
+        forms: of the update.
+        dt: control period [s].
+    """
+    pull_x = gains.robot_weight * robot_x + gains.human_weight * psi * human_x
+    pull_y = gains.robot_weight * robot_y + gains.human_weight * psi * human_y
+    weight = gains.decay + gains.robot_weight + gains.human_weight * psi
+    for entry in range(start[i], start[i + 1]):
+        j = to[entry]
+        gap = math.hypot(intention[j, 0] - vx, intention[j, 1] - vy)
+        if gap > gains.dead_zone:
+            share = gains.neighbour_weight * (gap - gains.dead_zone) / gap
+            pull_x += share * intention[j, 0]
+            pull_y += share * intention[j, 1]
+            weight += share
+    if dt == math.inf:
+        return pull_x / weight, pull_y / weight
+    if forms.intention == PRINTED:
+        return pull_x - weight * vx, pull_y - weight * vy
+    return (vx + dt * pull_x) / (1.0 + dt * weight), (vy + dt * pull_y) / (1.0 + dt * weight)
+
+
+def map_radius(laplacian: Floats, influenced: int, gains: IntentionGains) -> float:
+    """Spectral radius of the printed map [15], (w0 + w1) I + w2 L + w3 Psi; the map converges below 1.
+
+    Args:
+        laplacian: (N, N) graph Laplacian L of the communication links.
+        influenced: the robot that feels the human, psi = 1.
+        gains: weights omega_0..3.
+    """
+    matrix = (gains.decay + gains.robot_weight) * np.eye(len(laplacian)) + gains.neighbour_weight * laplacian
+    matrix[influenced, influenced] += gains.human_weight
+    return float(np.abs(np.linalg.eigvalsh(matrix)).max())

@@ -1,0 +1,149 @@
+"""Who is near whom: neighbour lists by a cell list, and the connected components that they span.
+
+Lists are in compressed rows: robot i's neighbours are `to[start[i]:start[i + 1]]`, sorted. The sorting is free:
+closeness is symmetric, so transposing unsorted rows fills every row in the order of the robots.
+"""
+
+import math
+
+import numpy as np
+
+from higvf_console.control.kernel import kernel
+from higvf_console.core.arrays import Floats, Ints
+
+
+@kernel
+def within(position: Floats, reach: float) -> tuple[Ints, Ints]:
+    """Lists for every robot all others at most `reach` away, in O(N) where few are.
+
+    A robot whose position is not a number has no neighbours and is nobody's.
+
+    Args:
+        position: (N, 2) [m].
+        reach: largest distance [m]; inf gives the complete graph.
+
+    Returns:
+        start (N + 1,) and to (E,): robot i's neighbours are `to[start[i]:start[i + 1]]`, sorted by index.
+    """
+    columns, rows, x_min, y_min, width = _grid(position, reach)
+    if columns * rows <= 9:
+        return _among_all(position, reach)
+    cell, cell_start, members = _cells(position, columns, rows, x_min, y_min, width)
+    count = position.shape[0]
+    square = reach * reach
+    start = np.zeros(count + 1, np.int64)
+    to = np.empty(8 * count, np.int64)
+    used = 0
+    for i in range(count):
+        if cell[i] >= 0:
+            column, row = cell[i] % columns, cell[i] // columns
+            for near_row in range(max(row - 1, 0), min(row + 2, rows)):
+                first = cell_start[near_row * columns + max(column - 1, 0)]
+                last = cell_start[near_row * columns + min(column + 1, columns - 1) + 1]
+                if used + last - first > to.shape[0]:
+                    to = np.concatenate((to, np.empty(to.shape[0] + last - first, np.int64)))
+                for k in range(first, last):
+                    j = members[k]
+                    dx, dy = position[i, 0] - position[j, 0], position[i, 1] - position[j, 1]
+                    if dx * dx + dy * dy <= square and j != i:
+                        to[used] = j
+                        used += 1
+        start[i + 1] = used
+    return start, _transposed(start, to)
+
+
+@kernel
+def components(start: Ints, to: Ints) -> Ints:
+    """Connected components of symmetric neighbour lists: (N,) the smallest robot index of each one's component."""
+    count = start.shape[0] - 1
+    label = np.full(count, -1, np.int64)
+    stack = np.empty(count, np.int64)
+    for seed in range(count):
+        if label[seed] < 0:
+            label[seed] = seed
+            stack[0] = seed
+            height = 1
+            while height > 0:
+                height -= 1
+                i = stack[height]
+                for k in range(start[i], start[i + 1]):
+                    j = to[k]
+                    if label[j] < 0:
+                        label[j] = seed
+                        stack[height] = j
+                        height += 1
+    return label
+
+
+@kernel
+def _grid(position: Floats, reach: float) -> tuple[int, int, float, float, float]:
+    """Columns, rows, origin and width of square cells at least `reach` wide, O(N) of them; one cell if that is vain."""
+    count = position.shape[0]
+    x_min, x_max, y_min, y_max = np.inf, -np.inf, np.inf, -np.inf
+    for i in range(count):
+        x, y = position[i, 0], position[i, 1]
+        if math.isfinite(x) and math.isfinite(y):
+            x_min, x_max = min(x_min, x), max(x_max, x)
+            y_min, y_max = min(y_min, y), max(y_max, y)
+    across, up = x_max - x_min, y_max - y_min
+    if not (count > 16 and reach >= 0.0 and across >= 0.0):
+        return 1, 1, 0.0, 0.0, 1.0
+    width = max(reach * (1.0 + 1e-9), math.sqrt(across * up / count), max(across, up) / count)
+    if not 0.0 < width < np.inf:
+        return 1, 1, 0.0, 0.0, 1.0
+    return int(across / width) + 1, int(up / width) + 1, x_min, y_min, width
+
+
+@kernel
+def _cells(
+    position: Floats, columns: int, rows: int, x_min: float, y_min: float, width: float
+) -> tuple[Ints, Ints, Ints]:
+    """Each robot's cell (-1 off the grid), and the robots of each cell in compressed rows."""
+    count = position.shape[0]
+    cell = np.full(count, -1, np.int64)
+    cell_start = np.zeros(columns * rows + 1, np.int64)
+    for i in range(count):
+        x, y = position[i, 0], position[i, 1]
+        if math.isfinite(x) and math.isfinite(y):
+            cell[i] = int((y - y_min) / width) * columns + int((x - x_min) / width)
+            cell_start[cell[i] + 1] += 1
+    for c in range(columns * rows):
+        cell_start[c + 1] += cell_start[c]
+    fill = cell_start.copy()
+    members = np.empty(cell_start[-1], np.int64)
+    for i in range(count):
+        if cell[i] >= 0:
+            members[fill[cell[i]]] = i
+            fill[cell[i]] += 1
+    return cell, cell_start, members
+
+
+@kernel
+def _among_all(position: Floats, reach: float) -> tuple[Ints, Ints]:
+    """Neighbour lists by looking at every pair."""
+    count = position.shape[0]
+    square = reach * reach if reach >= 0.0 else -1.0
+    start = np.zeros(count + 1, np.int64)
+    to = np.empty(count * max(count - 1, 0), np.int64)
+    used = 0
+    for i in range(count):
+        for j in range(count):
+            dx, dy = position[i, 0] - position[j, 0], position[i, 1] - position[j, 1]
+            if dx * dx + dy * dy <= square and j != i:
+                to[used] = j
+                used += 1
+        start[i + 1] = used
+    return start, to[:used].copy()
+
+
+@kernel
+def _transposed(start: Ints, to: Ints) -> Ints:
+    """The same symmetric relation with every row sorted."""
+    fill = start[:-1].copy()
+    turned = np.empty(start[-1], np.int64)
+    for i in range(start.shape[0] - 1):
+        for k in range(start[i], start[i + 1]):
+            j = to[k]
+            turned[fill[j]] = i
+            fill[j] += 1
+    return turned

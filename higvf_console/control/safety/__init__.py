@@ -1,0 +1,1 @@
+"""The safety filter: the velocity nearest to the nominal one under all barrier constraints."""

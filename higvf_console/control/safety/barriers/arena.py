@@ -1,0 +1,28 @@
+"""Robots stay inside the walls of the arena."""
+
+from higvf_console.control.gains import SafetyGains
+from higvf_console.control.kernel import kernel
+from higvf_console.control.safety.barriers.row import class_k
+
+
+@kernel
+def wall_row(
+    x: float, y: float, normal_x: float, normal_y: float, offset: float, safety: SafetyGains
+) -> tuple[float, float, float]:
+    """The row of a wall: -n.v <= beta R_o k(h), h = (n.p - w)/R_o - 1.
+
+    Args:
+        x: the robot [m].
+        y: the robot [m].
+        normal_x: unit inward normal n.
+        normal_y: unit inward normal n.
+        offset: w; inside means n.p >= w [m].
+        safety: clearance and rate.
+
+    Returns:
+        ax, ay, b of the unit row a.v <= b.
+    """
+    clearance = safety.obstacle_clearance
+    h = (normal_x * x + normal_y * y - offset) / clearance - 1.0
+    b = safety.obstacle_rate * clearance * class_k(h)
+    return -normal_x, -normal_y, max(b, -safety.speed_limit)

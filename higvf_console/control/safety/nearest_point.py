@@ -1,0 +1,288 @@
+"""The nearest point to nominal velocities under rows that couple robots: a dual active set, exact, with proofs.
+
+The method of Goldfarb and Idnani for an identity Hessian. It starts at the nominal velocities, which are optimal for
+no rows, and brings in the most violated row, letting go of active rows whose multiplier would turn negative. It stops
+at the optimum, or with a conflict: weights >= 0 under which the rows add up to 0.u <= something negative, which
+proves that no velocity meets them. A speed limit is a disc, so it enters as a tangent wherever it is broken.
+
+A row is ax, ay, b of a.u_i <= b, or of a.(u_i - u_j) <= b where two members share it: `ends` holds i and j, or i
+and -1.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.control.kernel import kernel
+from higvf_console.core.arrays import Bools, Floats, Ints
+
+OPTIMAL = 0
+CONFLICT = 1
+FAILED = 2
+
+_TOLERANCE = 1e-10  # share of v_max by which a row may be broken
+_DEPENDENT = 1e-14  # square of the sine of the angle to the active normals below which a normal depends on them
+_TANGENTS = 40  # a member, at most
+
+
+class Rows(NamedTuple):
+    """Rows of a cluster of S robots, with space for the tangents of the speed limit behind them.
+
+    Attributes:
+        ends: (C, 2) members that share the row; -1 for none.
+        row: (C, 3) ax, ay, b.
+        size: number of rows before any tangent.
+    """
+
+    ends: Ints
+    row: Floats
+    size: int
+
+
+class Solution(NamedTuple):
+    """What `nearest` found.
+
+    Attributes:
+        status: OPTIMAL, CONFLICT or FAILED.
+        velocity: (S, 2) [m/s]; of use when OPTIMAL.
+        weight: (C,) multipliers of the rows when OPTIMAL; when in CONFLICT the weights that prove it.
+        size: number of rows, tangents included.
+    """
+
+    status: int
+    velocity: Floats
+    weight: Floats
+    size: int
+
+
+class _Active(NamedTuple):
+    """Active rows, their multipliers, and N = Q R of their normals: row k of `basis` is Q's column k."""
+
+    row: Ints
+    multiplier: Floats
+    basis: Floats
+    upper: Floats
+
+
+@kernel
+def empty_rows(members: int, count: int) -> Rows:
+    """Space for `count` rows of a cluster and for the tangents of its speed limits."""
+    space = count + _TANGENTS * members
+    return Rows(np.full((space, 2), -1, np.int64), np.zeros((space, 3)), count)
+
+
+@kernel
+def nearest(nominal: Floats, rows: Rows, speed_limit: float) -> Solution:
+    """The velocities nearest to `nominal` that meet all rows and the speed limit.
+
+    Args:
+        nominal: (S, 2) [m/s].
+        rows: from `empty_rows`, filled; tangents are written behind them.
+        speed_limit: v_max [m/s].
+    """
+    size = nominal.size
+    active = _Active(
+        np.empty(size, np.int64), np.zeros(size), np.zeros((size, size)), np.zeros((size, size))
+    )  # fmt: skip
+    velocity = nominal.copy()
+    weight = np.zeros(rows.row.shape[0])
+    is_active = np.zeros(rows.row.shape[0], np.bool_)
+    used, count = 0, rows.size
+    for _ in range(20 * (size + rows.size) + 200):
+        p, count = _most_broken(velocity, rows, count, is_active, speed_limit)
+        if p < 0:
+            for k in range(used):
+                weight[active.row[k]] = active.multiplier[k]
+            return Solution(OPTIMAL, velocity, weight, count)
+        if p >= rows.row.shape[0]:
+            return Solution(FAILED, velocity, weight, count)
+        used, proven = _enter(p, velocity, rows, active, used, is_active, weight)
+        if proven:
+            return Solution(CONFLICT, velocity, weight, count)
+    return Solution(FAILED, velocity, weight, count)
+
+
+@kernel
+def residual(rows: Rows, r: int, velocity: Floats) -> float:
+    """By how much `velocity` (S, 2) breaks row r [m/s]."""
+    i, j = rows.ends[r, 0], rows.ends[r, 1]
+    ax, ay = rows.row[r, 0], rows.row[r, 1]
+    value = ax * velocity[i, 0] + ay * velocity[i, 1]
+    if j >= 0:
+        value -= ax * velocity[j, 0] + ay * velocity[j, 1]
+    return value - rows.row[r, 2]
+
+
+@kernel
+def violation(rows: Rows, velocity: Floats, speed_limit: float) -> float:
+    """By how much `velocity` (S, 2) breaks the worst of the rows and speed limits [m/s]; 0 if it meets them all."""
+    worst = 0.0
+    for r in range(rows.size):
+        worst = max(worst, residual(rows, r, velocity))
+    for k in range(velocity.shape[0]):
+        worst = max(worst, math.sqrt(velocity[k, 0] ** 2 + velocity[k, 1] ** 2) - speed_limit)
+    return worst
+
+
+@kernel
+def optimality_error(nominal: Floats, rows: Rows, solution: Solution, speed_limit: float) -> float:
+    """By how much a solution misses stationarity, complementarity and the signs of the multipliers.
+
+    Returns:
+        A share of the largest multiplier, or of the speed limit where that is larger.
+    """
+    stationary = np.empty_like(nominal)
+    for k in range(nominal.shape[0]):
+        for axis in range(2):
+            stationary[k, axis] = solution.velocity[k, axis] - nominal[k, axis]
+    error, scale = 0.0, speed_limit
+    for r in range(solution.size):
+        weight = solution.weight[r]
+        scale = max(scale, weight)
+        error = max(error, -weight, min(weight, abs(residual(rows, r, solution.velocity))))
+        i, j = rows.ends[r, 0], rows.ends[r, 1]
+        for axis in range(2):
+            stationary[i, axis] += weight * rows.row[r, axis]
+            if j >= 0:
+                stationary[j, axis] -= weight * rows.row[r, axis]
+    for k in range(nominal.shape[0]):
+        error = max(error, abs(stationary[k, 0]), abs(stationary[k, 1]))
+    return error / scale
+
+
+@kernel
+def _most_broken(velocity: Floats, rows: Rows, count: int, is_active: Bools, speed_limit: float) -> tuple[int, int]:
+    """The row that is broken most, -1 if none is; a broken speed limit adds its tangent. And the number of rows."""
+    worst, p, fast = _TOLERANCE * speed_limit, -1, -1
+    for r in range(count):
+        if not is_active[r]:
+            broken = residual(rows, r, velocity)
+            if broken > worst:
+                worst, p = broken, r
+    for k in range(velocity.shape[0]):
+        excess = math.sqrt(velocity[k, 0] ** 2 + velocity[k, 1] ** 2) - speed_limit
+        if excess > worst:
+            worst, fast = excess, k
+    if fast < 0:
+        return p, count
+    if count < rows.row.shape[0]:
+        speed = speed_limit + worst
+        rows.ends[count, 0], rows.ends[count, 1] = fast, -1
+        rows.row[count, 0], rows.row[count, 1] = velocity[fast, 0] / speed, velocity[fast, 1] / speed
+        rows.row[count, 2] = speed_limit
+    return count, count + 1
+
+
+@kernel
+def _enter(
+    p: int, velocity: Floats, rows: Rows, active: _Active, used: int, is_active: Bools, weight: Floats
+) -> tuple[int, bool]:
+    """Makes row p active, moving `velocity` and the multipliers; or writes the proof of a conflict into `weight`."""
+    size = velocity.size
+    step = np.empty(size)
+    share = np.empty(size)
+    column = np.empty(size)
+    gained = 0.0
+    while True:
+        square = _split(p, rows, active, used, step, column)
+        _solve_upper(active.upper, column, used, share)
+        drop, t = -1, np.inf
+        for k in range(used):
+            if share[k] > 1e-13 and active.multiplier[k] < t * share[k]:
+                drop, t = k, active.multiplier[k] / share[k]
+        independent = square > _DEPENDENT
+        full = max(residual(rows, p, velocity), 0.0) / square if independent else np.inf
+        if drop < 0 and not independent:
+            weight[p] = 1.0
+            for k in range(used):
+                weight[active.row[k]] = max(-share[k], 0.0)
+            return used, True
+        t = min(t, full)
+        gained += t
+        for k in range(used):
+            active.multiplier[k] -= t * share[k]
+        if independent:
+            for k in range(velocity.shape[0]):
+                velocity[k, 0] -= t * step[2 * k]
+                velocity[k, 1] -= t * step[2 * k + 1]
+        if full <= t:
+            _append(p, active, used, step, column, math.sqrt(square))
+            active.multiplier[used] = gained
+            is_active[p] = True
+            return used + 1, False
+        is_active[active.row[drop]] = False
+        used = _remove(drop, active, used)
+
+
+@kernel
+def _split(p: int, rows: Rows, active: _Active, used: int, step: Floats, column: Floats) -> float:
+    """Splits row p's normal into `column`, its parts along the basis, and `step`, the rest; the square of the rest."""
+    for m in range(step.shape[0]):
+        step[m] = 0.0
+        column[m] = 0.0
+    i, j = rows.ends[p, 0], rows.ends[p, 1]
+    for axis in range(2):
+        step[2 * i + axis] = rows.row[p, axis]
+        if j >= 0:
+            step[2 * j + axis] = -rows.row[p, axis]
+    square, before = _square(step), np.inf
+    while square < 0.5 * before and square > 0.0:  # a second pass removes the rounding of the first
+        before = square
+        for k in range(used):
+            part = 0.0
+            for m in range(step.shape[0]):
+                part += active.basis[k, m] * step[m]
+            column[k] += part
+            for m in range(step.shape[0]):
+                step[m] -= part * active.basis[k, m]
+        square = _square(step)
+        if square < _DEPENDENT * _DEPENDENT:
+            break
+    return square
+
+
+@kernel
+def _square(step: Floats) -> float:
+    total = 0.0
+    for m in range(step.shape[0]):
+        total += step[m] * step[m]
+    return total
+
+
+@kernel
+def _solve_upper(upper: Floats, column: Floats, used: int, share: Floats) -> None:
+    for k in range(used - 1, -1, -1):
+        value = column[k]
+        for m in range(k + 1, used):
+            value -= upper[k, m] * share[m]
+        share[k] = value / upper[k, k]
+
+
+@kernel
+def _append(p: int, active: _Active, used: int, step: Floats, column: Floats, length: float) -> None:
+    active.row[used] = p
+    for m in range(step.shape[0]):
+        active.basis[used, m] = step[m] / length
+    for k in range(used):
+        active.upper[k, used] = column[k]
+    active.upper[used, used] = length
+
+
+@kernel
+def _remove(drop: int, active: _Active, used: int) -> int:
+    """Takes one active row out; plane rotations make the rest of N = Q R triangular again. The number of rows left."""
+    upper, basis = active.upper, active.basis
+    for k in range(drop, used - 1):
+        active.row[k] = active.row[k + 1]
+        active.multiplier[k] = active.multiplier[k + 1]
+        for m in range(k + 2):
+            upper[m, k] = upper[m, k + 1]
+        length = math.sqrt(upper[k, k] ** 2 + upper[k + 1, k] ** 2)
+        c, s = upper[k, k] / length, upper[k + 1, k] / length
+        upper[k, k] = length
+        for m in range(k + 2, used):
+            upper[k, m], upper[k + 1, m] = c * upper[k, m] + s * upper[k + 1, m], c * upper[k + 1, m] - s * upper[k, m]
+        for m in range(basis.shape[1]):
+            basis[k, m], basis[k + 1, m] = c * basis[k, m] + s * basis[k + 1, m], c * basis[k + 1, m] - s * basis[k, m]
+    return used - 1

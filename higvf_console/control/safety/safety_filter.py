@@ -1,0 +1,116 @@
+"""The safety filter: each robot's velocity nearest to its nominal one that meets its barrier rows, [25], [28].
+
+    survey    who and what is near enough to matter            O(N)
+    project   each robot alone, on its halves of the pair rows exact, in the plane
+    rescue    robots that have no velocity alone               rare: neighbours yield, or the least violation
+
+The nominal velocity never passes unfiltered; a robot whose data are not numbers gets zero, and the others go on.
+"""
+
+import math
+
+import numpy as np
+
+from higvf_console.control.gains import SafetyGains
+from higvf_console.control.kernel import kernel
+from higvf_console.control.safety.barriers.speed_limit import clipped
+from higvf_console.control.safety.barriers.surroundings import most_rows, rows_of, survey
+from higvf_console.control.safety.projection import project
+from higvf_console.control.safety.rescue import Outcome, rescue
+from higvf_console.core.arrays import Bools, Floats, Ints
+
+_TIGHT = 1e-9  # share of v_max within which a row is met with equality
+
+
+@kernel
+def filter_velocities(
+    position: Floats,
+    nominal: Floats,
+    circles: Floats,
+    bars: Floats,
+    walls: Floats,
+    fire_position: Floats,
+    fire_radius: Floats,
+    fire_rate: Floats,
+    fire_burning: Bools,
+    safety: SafetyGains,
+) -> tuple[Floats, Ints, Bools]:
+    """The distributed safety filter of the whole team.
+
+    Args:
+        position: (N, 2) [m].
+        nominal: (N, 2) [m/s]; shortened to the speed limit first.
+        circles: (P, 3) x, y, radius [m].
+        bars: (Q, 5) ax, ay, bx, by, half width [m].
+        walls: (W, 3) unit inward normal and offset [m].
+        fire_position: (M, 2) [m].
+        fire_radius: (M,) [m].
+        fire_rate: (M,) growth of the radius over the coming control period [m/s].
+        fire_burning: (M,) extinguished fires have no rows.
+        safety: clearances, rates, speed limit and control period.
+
+    Returns:
+        velocity: (N, 2) [m/s], the nominal one bit for bit where all rows are slack.
+        active_rows: (N,) barrier rows that shaped it.
+        infeasible: (N,) no velocities of the team meet the robot's rows, so the least violation was taken; or the
+            robot's data are not numbers, and its velocity is zero.
+    """
+    around = survey(position, circles, bars, walls, fire_position, fire_radius, fire_rate, fire_burning, safety)
+    count = position.shape[0]
+    outcome = Outcome(np.zeros((count, 2)), np.zeros(count, np.int64), np.zeros(count, np.bool_))
+    limited = np.zeros((count, 2))
+    stuck = np.zeros(count, np.bool_)
+    usable = np.zeros(count, np.bool_)
+    most = most_rows(around)
+    rows = np.empty((most, 3))
+    other = np.empty(most, np.int64)
+    kept = np.empty(most, np.int64)
+    any_stuck = False
+    for i in range(count):
+        vx, vy = clipped(nominal[i, 0], nominal[i, 1], safety.speed_limit)
+        used = rows_of(i, around, rows, other)
+        ux, uy, feasible = project(vx, vy, rows, used, safety.speed_limit, kept)
+        usable[i] = math.isfinite(ux + uy + position[i, 0] + position[i, 1])
+        if not usable[i]:
+            outcome.infeasible[i] = True
+            continue
+        limited[i, 0], limited[i, 1] = vx, vy
+        stuck[i] = not feasible
+        outcome.velocity[i, 0], outcome.velocity[i, 1] = ux, uy
+        if ux != vx or uy != vy:
+            outcome.active_rows[i] = _tight(ux, uy, rows, used, safety.speed_limit)
+        any_stuck = any_stuck or stuck[i]
+    if any_stuck:
+        rescue(stuck, usable, limited, around, outcome)
+    return outcome.velocity, outcome.active_rows, outcome.infeasible
+
+
+@kernel
+def blocked(
+    velocity_x: float, velocity_y: float, nominal_x: float, nominal_y: float, active_rows: int, stall_speed: float
+) -> bool:
+    """Whether barrier rows, and nothing else, keep a robot from moving.
+
+    The filter's answer satisfies v - u = sum of lambda_k a_k over active rows, lambda >= 0. So a robot that should
+    move and does not (u = 0) has its nominal velocity v in the cone of the active normals, and a nominal velocity in
+    the cone of rows with b = 0 gives u = 0: the cone test needs no rows, only this.
+
+    Args:
+        velocity_x: filtered velocity u [m/s].
+        velocity_y: filtered velocity u [m/s].
+        nominal_x: what the filter was given, v [m/s].
+        nominal_y: what the filter was given, v [m/s].
+        active_rows: from `filter_velocities`.
+        stall_speed: below it a robot stands [m/s].
+    """
+    stands = velocity_x * velocity_x + velocity_y * velocity_y < stall_speed * stall_speed
+    wants = nominal_x * nominal_x + nominal_y * nominal_y > stall_speed * stall_speed
+    return stands and wants and active_rows > 0
+
+
+@kernel
+def _tight(ux: float, uy: float, rows: Floats, count: int, speed_limit: float) -> int:
+    tight = 0
+    for k in range(count):
+        tight += rows[k, 0] * ux + rows[k, 1] * uy >= rows[k, 2] - _TIGHT * speed_limit
+    return tight

@@ -1,0 +1,1 @@
+"""Benchmarks: `higvf bench --suite NAME`."""

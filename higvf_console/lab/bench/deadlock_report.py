@@ -1,0 +1,87 @@
+"""What the study of deadlocks found: shares and times by form and kind, or the story of one scene."""
+
+import json
+import statistics
+from collections.abc import Sequence
+from typing import Any
+
+from higvf_console.core.state import PathStatus
+from higvf_console.lab.bench.deadlock import FORMS, Outcome, gains_of, run_scene
+from higvf_console.lab.bench.scene_file import scene_setup
+from higvf_console.lab.bench.scenes import TIME_LIMIT, Kind, Scene
+from higvf_console.runtime.run import Run
+
+_MOST_SEEDS = 12  # of one line of the table
+_ENDS = {PathStatus.FINISHED: "arrived", PathStatus.BLOCKED: "gave up", PathStatus.FOLLOWING: "on its way"}
+_HEAD = ("form", "kind", "scenes", "arrived", "violations", "deadlock mean s", "median s")
+
+
+def plain(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """By form: the figures of the spaced scenes, and under their names those of the crowded ones and the pockets."""
+    return {
+        form: figures(_of(outcomes, form, Kind.SPACED))
+        | {kind.value: figures(_of(outcomes, form, kind)) for kind in (Kind.CROWDED, Kind.POCKETS)}
+        for form in FORMS
+    }
+
+
+def figures(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """What the outcomes of one form and kind come to; `failed` lists the seeds that did not arrive."""
+    arrivals = [outcome.seconds for outcome in outcomes if outcome.arrived]
+    return {
+        "scenes": len(outcomes),
+        "arrival_share": len(arrivals) / len(outcomes),
+        "violations": sum(outcome.violated for outcome in outcomes),
+        "deadlock_s_mean": round(statistics.fmean(outcome.deadlock for outcome in outcomes), 3),
+        "median_s": round(statistics.median(arrivals), 3) if arrivals else None,
+        "failed": [outcome.seed for outcome in outcomes if not outcome.arrived],
+    }
+
+
+def as_json(outcomes: Sequence[Outcome]) -> str:
+    """`plain`, as JSON with each list of seeds on its line."""
+    return json.dumps(plain(outcomes), indent=2)
+
+
+def table(outcomes: Sequence[Outcome]) -> str:
+    """One line a form and kind, and below it where to look."""
+    lines, failures = [[*_HEAD]], list[str]()
+    for kind in Kind:
+        for form in FORMS:
+            found = figures(_of(outcomes, form, kind))
+            median = "-" if found["median_s"] is None else f"{found['median_s']:.1f}"
+            figure = [f"{found['arrival_share']:.1%}", str(found["violations"]), f"{found['deadlock_s_mean']:.2f}"]
+            lines.append([form, kind.value, str(found["scenes"]), *figure, median])
+            if found["failed"] and form == "corrected":
+                failures.append(f"{kind.value} seeds that did not arrive: {_seeds(found['failed'])}")
+    widths = [max(len(line[column]) for line in lines) for column in range(len(_HEAD))]
+    rows = ["  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) for line in lines]
+    return "\n".join(["Deadlocks in random scenes, by the forms of the equations", *rows, *failures])
+
+
+def story(scene: Scene) -> str:
+    """How a scene ends in each form, and the events of the corrected one, in sentences."""
+    still = len(scene.circles) + len(scene.bars) + len(scene.polygons)
+    lines = [
+        f"Scene {scene.kind}:{scene.seed}: {len(scene.robots)} robots, {still} obstacles, {len(scene.fires)} fires; "
+        f"robot {scene.influenced + 1} follows the path."
+    ]
+    for form in FORMS:
+        end = run_scene(scene, form)
+        lines.append(
+            f"{form:9}  {_ENDS[end.status]} after {end.seconds:.1f} s, deadlocked {end.deadlock:.1f} s, "
+            f"smallest clearance {end.clearance:.2f} m"
+        )
+    run = Run(scene_setup(scene, gains_of("corrected", scene)))
+    while run.state.motion.path_status == PathStatus.FOLLOWING and run.time < TIME_LIMIT:
+        lines += [f"{event.time:8.2f} s  {event.text}" for event in run.step()]
+    return "\n".join(lines)
+
+
+def _seeds(failed: Sequence[int]) -> str:
+    more = f" and {len(failed) - _MOST_SEEDS} more" if len(failed) > _MOST_SEEDS else ""
+    return ", ".join(map(str, failed[:_MOST_SEEDS])) + more
+
+
+def _of(outcomes: Sequence[Outcome], form: str, kind: Kind) -> list[Outcome]:
+    return [outcome for outcome in outcomes if outcome.form == form and outcome.kind == kind]

@@ -1,0 +1,209 @@
+"""The safety filter against other ways to the same end.
+
+    distributed   the compiled filter
+    coupled       the centralised filter: rows, OSQP, polish
+    daqp          a general active-set solver, one call a robot, on rows that are given to it (their making is free)
+    orca          ORCA in C++: it solves another problem, and is here as a yardstick of speed
+
+Robots stand on a grid and want to go at random; circles and growing fires stand in gaps of the grid.
+"""
+
+import itertools
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from higvf_console.control.gains import SafetyGains
+from higvf_console.control.safety.barriers.surroundings import Surroundings, most_rows, rows_of, survey
+from higvf_console.control.safety.coupled_filter import CoupledFilter
+from higvf_console.control.safety.projection import project
+from higvf_console.control.safety.safety_filter import filter_velocities
+from higvf_console.core.arrays import Bools, Floats, bools, floats
+from higvf_console.lab.bench.timing import Case, Suite, take_turns
+
+try:
+    import daqp
+except ImportError:  # it comes with the extra `bench`
+    daqp = None
+try:
+    from pyrvo.pyrvo import RVOSimulator
+except ImportError:
+    RVOSimulator = None
+
+TEAMS = (3, 30, 100, 1000)
+SPACING = {"medium": 60.0, "dense": 30.0}  # [m]
+_WISHES = 8  # different nominal velocities that are filtered in turn
+_Turn: TypeAlias = Callable[[int], object]
+_COMPARED = 60  # robots of each scene whose velocity is compared with brute force
+
+
+class _Hazards(NamedTuple):
+    """The arguments of a filter that follow the nominal velocities."""
+
+    circles: Floats
+    bars: Floats
+    walls: Floats
+    fire_position: Floats
+    fire_radius: Floats
+    fire_rate: Floats
+    fire_burning: Bools
+    safety: SafetyGains
+
+
+class _Scene(NamedTuple):
+    position: Floats  # (N, 2) [m]
+    wishes: Floats  # (_WISHES, N, 2) [m/s]
+    hazards: _Hazards
+
+
+def run() -> Suite:
+    """Medium and dense scenes of 3 to 1000 robots."""
+    cases = [_case(density, robots) for density in SPACING for robots in TEAMS]
+    return Suite("Safety filter, one tick of the whole team", "distributed", tuple(cases))
+
+
+def _case(density: str, robots: int) -> Case:
+    scene = _scene(SPACING[density], robots)
+    taken: dict[str, float | None] = dict.fromkeys(("distributed", "coupled", "daqp", "orca"))
+    contenders, prepare = _contenders(scene)
+    taken.update(take_turns(contenders, prepare))
+    _, active, infeasible = filter_velocities(scene.position, scene.wishes[0], *scene.hazards)
+    facts = {
+        "active_rows_a_robot": float(active.mean()),
+        "infeasible_robots": float(infeasible.sum()),
+        "error_against_brute_force": brute_force_error(scene.position, scene.wishes[0], *scene.hazards),
+    }
+    return Case(density, robots, taken, facts)
+
+
+def _scene(spacing: float, robots: int) -> _Scene:
+    rng = np.random.default_rng(robots)
+    columns = math.ceil(math.sqrt(robots))
+    grid = np.stack(np.divmod(np.arange(robots), columns), axis=1) * spacing
+    jitter = 0.05 * spacing
+    safety = SafetyGains()
+    gaps = spacing * (np.array(list(itertools.product(range(columns + 1), repeat=2))) - 0.5)
+    rng.shuffle(gaps)
+    fires, circles = gaps[:2], gaps[2 : 2 + max(2, robots // 10)]
+    room = spacing / math.sqrt(2.0) - math.sqrt(2.0) * jitter - safety.obstacle_clearance
+    edge = 0.5 * spacing + 2.0 * safety.obstacle_clearance
+    sides = [[1.0, 0.0, -edge], [-1.0, 0.0, -columns * spacing - edge]]
+    sides += [[0.0, 1.0, -edge], [0.0, -1.0, -columns * spacing - edge]]
+    angle = rng.uniform(0.0, 2.0 * np.pi, (_WISHES, robots, 1))
+    hazards = _Hazards(
+        circles=floats(np.c_[circles, np.full(len(circles), 0.9 * room)]),
+        bars=floats([[-edge, -edge, -edge, columns * spacing, 1.0]]),
+        walls=floats(sides),
+        fire_position=floats(fires),
+        fire_radius=np.full(len(fires), 0.5 * room),
+        fire_rate=np.ones(len(fires)),
+        fire_burning=bools([True] * len(fires)),
+        safety=safety,
+    )
+    wishes = rng.uniform(0.2, 1.0, (_WISHES, robots, 1)) * safety.speed_limit
+    position = floats(grid + rng.uniform(-jitter, jitter, (robots, 2)))
+    return _Scene(position, floats(wishes * np.concatenate([np.cos(angle), np.sin(angle)], axis=2)), hazards)
+
+
+def _contenders(scene: _Scene) -> tuple[dict[str, _Turn], dict[str, _Turn]]:
+    """What is timed, by name, and what comes before it."""
+    coupled = CoupledFilter()
+    position, wishes, hazards = scene
+    found: dict[str, _Turn] = {
+        "distributed": lambda turn: filter_velocities(position, wishes[turn % _WISHES], *hazards),
+        "coupled": lambda turn: coupled.filter_velocities(position, wishes[turn % _WISHES], *hazards),
+    }
+    prepare: dict[str, _Turn] = {}
+    if daqp is not None:
+        found["daqp"] = _by_daqp(scene)
+    if RVOSimulator is not None:
+        found["orca"], prepare["orca"] = _by_orca(scene)
+    return found, prepare
+
+
+def _by_daqp(scene: _Scene) -> _Turn:
+    assert daqp is not None
+    hessian, solve_one = np.eye(2), daqp.solve
+    rows = _all_rows(survey(scene.position, *scene.hazards))
+    parts = [(np.ascontiguousarray(row[:, :2]), row[:, 2].copy()) for row in rows]
+
+    def solve(turn: int) -> list[Any]:
+        wish = -scene.wishes[turn % _WISHES]
+        return [
+            solve_one(hessian, wish[i], matrix, bound) if len(bound) else None
+            for i, (matrix, bound) in enumerate(parts)
+        ]
+
+    return solve
+
+
+def _by_orca(scene: _Scene) -> tuple[_Turn, _Turn]:
+    """One step of the simulator, and the restoring of positions and wishes before it."""
+    assert RVOSimulator is not None
+    safety = scene.hazards.safety
+    period, clearance, limit = safety.control_period, safety.robot_clearance, safety.speed_limit
+    simulator = RVOSimulator()
+    simulator.set_time_step(period)
+    simulator.set_agent_defaults(2.0 * clearance, 10, 0.5, 0.5, clearance / 2.0, limit)
+    for x, y, radius in scene.hazards.circles:
+        corners = [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in np.arange(8) * math.pi / 4.0]
+        simulator.add_obstacle(corners)
+    simulator.process_obstacles()
+    for x, y in scene.position:
+        simulator.add_agent((float(x), float(y)))
+    places = [(float(x), float(y)) for x, y in scene.position]
+    wishes = [[(float(x), float(y)) for x, y in wish] for wish in scene.wishes]
+
+    def restore(turn: int) -> None:
+        for i, wish in enumerate(wishes[turn % _WISHES]):
+            simulator.set_agent_position(i, places[i])
+            simulator.set_agent_pref_velocity(i, wish)
+
+    def step(_: int) -> None:
+        simulator.do_step()
+
+    return step, restore
+
+
+def _all_rows(around: Surroundings) -> list[Floats]:
+    space = np.empty((most_rows(around), 3))
+    other = np.empty(len(space), np.int64)
+    return [space[: rows_of(i, around, space, other)].copy() for i in range(len(around.position))]
+
+
+def brute_force_error(position: Floats, nominal: Floats, *hazards: Any) -> float:
+    """Largest difference [share of v_max] between the exact projection and a search of all points where it can be.
+
+    Args:
+        position: (N, 2) [m].
+        nominal: (N, 2) within the speed limit [m/s].
+        hazards: the remaining arguments of `filter_velocities`.
+    """
+    limit = hazards[-1].speed_limit
+    worst = 0.0
+    for rows, wish in itertools.islice(zip(_all_rows(survey(position, *hazards)), nominal, strict=True), _COMPARED):
+        ux, uy, feasible = project(wish[0], wish[1], rows, len(rows), limit, np.empty(len(rows), np.int64))
+        expected = _searched(wish, rows, limit)
+        if feasible != (expected is not None):
+            return math.inf
+        if expected is not None:
+            worst = max(worst, math.hypot(ux - expected[0], uy - expected[1]) / limit)
+    return worst
+
+
+def _searched(wish: Floats, rows: Floats, limit: float) -> Floats | None:
+    """The nearest of: the wish, its feet on the lines, their crossings, their ends on the disc."""
+    normal, bound = rows[:, :2], rows[:, 2]
+    along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+    feet = wish - (normal @ wish - bound)[:, None] * normal
+    chord = np.sqrt(np.maximum(limit**2 - bound**2, 0.0))[:, None] * along
+    tried = [wish[None], feet, bound[:, None] * normal + chord, bound[:, None] * normal - chord]
+    for i, j in itertools.combinations(range(len(rows)), 2):
+        if abs(normal[i] @ along[j]) > 1e-9:
+            tried.append(floats(np.linalg.solve(normal[[i, j]], bound[[i, j]]), 1, 2))
+    points = np.concatenate(tried)
+    allowed = (points @ normal.T <= bound + 1e-9 * limit).all(axis=1) & (np.hypot(*points.T) <= limit * (1.0 + 1e-9))
+    points = points[allowed]
+    return points[np.argmin(((points - wish) ** 2).sum(axis=1))] if len(points) else None

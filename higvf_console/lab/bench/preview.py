@@ -1,0 +1,214 @@
+"""What looking ahead costs: how fast time runs in it, how often it is renewed, and what the control loop feels of it.
+
+The lateness of a control period is how much later than one period after the one before it began; a session with a
+growing stroke is run in real time twice, without and with a thread that looks ahead.
+"""
+
+import time
+from collections.abc import Sequence
+from itertools import pairwise
+from threading import Event as Signal
+from threading import Thread
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from higvf_console.analysis.preview import USUAL, foresee, wish
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
+from higvf_console.core.interface import ChannelHealth, ChannelState, OperatorContext
+from higvf_console.core.state import SimState
+from higvf_console.lab.bench.timing import take_turns
+from higvf_console.operator.reducer import apply_command
+from higvf_console.runtime.previewer import Previewer
+from higvf_console.runtime.session import Session
+from higvf_console.scenario.scenario import load_scenario, parse_scenario
+from higvf_console.sim.setup import Setup
+from higvf_console.sim.simulation import roll, warm_up
+
+ROBOTS = 10
+_ROLLED = 60.0  # [s]
+_STROKE_LASTS = 4.0  # [s] from its first point to its last
+_EDGES = (0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, float("inf"))  # of the histogram [ms]
+_SETTLING = 50  # control periods that are not counted, until everything has been called once
+
+_SCENARIO = f"""
+version: 1
+arena: {{size_m: [1200, 700], walls: true}}
+robots: {{count: {ROBOTS}, spacing_m: 40, jitter_m: 5}}
+fires:
+  - {{at_m: [150, 150], radius_m: 20, robots_needed: 2}}
+  - {{at_m: [1050, 550], radius_m: 25, robots_needed: 2}}
+obstacles:
+  circles:
+    - {{at_m: [300, 500], radius_m: 20}}
+    - {{at_m: [900, 200], radius_m: 20}}
+duration_s: 600
+"""
+
+
+class Lateness(NamedTuple):
+    """How late control periods began [ms].
+
+    Attributes:
+        p50: median.
+        p99: exceeded by one in a hundred.
+        p999: exceeded by one in a thousand.
+        worst: the largest.
+        periods: how many were counted.
+        previews_per_s: previews finished meanwhile.
+        histogram: counts between `_EDGES`.
+    """
+
+    p50: float
+    p99: float
+    p999: float
+    worst: float
+    periods: int
+    previews_per_s: float
+    histogram: tuple[int, ...]
+
+
+class PreviewBench(NamedTuple):
+    """The results of the suite.
+
+    Attributes:
+        realtime_factor: simulated seconds in one second, one future of the firefighting scenario.
+        previews_per_s: previews of the usual horizon in one second, both futures and the path, with `ROBOTS` robots.
+        period_ms: control period [ms].
+        without: lateness while nothing looks ahead.
+        with_preview: lateness while a thread does.
+    """
+
+    realtime_factor: float
+    previews_per_s: float
+    period_ms: float
+    without: Lateness
+    with_preview: Lateness
+
+
+class Hand:
+    """An interface that draws all the time, a point each control period, and never lets a robot feel it."""
+
+    name = "mouse"
+
+    def __init__(self, outline: Floats) -> None:
+        """Draws along `outline` (n, 2) [m], again and again."""
+        self._outline, self._next = outline, 0
+
+    def poll(self, context: OperatorContext) -> Sequence[OperatorCommand]:  # noqa: ARG002
+        """The next point; at the outline's end a new stroke begins."""
+        point = StrokePoints(points=self._outline[self._next : self._next + 1])
+        commands: list[OperatorCommand] = [point] if self._next else [StrokeBegin(), point]
+        self._next = (self._next + 1) % len(self._outline)
+        return commands
+
+    def health(self, now: float) -> ChannelHealth:  # noqa: ARG002
+        """Always live."""
+        return ChannelHealth(ChannelState.LIVE, "draws")
+
+    def close(self) -> None:
+        """Has nothing to let go of."""
+
+
+def run(seconds: float = 30.0) -> PreviewBench:
+    """Measures; each of the two real-time runs takes `seconds`."""
+    factor = _realtime_factor(load_scenario("firefighting").setup())
+    scenario = parse_scenario(_SCENARIO, "the benchmark's scenario")
+    setup = scenario.setup()
+    warm_up(setup.start, setup.world, setup.gains)
+    outline = _outline(round(_STROKE_LASTS / setup.gains.safety.control_period))
+    drawn = _drawn(setup, outline)
+    spent = take_turns({"preview": lambda _: _preview(drawn, setup)})["preview"]
+    late = [_lateness(Session(scenario, [Hand(outline)]), ahead, seconds) for ahead in (False, True)]
+    return PreviewBench(factor, 1e3 / spent, 1e3 * setup.gains.safety.control_period, *late)
+
+
+def plain(bench: PreviewBench) -> dict[str, Any]:
+    """The results, ready for JSON."""
+    without, with_preview = (
+        {**late._asdict(), "histogram": [[edge, count] for edge, count in zip(_EDGES, late.histogram, strict=False)]}
+        for late in (bench.without, bench.with_preview)
+    )
+    return {
+        "suite": "preview",
+        "realtime_factor": bench.realtime_factor,
+        "previews_per_s": bench.previews_per_s,
+        "robots": ROBOTS,
+        "horizon_s": USUAL,
+        "period_ms": bench.period_ms,
+        "lateness_ms": {"without_preview": without, "with_preview": with_preview},
+    }
+
+
+def table(bench: PreviewBench) -> str:
+    """The results as text."""
+    edges = [f"{edge:g}" for edge in _EDGES]
+    bins = [f"{low} to {high} ms" for low, high in pairwise(edges)]
+    lines = [
+        f"Look ahead of the firefighting scenario: {bench.realtime_factor:,.0f} times real time",
+        f"Previews of {USUAL:g} s with {ROBOTS} robots: {bench.previews_per_s:.1f} a second",
+        f"Lateness of a control period of {bench.period_ms:g} ms while a stroke grows:",
+        f"{'':>14}{'no preview':>12}{'preview':>12}",
+    ]
+    for name in ("p50", "p99", "p999", "worst"):
+        pair = (getattr(bench.without, name), getattr(bench.with_preview, name))
+        lines.append(f"{name + ' ms':>14}" + "".join(f"{value:12.3f}" for value in pair))
+    for row in zip(bins, bench.without.histogram, bench.with_preview.histogram, strict=True):
+        lines.append(f"{row[0]:>14}{row[1]:12d}{row[2]:12d}")
+    lines.append(f"Meanwhile {bench.with_preview.previews_per_s:.1f} previews a second were shown")
+    return "\n".join(lines)
+
+
+def _realtime_factor(setup: Setup) -> float:
+    ticks = round(_ROLLED / setup.gains.safety.control_period)
+    state = _drawn(setup, _outline(50))
+    wished = apply_command(state, StrokeEnd(), setup)[0]
+    spent = take_turns({"roll": lambda _: roll(wished, setup.world, setup.gains, ticks)})["roll"]
+    return 1e3 * _ROLLED / spent
+
+
+def _outline(points: int) -> Floats:
+    """(points, 2) of a wave across the arena [m]."""
+    x = np.linspace(650.0, 1050.0, points)
+    return floats(np.stack([x, 350.0 + 120.0 * np.sin(x / 80.0)], axis=1))
+
+
+def _drawn(setup: Setup, outline: Floats) -> SimState:
+    state = apply_command(setup.start, StrokeBegin(), setup)[0]
+    return apply_command(state, StrokePoints(points=outline), setup)[0]
+
+
+def _preview(state: SimState, setup: Setup) -> None:
+    wished = wish(state, setup)
+    assert wished is not None
+    foresee(state, wished, setup)
+
+
+def _lateness(session: Session, ahead: bool, seconds: float) -> Lateness:
+    """Runs a session in real time and notes when each control period begins; longer where periods are slow to come."""
+    begun: list[float] = []
+    tick = session.tick
+
+    def noted(*, advance: bool = True) -> None:
+        begun.append(time.perf_counter())
+        tick(advance=advance)
+
+    session.tick = noted  # pyright: ignore[reportAttributeAccessIssue]
+    stopping, previewer = Signal(), Previewer(session)
+    if ahead:
+        previewer.start()
+    loop = Thread(target=session.run, args=(stopping,))
+    loop.start()
+    start = time.perf_counter()
+    while (lasted := time.perf_counter() - start) < seconds or (len(begun) < 2 * _SETTLING and loop.is_alive()):
+        time.sleep(0.05)
+    stopping.set()
+    loop.join()
+    previewer.close()
+    session.close()
+    period = session.setup.gains.safety.control_period
+    late = 1e3 * np.maximum(np.diff(begun)[_SETTLING:] - period, 0.0)
+    p50, p99, p999 = np.percentile(late, [50.0, 99.0, 99.9]).tolist()
+    counts = np.histogram(late, _EDGES)[0].tolist()
+    return Lateness(p50, p99, p999, float(late.max()), len(late), previewer.count / lasted, tuple(counts))

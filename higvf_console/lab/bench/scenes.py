@@ -1,0 +1,261 @@
+"""Seeded random scenes for the study of deadlocks: a team, obstacles of all kinds, growing fires, a sketched path.
+
+A way exists in each of them: obstacles keep at least `GAPS[kind]` from each other and from the walls for the whole
+`TIME_LIMIT`, since a fire counts with the radius that it has then if nobody extinguishes it. The end of the path is
+free, and outside the convex hull of every obstacle. The same seed gives the same bytes.
+"""
+
+import math
+from collections.abc import Callable
+from enum import StrEnum
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from higvf_console.control.gains import SafetyGains
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.viewport import Arena
+from higvf_console.lab.bench.planar import Shape, capsule, clear_of, disc, distances, hull, polygon
+
+TIME_LIMIT = 180.0  # [s]
+END_CLEARANCE = 40.0  # from the path's end to any surface, and to the walls [m]
+START_CLEARANCE = SafetyGains().obstacle_clearance + 8.0  # from each robot to any surface [m]
+SPACING = (40.05, 55.0)  # of the team [m]
+_GROWTH = 1.1
+_TRIES = 400  # throws of one thing before the arena grows
+_LEAST_TRAVEL = 500.0  # from the team to the end of its path [m]
+_SAMPLES = 60  # points of a stroke
+
+
+class Kind(StrEnum):
+    """What makes a scene hard."""
+
+    SPACED = "spaced"
+    CROWDED = "crowded"
+    POCKETS = "pockets"
+
+
+GAPS = {Kind.SPACED: 45.0, Kind.CROWDED: 28.0, Kind.POCKETS: 45.0}  # smallest between two obstacles [m]
+_ARENA = {Kind.SPACED: (1200.0, 700.0), Kind.CROWDED: (1000.0, 600.0)}  # [m]; it grows until everything fits
+
+
+class Scene(NamedTuple):
+    """One scene: N robots, P circles, Q bars, M fires. All lengths are multiples of 1 cm.
+
+    Attributes:
+        kind: what makes it hard.
+        seed: of the random numbers.
+        arena: with walls on its four sides.
+        robots: (N, 2) start positions, the formation that they keep [m].
+        influenced: index of the robot that follows the path.
+        circles: (P, 3) x, y, radius [m].
+        bars: (Q, 5) ax, ay, bx, by, half width [m].
+        polygons: corners (n, 2) of each [m].
+        fires: (M, 4) x, y, radius at the start [m], growth [m/s].
+        stroke: (n, 2) the operator's stroke [m].
+    """
+
+    kind: Kind
+    seed: int
+    arena: Arena
+    robots: Floats
+    influenced: int
+    circles: Floats
+    bars: Floats
+    polygons: tuple[Floats, ...]
+    fires: Floats
+    stroke: Floats
+
+
+_Throw = Callable[[np.random.Generator, Arena], Floats]
+
+
+class Obstacles(NamedTuple):
+    """What has been thrown so far; rows as in `Scene`, and all shapes with the fires as they end."""
+
+    circles: list[Floats]
+    bars: list[Floats]
+    polygons: list[Floats]
+    fires: list[Floats]
+    shapes: list[Shape]
+
+
+def open_scene(kind: Kind, seed: int) -> Scene:
+    """A scene of 5 to 25 scattered obstacles: `Kind.SPACED` or `Kind.CROWDED`."""
+    rng = np.random.default_rng([list(Kind).index(kind), seed])
+    count, fires = int(rng.integers(5, 26)), int(rng.integers(1, 5))
+    robots = compact_team(rng, int(rng.integers(3, 11)))
+    influenced = int(rng.integers(len(robots)))
+    scale = 1.0
+    while True:
+        arena = Arena(0.0, 0.0, *(round(side * scale) for side in _ARENA[kind]))
+        placed = centimetres(robots + free_point(rng, arena, float(np.hypot(*robots.T).max()) + END_CLEARANCE))
+        found = Obstacles([], [], [], [], [])
+        if throw_all(rng, arena, found, placed, GAPS[kind], fires, count):
+            stroke = _crossing_stroke(rng, arena, found, placed[influenced])
+            if stroke is not None:
+                return packed_scene(kind, seed, arena, placed, influenced, found, stroke)
+        scale *= _GROWTH
+
+
+def packed_scene(
+    kind: Kind, seed: int, arena: Arena, robots: Floats, influenced: int, found: Obstacles, stroke: Floats
+) -> Scene:
+    """The scene of these parts."""
+    return Scene(
+        kind, seed, arena, robots, influenced, floats(found.circles, -1, 3), floats(found.bars, -1, 5),
+        tuple(found.polygons), floats(found.fires, -1, 4), stroke,
+    )  # fmt: skip
+
+
+def compact_team(rng: np.random.Generator, count: int, columns: int | None = None) -> Floats:
+    """A turned grid of robots (N, 2) round the origin [m]; not turned when its columns are given."""
+    turn = rng.uniform(0.0, 2.0 * math.pi) if columns is None else 0.0
+    columns = columns or math.ceil(math.sqrt(count))
+    row, column = np.divmod(np.arange(count), columns)
+    grid = np.stack([row, column], axis=1) * rng.uniform(*SPACING)
+    return rotated(grid - (grid.min(axis=0) + grid.max(axis=0)) / 2.0, turn)
+
+
+def throw_all(
+    rng: np.random.Generator, arena: Arena, found: Obstacles, robots: Floats, least: float, fires: int, count: int
+) -> bool:
+    """Throws fires and obstacles, all four kinds among the first four, until they fit; False when one does not.
+
+    Args:
+        rng: source of the random numbers.
+        arena: where they fall.
+        found: receives them.
+        robots: (N, 2) that must start clear of them [m].
+        least: smallest gap between any two and to the walls [m].
+        fires: how many.
+        count: how many obstacles.
+    """
+    kinds = [*rng.permutation(len(_THROWS)), *rng.integers(len(_THROWS), size=max(count - len(_THROWS), 0))]
+    throws = [_fire] * fires + [_THROWS[kind] for kind in kinds[:count]]
+    return all(_thrown(rng, arena, found, robots, least, throw) for throw in throws)
+
+
+def wavy_stroke(rng: np.random.Generator, start: Floats, end: Floats, waypoints: int, sway: float) -> Floats:
+    """A smooth stroke (n, 2) from start to end through waypoints off the straight line by about `sway` [m]."""
+    share = np.linspace(0.0, 1.0, waypoints)
+    share[1:-1] += rng.uniform(-0.3, 0.3, waypoints - 2) / (waypoints - 1)
+    off = np.concatenate([[0.0], rng.normal(0.0, sway, waypoints - 2), [0.0]])
+    ahead = end - start
+    across = np.array([-ahead[1], ahead[0]]) / np.hypot(*ahead)
+    through = start + share[:, None] * ahead + off[:, None] * across
+    return centimetres(CubicSpline(share, through)(np.linspace(0.0, 1.0, _SAMPLES)))
+
+
+def finely(stroke: Floats) -> Floats:
+    """The stroke (n, 2) with 5 points a step, so that no thin wall lies between two."""
+    return np.concatenate([np.linspace(a, b, 5) for a, b in pairwise(stroke)])
+
+
+def surface_distance(points: Floats, shapes: list[Shape]) -> Floats:
+    """Distances (n,) of points (n, 2) from the nearest surface [m], negative inside; inf without shapes."""
+    return np.min([np.full(len(points), np.inf), *(distances(points, shape) for shape in shapes)], axis=0)
+
+
+def free_point(rng: np.random.Generator, arena: Arena, margin: float) -> Floats:
+    """A point (2,) of the arena at least `margin` [m] off its sides."""
+    return rng.uniform([arena.x_min + margin, arena.y_min + margin], [arena.x_max - margin, arena.y_max - margin])
+
+
+def rotated(points: Floats, angle: float) -> Floats:
+    """Points (n, 2) turned about the origin by `angle` [rad]."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return points @ np.array([[cos, sin], [-sin, cos]])
+
+
+def centimetres(values: Floats) -> Floats:
+    """Lengths as multiples of 1 cm, so that a scenario file carries them exactly."""
+    return floats(np.round(values, 2))
+
+
+def _crossing_stroke(rng: np.random.Generator, arena: Arena, found: Obstacles, start: Floats) -> Floats | None:
+    """A smooth stroke (n, 2) of 3 to 6 waypoints from `start` to a free end, across an obstacle that is no fire [m]."""
+    hulls = [hull(shape) for shape in found.shapes]
+    still = [final_shape(row) for row in (*found.circles, *found.bars, *found.polygons)]
+    least, most = START_CLEARANCE + np.array(arena[:2]), np.array(arena[2:]) - START_CLEARANCE
+    for _ in range(_TRIES):
+        end = free_point(rng, arena, END_CLEARANCE)
+        if np.hypot(*(end - start)) < _LEAST_TRAVEL or surface_distance(end[None], hulls).min() < END_CLEARANCE:
+            continue
+        stroke = wavy_stroke(rng, start, end, int(rng.integers(3, 7)), 120.0)
+        if (stroke >= least).all() and (stroke <= most).all() and surface_distance(finely(stroke), still).min() < 0.0:
+            return stroke
+    return None
+
+
+def _thrown(
+    rng: np.random.Generator, arena: Arena, found: Obstacles, robots: Floats, least: float, throw: _Throw
+) -> bool:
+    """Throws one thing until it lies free."""
+    for _ in range(_TRIES):
+        row = centimetres(throw(rng, arena))
+        shape = final_shape(row)
+        ends = shape.edges.reshape(-1, 2)
+        inside = (ends - arena[:2] >= shape.radius + least).all() and (arena[2:] - ends >= shape.radius + least).all()
+        if inside and distances(robots, shape).min() >= START_CLEARANCE and clear_of(shape, found.shapes, least):
+            _rows_like(row, found).append(row)
+            found.shapes.append(shape)
+            return True
+    return False
+
+
+def final_shape(row: Floats) -> Shape:
+    """The shape of a circle (3,), fire (4,) at `TIME_LIMIT`, bar (5,) or polygon (n, 2)."""
+    if row.ndim == 2:
+        return polygon(row)
+    if len(row) == 4:
+        return disc(row[0], row[1], row[2] + TIME_LIMIT * row[3])
+    return disc(*row) if len(row) == 3 else capsule(*row)
+
+
+def _rows_like(row: Floats, found: Obstacles) -> list[Floats]:
+    if row.ndim == 2:
+        return found.polygons
+    return {3: found.circles, 4: found.fires, 5: found.bars}[len(row)]
+
+
+def _fire(rng: np.random.Generator, arena: Arena) -> Floats:
+    """x, y, radius, growth: it ends with a radius of 33 to 84 m."""
+    return np.array([*free_point(rng, arena, 0.0), rng.uniform(15.0, 30.0), rng.uniform(0.1, 0.3)])
+
+
+def _circle(rng: np.random.Generator, arena: Arena) -> Floats:
+    return np.array([*free_point(rng, arena, 0.0), rng.uniform(10.0, 45.0)])
+
+
+def _bar(rng: np.random.Generator, arena: Arena) -> Floats:
+    half, angle = rng.uniform(40.0, 160.0) / 2.0, rng.uniform(0.0, math.pi)
+    centre, along = free_point(rng, arena, 0.0), half * np.array([math.cos(angle), math.sin(angle)])
+    return np.array([*(centre - along), *(centre + along), rng.uniform(3.0, 10.0)])
+
+
+def _convex(rng: np.random.Generator, arena: Arena) -> Floats:
+    """4 to 8 corners on a circle of 15 to 45 m."""
+    angle = _bearings(rng, int(rng.integers(4, 9)))
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return free_point(rng, arena, 0.0) + rng.uniform(15.0, 45.0) * ring
+
+
+def _star(rng: np.random.Generator, arena: Arena) -> Floats:
+    """3 to 5 arms, not convex: every second corner of a ring of 15 to 45 m lies at 0.3 to 0.5 of it."""
+    arms = int(rng.integers(3, 6))
+    angle = _bearings(rng, 2 * arms)
+    reach = rng.uniform(0.8, 1.0, 2 * arms)
+    reach[1::2] = rng.uniform(0.3, 0.5, arms)
+    ring = reach[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return free_point(rng, arena, 0.0) + rng.uniform(15.0, 45.0) * ring
+
+
+def _bearings(rng: np.random.Generator, count: int) -> Floats:
+    """Angles (n,) all round, uneven but in order [rad]."""
+    return (np.arange(count) + rng.uniform(-0.3, 0.3, count)) * 2.0 * math.pi / count + rng.uniform(0.0, 2.0 * math.pi)
+
+
+_THROWS: tuple[_Throw, ...] = (_circle, _bar, _convex, _star)

@@ -1,0 +1,1 @@
+"""The fit of Table II: `higvf fit`."""

@@ -1,0 +1,108 @@
+"""A firefighting run without a session: rolled in chunks, with an operator's script, bit for bit as `run_headless`.
+
+A session's tick costs several times the kernel's, and a fit needs ten thousand runs. So nothing is published here: the
+time in which nobody moves is skipped; while the operator may still act the run goes tick by tick, as a session polls;
+then in chunks, cut where a fire goes out.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.interface import ChannelState, Interface, OperatorContext
+from higvf_console.core.state import PathKind, SimState
+from higvf_console.operator.reducer import apply_command
+from higvf_console.sim.metrics import loss_area
+from higvf_console.sim.setup import Setup
+from higvf_console.sim.simulation import roll
+
+_CHUNK = 64  # ticks
+
+
+class FireRun(NamedTuple):
+    """What a run left behind.
+
+    Attributes:
+        order: fire numbers, from 1, as they went out.
+        loss_area: (M,) burnt by each fire [m^2].
+        ticks: control periods until all were out, or until the run was ended.
+        min_clearance: smallest of the run [m].
+    """
+
+    order: tuple[int, ...]
+    loss_area: Floats
+    ticks: int
+    min_clearance: float
+
+
+def fight(
+    setup: Setup, duration: float, operator: Interface | None = None, enough: Floats | None = None
+) -> FireRun:  # fmt: skip
+    """Runs until all fires are out or `duration` [s] ends.
+
+    Args:
+        setup: what the run starts from.
+        duration: [s].
+        operator: polled each tick until its channel has ended; None = nobody intervenes.
+        enough: (M,) loss areas [m^2]; a run in which a fire passes its own is ended.
+    """
+    state, clearance = (setup.start if operator else departure(setup)), math.inf
+    out: tuple[int, ...] = ()
+    last = math.ceil(duration / setup.gains.safety.control_period - 1e-9)
+    while state.motion.tick < last and state.motion.fire_burning.any():
+        if enough is not None and (loss_area(state.motion) > enough).any():
+            break
+        ticks = min(_CHUNK, last - state.motion.tick)
+        if operator is not None:
+            state, busy = _attend(state, operator, out, setup)
+            operator, ticks = (operator, 1) if busy else (None, ticks)
+        burning = state.motion.fire_burning
+        state, nearest = _roll_to_change(state, setup, ticks)
+        clearance = min(clearance, nearest)
+        out += tuple(int(fire) for fire in (burning & ~state.motion.fire_burning).nonzero()[0])
+    return FireRun(tuple(fire + 1 for fire in out), loss_area(state.motion), state.motion.tick, clearance)
+
+
+def departure(setup: Setup) -> SimState:
+    """The state one tick before the start delay is over; the start where someone may move before that.
+
+    A team in its formation, at rest and without a path, stands still until then, and the fires grow by the same step
+    each tick.
+    """
+    motion, intent, gains = setup.start.motion, setup.start.intent, setup.gains
+    period = gains.safety.control_period
+    ticks = max(0, math.ceil(gains.fires.start_delay / period - 1e-9) - 1)
+    at_rest = not motion.velocity.any() and not motion.intention.any() and intent.path.kind == PathKind.NONE
+    if ticks == 0 or motion.tick or not at_rest or (motion.position != setup.world.formation).any():
+        return setup.start
+    growth = np.repeat((setup.world.fire_growth * period)[None], ticks, axis=0)
+    radius = np.add.accumulate(np.vstack([motion.fire_radius, growth]))[-1]
+    return setup.start._replace(motion=motion._replace(tick=ticks, fire_radius=floats(radius)))
+
+
+def _attend(state: SimState, operator: Interface, out: tuple[int, ...], setup: Setup) -> tuple[SimState, bool]:
+    """Polls and applies as a session does; whether the operator may still act."""
+    time, intent = state.motion.tick * setup.gains.safety.control_period, state.intent
+    context = OperatorContext(
+        time, "operator", None, state.drawing.clutch, intent.paused, intent.influenced, out, len(state.motion.position)
+    )
+    for command in operator.poll(context):
+        state, _ = apply_command(state, command, setup)
+    return state, operator.health(time).state is not ChannelState.ENDED
+
+
+def _roll_to_change(state: SimState, setup: Setup, ticks: int) -> tuple[SimState, float]:
+    """The state `ticks` later, or right after the tick in which a fire goes out, and the smallest clearance [m]."""
+    burning, clearance = state.motion.fire_burning.tobytes(), math.inf
+    while True:
+        after, history = roll(state, setup.world, setup.gains, ticks)
+        if after.motion.fire_burning.tobytes() == burning or ticks == 1:
+            return after, min(clearance, float(history.clearance.min()))
+        half = ticks // 2
+        middle, history = roll(state, setup.world, setup.gains, half)
+        if middle.motion.fire_burning.tobytes() == burning:
+            state, clearance, ticks = middle, min(clearance, float(history.clearance.min())), ticks - half
+        else:
+            ticks = half

@@ -1,0 +1,125 @@
+"""What a fit leaves open: the spread of equally good samples and of what they predict, and each parameter's influence.
+
+Column 1 alone chose the sample, so how far columns 2 and 3 scatter over samples that column 1 cannot tell apart is how
+far they can be trusted.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from higvf_console.lab.fit.space import NAMES, SPACE, Sample, on_grid, unit
+from higvf_console.lab.fit.table2 import ALONE, Columns, Verdict, reduction, relative_errors, summed, total, verdicts
+from higvf_console.lab.reproduce.paper import COLUMNS
+
+_NUDGE = 0.02  # share of a parameter's range by which central differences move it
+
+RunColumns = Callable[[Sequence[Sample]], Sequence[Columns | None]]  # None: the sample cannot be run
+
+
+def spread(samples: Sequence[Sample], run: RunColumns) -> dict[str, Any]:
+    """Ranges of equally good samples and of their predictions, and how many of them meet each target.
+
+    Args:
+        samples: the chosen one first.
+        run: the three columns of each sample.
+
+    Returns:
+        "samples", "parameters": {name: {chosen, low, high, unit}}, "predictions": {quantity: {paper, low, median,
+        high}}, "targets_met": {target: share of the samples}, "all_met": share that meets all of them, and "nearest":
+        the sample that misses least, an illustration of what the model can do and never the choice; ready for JSON.
+    """
+    table = np.array(samples)
+    tried = [(sample, columns) for sample, columns in zip(samples, run(samples), strict=True) if columns is not None]
+    outcomes = [columns for _, columns in tried]
+    judged = [verdicts(columns) for columns in outcomes]
+    nearest = min(range(len(judged)), key=lambda place: _missed(judged[place]))
+    quantities = [_quantities(columns) for columns in outcomes]
+    paper = _paper_quantities()
+    return {
+        "samples": len(samples),
+        "parameters": {
+            free.name: {"chosen": column[0], "low": column.min(), "high": column.max(), "unit": unit(free.name)}
+            for free, column in zip(SPACE, table.T, strict=True)
+        },
+        "predictions": {
+            name: {"paper": paper[name], **_range([one[name] for one in quantities])} for name in quantities[0]
+        },
+        "targets_met": {
+            verdict.target: float(np.mean([verdicts_of[place].met for verdicts_of in judged]))
+            for place, verdict in enumerate(judged[0])
+        },
+        "all_met": float(np.mean([all(verdict.met for verdict in one) for one in judged])),
+        "nearest": {
+            "sample": dict(zip(NAMES, tried[nearest][0], strict=True)),
+            "targets": [verdict._asdict() for verdict in judged[nearest]],
+        },
+    }
+
+
+def _missed(judged: Sequence[Verdict]) -> tuple[int, float]:
+    """How many targets are missed, and the largest error in units of what is allowed."""
+    worst = max(abs(one.error) / one.limit for one in judged if one.error is not None and one.limit is not None)
+    return sum(not one.met for one in judged), worst
+
+
+def _range(values: Sequence[float]) -> dict[str, float]:
+    return {"low": min(values), "median": float(np.median(values)), "high": max(values)}
+
+
+def _quantities(columns: Columns) -> dict[str, float]:
+    """Totals [m^2], reductions, and the largest relative error of a fire in each column."""
+    totals = {f"total_m2.{name}": total(run) for name, run in columns.items()}
+    changes = {f"reduction.{name}": reduction(columns, name) for name in COLUMNS if name != ALONE}
+    worst = {
+        f"largest_error.{name}": max(map(abs, relative_errors(run, COLUMNS[name]))) for name, run in columns.items()
+    }
+    return {**totals, **changes, **worst}
+
+
+def _paper_quantities() -> dict[str, float]:
+    totals = {f"total_m2.{name}": summed(column) for name, column in COLUMNS.items()}
+    changes = {
+        f"reduction.{name}": summed(column) / summed(COLUMNS[ALONE]) - 1.0
+        for name, column in COLUMNS.items()
+        if name != ALONE
+    }
+    return {**totals, **changes, **{f"largest_error.{name}": 0.0 for name in COLUMNS}}
+
+
+def sensitivity(chosen: Sample, run: RunColumns) -> dict[str, Any]:
+    """Central differences round the chosen sample.
+
+    Returns:
+        {parameter: {"step": h, "unit", "fires": the five changes of column 1, "totals": {column: change},
+        "reductions": {column: change}}}: relative changes for +h, h = 2 % of the parameter's range; a parameter whose
+        neighbours cannot be run is None.
+    """
+    steps = [max(free.step, _NUDGE * (free.high - free.low)) for free in SPACE]
+    pairs = [
+        [on_grid(np.array(chosen) + sign * step * np.eye(len(SPACE))[place]) for sign in (-1.0, 1.0)]
+        for place, step in enumerate(steps)
+    ]
+    outcomes = run([sample for pair in pairs for sample in pair])
+    found: dict[str, Any] = {}
+    for place, name in enumerate(NAMES):
+        below, above = outcomes[2 * place], outcomes[2 * place + 1]
+        half = 0.5 * (pairs[place][1][place] - pairs[place][0][place])
+        change = None if below is None or above is None else _change(below, above)
+        found[name] = None if change is None else {"step": round(half, 6), "unit": unit(name), **change}
+    return found
+
+
+def _change(below: Columns, above: Columns) -> Mapping[str, Any]:
+    """Half the difference of two runs: of a fire's area and of the totals as shares of the printed ones."""
+
+    def half(high: float, low: float, scale: float = 1.0) -> float:
+        return 0.5 * (high - low) / scale
+
+    alone = zip(above[ALONE].loss_area, below[ALONE].loss_area, COLUMNS[ALONE].loss_area, strict=True)
+    return {
+        "fires": [half(float(high), float(low), printed) for high, low, printed in alone],
+        "totals": {name: half(total(above[name]), total(below[name]), summed(COLUMNS[name])) for name in COLUMNS},
+        "reductions": {name: half(reduction(above, name), reduction(below, name)) for name in COLUMNS if name != ALONE},
+    }

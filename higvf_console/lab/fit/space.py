@@ -1,0 +1,133 @@
+"""What the paper leaves open about its firefighting world, and the range within which each number is sought.
+
+The table below was fixed before the search whose result is shipped, but not blindly: earlier searches had a narrower
+range of bars and no formation gain, and their predictions of columns 2 and 3 had been seen when both were added.
+A sample is one value for each row, on the row's grid: what is run is what a scenario file with those numbers says, to
+the last bit.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from higvf_console.control.gains import Gains
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import ScenarioError
+from higvf_console.core.quantity import quantities
+from higvf_console.scenario.sections import SPEED_LIMIT_FACTOR
+from higvf_console.sim.setup import Setup
+from higvf_console.sim.simulation import initial_state
+from higvf_console.world.build import make_world
+from higvf_console.world.placement import check_barriers, late_stand_off
+
+DURATION = 60.0  # [s]; the paper's last fire is out after some 41 s
+BAR_HALF_WIDTH = 6.0  # [m]
+
+
+class Free(NamedTuple):
+    """A free parameter.
+
+    Attributes:
+        name: group and tunable of `control.gains`, or a coordinate of the upright bar.
+        low: smallest value of the search.
+        high: largest.
+        step: grid; 0.02 s is one control period.
+    """
+
+    name: str
+    low: float
+    high: float
+    step: float
+
+
+Sample: TypeAlias = tuple[float, ...]  # one value for each row of SPACE
+
+SPACE: tuple[Free, ...] = (
+    Free("fires.start_delay", 6.0, 13.4, 0.02),  # fire 1 of column 1 stops growing after 13.4 s
+    Free("fires.extinguish_time", 0.0, 0.1, 0.0005),
+    Free("fires.stand_off", 18.0, 50.0, 0.1),  # below, no robot could hold at the larger fires
+    Free("blending.cruise_speed", 60.0, 235.0, 0.5),  # above, the barriers' sampling condition fails
+    Free("blending.intention_floor", 0.002, 0.1, 0.001),
+    Free("blending.formation_gain", 0.001, 0.04, 0.0005),
+    Free("perception.target_band", 10.0, 150.0, 0.5),
+    Free("bar.x", 780.0, 1000.0, 1.0),  # anywhere between the team's start and fire 5
+    Free("bar.y_low", 100.0, 300.0, 1.0),
+    Free("bar.y_high", 360.0, 500.0, 1.0),
+)
+NAMES = tuple(free.name for free in SPACE)
+
+
+def on_grid(values: Floats) -> Sample:
+    """The sample next to `values` (P,)."""
+    return tuple(
+        round(free.step * round(float(value) / free.step), 6) for free, value in zip(SPACE, values, strict=True)
+    )
+
+
+def scaled(sample: Sample) -> Floats:
+    """(P,) the sample as shares of its ranges."""
+    return np.array([(value - free.low) / (free.high - free.low) for free, value in zip(SPACE, sample, strict=True)])
+
+
+def unit(name: str) -> str:
+    """Unit of a free parameter."""
+    group, _, key = name.partition(".")
+    return "m" if group == "bar" else quantities(type(getattr(Gains(), group)))[key].unit
+
+
+def sample_of(setup: Setup) -> Sample:
+    """The sample that a world with one upright bar stands for.
+
+    Raises:
+        ScenarioError: the world's obstacles are of another kind.
+    """
+    bars = setup.world.bars
+    if len(bars) != 1 or bars[0, 0] != bars[0, 2]:
+        raise ScenarioError(f"the world of the fit has one upright bar, not {len(bars)} bars {bars.tolist()}")
+    x, low, _, high, _ = (float(number) for number in bars[0])
+    bar = {"bar.x": x, "bar.y_low": low, "bar.y_high": high}
+    return tuple(bar[name] if name in bar else float(_gain(setup.gains, name)) for name in NAMES)
+
+
+def world_of(sample: Sample, base: Setup) -> Setup:
+    """The world of a sample: `base` with its gains and its bar.
+
+    Raises:
+        ScenarioError: barriers would not hold with these gains, or no robot could hold at a fire within `DURATION`.
+    """
+    given = dict(zip(NAMES, sample, strict=True))
+    gains = gains_of(given, base.gains)
+    bar = floats([[given["bar.x"], given["bar.y_low"], given["bar.x"], given["bar.y_high"], BAR_HALF_WIDTH]])
+    old, motion = base.world, base.start.motion
+    world = make_world(
+        old.circles, bar, old.walls, old.fire_position, old.fire_growth, old.fire_needs, old.formation,
+        gains.safety.obstacle_clearance, (old.link_start, old.link_to),
+    )  # fmt: skip
+    radius = motion.fire_radius
+    check_barriers(world, radius, gains, "sample")
+    late = late_stand_off(radius, world.fire_growth, DURATION, gains)
+    if late:
+        raise ScenarioError(f"sample: {late[0]}")
+    return base._replace(world=world, gains=gains, start=initial_state(motion.position, radius, world))
+
+
+def gains_of(given: Mapping[str, float], gains: Gains) -> Gains:
+    """`gains` with the values named `group.tunable`; the speed limit follows the cruise speed as in a scenario."""
+    for name, value in given.items():
+        group, _, key = name.partition(".")
+        if group in Gains._fields:
+            gains = gains._replace(**{group: getattr(gains, group)._replace(**{key: value})})
+    limit = SPEED_LIMIT_FACTOR * gains.blending.cruise_speed
+    return gains._replace(safety=gains.safety._replace(speed_limit=limit))
+
+
+def _gain(gains: Gains, name: str) -> float:
+    group, _, key = name.partition(".")
+    return getattr(getattr(gains, group), key)
+
+
+def distance(sample: Sample, other: Sample) -> float:
+    """Between two samples, each parameter as a share of its range."""
+    return math.dist(scaled(sample).tolist(), scaled(other).tolist())

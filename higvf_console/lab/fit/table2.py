@@ -1,0 +1,186 @@
+"""Table II of the paper, beside what this engine gives: the loss areas of one world, three ways to run it.
+
+    without_human     nobody intervenes; the only column that the free parameters of the world were fitted to
+    change_priority   one stroke when fire 1 is out: fire 3 before fire 2
+    find_hidden       one stroke when fire 4 is out: to where fire 5 is seen
+
+The second and third column are predictions: their world is that of the first, `scenarios/table2.yaml`, and the strokes
+are fixed files.
+"""
+
+import json
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from higvf_console.channels.channels import open_interface
+from higvf_console.core.interface import InputSpec, Interface
+from higvf_console.lab.fit.fire_run import FireRun, fight
+from higvf_console.lab.reproduce.paper import COLUMNS, Column
+from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
+from higvf_console.sim.setup import Setup
+
+SCENARIO = "table2"
+FIRE_LIMIT = 0.05  # relative error of a fire of column 1
+TOTAL_LIMIT = 0.02  # relative error of a column's total
+REDUCTION_LIMIT = 0.01  # error of a reduction, as a share of the total without a human
+STROKES: Mapping[str, str] = {"change_priority": "table2-priority.yaml", "find_hidden": "table2-hidden.yaml"}
+ALONE = "without_human"
+
+
+class Verdict(NamedTuple):
+    """Whether one target is met.
+
+    Attributes:
+        target: what is asked, in words.
+        paper: the number or the words that the paper gives.
+        found: what the runs give.
+        error: how far that is off; None where the target is a matter of yes and no.
+        limit: the largest error allowed; None as above.
+        met: whether the target is met.
+    """
+
+    target: str
+    paper: str
+    found: str
+    error: float | None
+    limit: float | None
+    met: bool
+
+
+Columns = Mapping[str, FireRun]  # by the names of the paper's columns
+
+
+def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Interface]) -> Columns:
+    """All three runs of one world.
+
+    Args:
+        setup: the world.
+        duration: the longest that a run may last [s].
+        strokes: from `open_strokes`.
+    """
+    return {name: fight(setup, duration, strokes.get(name)) for name in COLUMNS}
+
+
+def open_strokes(scenario: Scenario) -> dict[str, Interface]:
+    """The operator of each column that has one; may serve many runs.
+
+    Raises:
+        HigvfError: a shipped script, or the interface that plays it, is missing.
+    """
+    folder, robots = data_folder() / "scenarios" / "scripts", len(scenario.robots.points)
+    return {
+        name: open_interface(InputSpec("script", str(folder / file), {}, {}, scenario.arena, robots))
+        for name, file in STROKES.items()
+    }
+
+
+def table2() -> dict[str, Any]:
+    """Runs the three columns of the shipped world and judges them; beside them what its fit left open, as it was kept.
+
+    Returns:
+        Ready for JSON. "table2": {column: {order, loss_area_m2 of fires 1 to 5, total_m2}}; "paper": the same of the
+        paper; "relative_error": {column: {loss_area of fires 1 to 5, total}}; "targets": the verdicts; and the other
+        entries of `fit_study.study`: space, chosen, spread, sensitivity.
+    """
+    scenario = load_scenario(SCENARIO)
+    runs = run_columns(scenario.setup(), scenario.duration, open_strokes(scenario))
+    return {**kept_fit(), **as_json(runs)}
+
+
+def kept_fit() -> dict[str, Any]:
+    """The result of `higvf fit` that chose the shipped world, as the file beside it keeps it."""
+    return json.loads((data_folder() / "scenarios" / f"{SCENARIO}-fit.json").read_text(encoding="utf-8"))
+
+
+def as_json(runs: Columns) -> dict[str, Any]:
+    """Three runs beside the paper's columns, as `table2` returns them."""
+    return {
+        "table2": {name: _column(run.order, run.loss_area.tolist(), total(run)) for name, run in runs.items()},
+        "paper": {
+            name: _column(column.order, list(column.loss_area), summed(column)) for name, column in COLUMNS.items()
+        },
+        "relative_error": {
+            name: {"loss_area": relative_errors(run, COLUMNS[name]), "total": total(run) / summed(COLUMNS[name]) - 1.0}
+            for name, run in runs.items()
+        },
+        "targets": [verdict._asdict() for verdict in verdicts(runs)],
+    }
+
+
+def _column(order: tuple[int, ...], loss_area: list[float], area: float) -> dict[str, Any]:
+    return {"order": list(order), "loss_area_m2": loss_area, "total_m2": area}
+
+
+def summed(column: Column) -> float:
+    """Sum of a printed column [m^2]; the paper prints 48253.9 under the second one, whose sum is 48251.9."""
+    return round(sum(column.loss_area), 2)
+
+
+def total(run: FireRun) -> float:
+    """Loss area of all fires [m^2]."""
+    return float(run.loss_area.sum())
+
+
+def relative_errors(run: FireRun, column: Column) -> list[float]:
+    """Of the five loss areas: found / printed - 1."""
+    return [float(found) / printed - 1.0 for found, printed in zip(run.loss_area, column.loss_area, strict=True)]
+
+
+def reduction(runs: Columns, name: str) -> float:
+    """Change of a column's total against the run that nobody touches; negative where less burns."""
+    return total(runs[name]) / total(runs[ALONE]) - 1.0
+
+
+def verdicts(runs: Columns) -> tuple[Verdict, ...]:
+    """Every target: fires of column 1, totals, reductions, orders, signs of the changes, clearance."""
+    alone = zip(range(1, 6), COLUMNS[ALONE].loss_area, runs[ALONE].loss_area, strict=True)
+    changed = [name for name in COLUMNS if name != ALONE]
+    return (
+        *(
+            _near(f"fire {fire} without human [m²]", printed, float(found), float(found) / printed - 1.0, FIRE_LIMIT)
+            for fire, printed, found in alone
+        ),
+        *(_total_verdict(name, runs) for name in COLUMNS),
+        *(_reduction_verdict(name, runs) for name in changed),
+        *(_order_verdict(name, runs) for name in COLUMNS),
+        *(_changes_verdict(name, runs) for name in changed),
+        _clearance_verdict(runs),
+    )
+
+
+def _near(target: str, printed: float, found: float, error: float, limit: float) -> Verdict:
+    return Verdict(target, f"{printed:,.1f}", f"{found:,.1f}", error, limit, abs(error) <= limit)
+
+
+def _total_verdict(name: str, runs: Columns) -> Verdict:
+    printed, found = summed(COLUMNS[name]), total(runs[name])
+    return _near(f"total, {COLUMNS[name].title.lower()} [m²]", printed, found, found / printed - 1.0, TOTAL_LIMIT)
+
+
+def _reduction_verdict(name: str, runs: Columns) -> Verdict:
+    printed, found = summed(COLUMNS[name]) / summed(COLUMNS[ALONE]) - 1.0, reduction(runs, name)
+    target = f"change of the total, {COLUMNS[name].title.lower()} [%]"
+    return _near(target, 100.0 * printed, 100.0 * found, found - printed, REDUCTION_LIMIT)
+
+
+def _order_verdict(name: str, runs: Columns) -> Verdict:
+    printed, found = COLUMNS[name].order, runs[name].order
+    target = f"order, {COLUMNS[name].title.lower()}"
+    return Verdict(target, "-".join(map(str, printed)), "-".join(map(str, found)), None, None, found == printed)
+
+
+def _changes_verdict(name: str, runs: Columns) -> Verdict:
+    printed = [_sign(new - old) for new, old in zip(COLUMNS[name].loss_area, COLUMNS[ALONE].loss_area, strict=True)]
+    found = [_sign(float(new - old)) for new, old in zip(runs[name].loss_area, runs[ALONE].loss_area, strict=True)]
+    target = f"sign of each fire's change, {COLUMNS[name].title.lower()}"
+    return Verdict(target, " ".join(printed), " ".join(found), None, None, found == printed)
+
+
+def _sign(change: float) -> str:
+    """Equal means equal to the last bit: until the operator acts, two runs are the same run."""
+    return "=" if change == 0.0 else "+" if change > 0.0 else "-"
+
+
+def _clearance_verdict(runs: Columns) -> Verdict:
+    least = min(run.min_clearance for run in runs.values())
+    return Verdict("smallest clearance of all runs [m]", "not negative", f"{least:.2f}", None, None, least >= 0.0)

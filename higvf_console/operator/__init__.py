@@ -1,0 +1,1 @@
+"""What each operator command means: pure functions from state to state."""

@@ -1,0 +1,40 @@
+"""What comes of an operator command: the state after it, and the events that a person should read."""
+
+import math
+from typing import TypeAlias
+
+from higvf_console.core.state import NO_PATH, NOBODY, Drawing, SimState
+from higvf_console.sim.setup import Event, Severity
+
+Outcome: TypeAlias = tuple[SimState, tuple[Event, ...]]
+
+
+def say(time: float, kind: str, text: str) -> tuple[Event, ...]:
+    """An event to know of."""
+    return (Event(time, Severity.INFO, kind, text),)
+
+
+def refuse(time: float, text: str) -> tuple[Event, ...]:
+    """Why a command changed nothing."""
+    return (Event(time, Severity.WARNING, "refused", text),)
+
+
+def no_robot(robot: int, robots: int, time: float) -> tuple[Event, ...]:
+    """Refuses the index of a robot that does not exist."""
+    return refuse(time, f"There is no robot {robot + 1}: the team has robots 1 to {robots}.")
+
+
+def with_drawing(state: SimState, **changes: object) -> SimState:
+    """The state with another drawing."""
+    drawing: Drawing = state.drawing._replace(**changes)  # pyright: ignore[reportArgumentType]
+    return state._replace(drawing=drawing)
+
+
+def path_dropped(state: SimState) -> SimState:
+    """The state without a path that waits."""
+    return with_drawing(state, pending=NO_PATH, pending_robot=NOBODY, pending_mends=False)
+
+
+def proposal_dropped(state: SimState) -> SimState:
+    """The state without a proposed robot."""
+    return with_drawing(state, proposed=NOBODY, proposed_until=math.inf)

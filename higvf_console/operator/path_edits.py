@@ -1,0 +1,100 @@
+"""Repairs of a desired path: a part drawn anew, a point dragged, an end joined or opened; always a new path.
+
+What a path is followed like (direction, ending, pace, duration) stays as it was.
+"""
+
+import math
+
+import numpy as np
+
+from higvf_console.control.guidance.paths import EVERYWHERE, SEGMENTS, nearest, path_points, sketch_path
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import PathError
+from higvf_console.core.state import Path, PathKind
+
+JOIN_SHARE, JOIN_LEAST, JOIN_MOST = 0.1, 15.0, 80.0  # of the length, [m], [m]: a stroke's end this close joins the path
+_BEND_SHARE = 1 / 6  # of the length: what gives way on either side of a dragged point, or more if it goes far
+_BEND_REACH = 1.5
+
+
+def amended(path: Path, stroke: Floats, smoothing: float) -> Path:
+    """The path with the part between the ends of `stroke` (n, 2) [m] drawn anew.
+
+    A stroke that leaves an open path for good becomes its new end. On a closed path the shorter way round is replaced.
+
+    Raises:
+        PathError: there is no path to draw on, or the stroke does not start on it.
+    """
+    points = floats(stroke, -1, 2)
+    if len(points) < 2:
+        raise PathError("a part drawn anew needs a stroke of at least 2 points")
+    kept = _knots(path)
+    reach = min(max(JOIN_SHARE * path.length, JOIN_LEAST), JOIN_MOST)
+    (start, off_start), (end, off_end) = (_foot(path, point) for point in (points[0], points[-1]))
+    if off_start > reach:
+        raise PathError(f"the stroke starts {off_start:.0f} m from the path; start it within {reach:.0f} m")
+    arc = np.linspace(0.0, path.length, len(kept))
+    if path.closed:
+        if off_end > reach:
+            raise PathError(f"the stroke ends {off_end:.0f} m from the closed path; end it within {reach:.0f} m")
+        if (end - start) % path.length > 0.5 * path.length:
+            start, end, points = end, start, points[::-1]
+        beyond = (arc[:-1] - end) % path.length
+        rest = kept[:-1][np.argsort(beyond, kind="stable")]
+        rest = rest[np.sort(beyond) < (start - end) % path.length]
+        return _like(path, np.concatenate([points, rest]), smoothing, closed=True)
+    if off_end > reach:
+        ahead = path.direction > 0.0
+        kept_part = kept[arc < start] if ahead else kept[arc > start][::-1]
+        whole = np.concatenate([kept_part, points])
+        return _like(path, whole if ahead else whole[::-1], smoothing, closed=False)
+    if start > end:
+        start, end, points = end, start, points[::-1]
+    return _like(path, np.concatenate([kept[arc < start], points, kept[arc > end]]), smoothing, closed=False)
+
+
+def bent(path: Path, grip: Floats, point: Floats) -> Path:
+    """The path whose point nearest to `grip` (2,) goes to `point` (2,) [m]; both sides give way smoothly.
+
+    Raises:
+        PathError: there is no path, or it is an endless line.
+    """
+    kept = _knots(path)
+    foot = _foot(path, grip)[0]
+    shift = floats(point) - path_points(path, floats([foot]))[0]
+    arc = np.linspace(0.0, path.length, len(kept))
+    gap = np.abs(arc - foot)
+    if path.closed:
+        gap = np.minimum(gap, path.length - gap)
+    width = min(max(_BEND_SHARE * path.length, _BEND_REACH * float(np.hypot(*shift))), 0.5 * path.length)
+    give = np.cos(0.5 * math.pi * np.minimum(gap / width, 1.0)) ** 2
+    return _like(path, kept + give[:, None] * shift, 0.0, closed=path.closed)
+
+
+def reclosed(path: Path, closed: bool) -> Path:
+    """The path with its end joined to its start, or opened where it starts.
+
+    Raises:
+        PathError: there is no path, or it is an endless line.
+    """
+    return path if bool(path.closed) is closed else _like(path, _knots(path), 0.0, closed=closed)
+
+
+def _knots(path: Path) -> Floats:
+    if path.kind == PathKind.NONE:
+        raise PathError("there is no path to change")
+    if path.length == math.inf:
+        raise PathError("an endless line cannot be reshaped; draw a path")
+    return path_points(path, np.linspace(0.0, path.length, SEGMENTS + 1))
+
+
+def _foot(path: Path, point: Floats) -> tuple[float, float]:
+    """Arc length of the path's point nearest to `point` (2,), and the distance to it [m]."""
+    x, y = float(point[0]), float(point[1])
+    w, fx, fy, _, _ = nearest(path, 0.0, EVERYWHERE, x, y)
+    return w, math.hypot(fx - x, fy - y)
+
+
+def _like(path: Path, points: Floats, smoothing: float, *, closed: bool) -> Path:
+    new = sketch_path(points, smoothing, closed, path.direction)
+    return new._replace(ending=path.ending, pace=path.pace, duration=path.duration)

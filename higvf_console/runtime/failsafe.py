@@ -1,0 +1,16 @@
+"""What becomes of the team when the engine itself fails: everybody stands, latched, and the operator is told."""
+
+from higvf_console.core.state import SimState
+from higvf_console.sim.setup import Event, Severity
+
+
+def halted(state: SimState) -> SimState:
+    """The same state with all velocities zero and STOP latched."""
+    motion = state.motion._replace(velocity=state.motion.velocity * 0.0)
+    return state._replace(motion=motion, intent=state.intent._replace(stopped=True))
+
+
+def failure_event(error: Exception, time: float) -> Event:
+    """The alarm that tells the operator of it."""
+    text = f"The engine failed; the team stands and the clock is frozen: {type(error).__name__}: {error}"
+    return Event(time, Severity.ALARM, "failure", text)

@@ -1,0 +1,87 @@
+"""`--input CHANNEL=FILE:option=value,option=value`, as words of the command line and of a scenario's `demo`."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import InputSpec
+from higvf_console.scenario.scenario import Scenario, data_folder
+
+_CHANNEL = re.compile(r"[A-Za-z][\w-]*")
+_OPTIONS = re.compile(r"[A-Za-z]\w*=[^,]*(,[A-Za-z]\w*=[^,]*)*")
+_MEANT = re.compile(r"\s*[A-Za-z]\w*\s*(=.*)?")  # as options
+
+
+def input_spec(text: str, scenario: Scenario, folder: Path | None = None) -> InputSpec:
+    """What an interface is opened with.
+
+    The options start behind the colon that leaves the name of an existing file in front of it, else behind the first
+    one that options follow: so `C:\\run 1\\gaze.tsv:frame=screen` and `run 12:30.csv` mean what they should.
+
+    Args:
+        text: `gaze=FILE:frame=screen`, `bci=:stream=Decoder` or just `mouse`.
+        scenario: with the arena and the interface's settings.
+        folder: what a relative file is relative to; None = the working directory.
+
+    Raises:
+        InputError: not of that form, an option is given twice, or what follows an existing file are no options.
+    """
+    channel, _, rest = text.partition("=")
+    if not _CHANNEL.fullmatch(channel):
+        raise InputError(f"--input {text}: give CHANNEL=FILE or CHANNEL=FILE:option=value,option=value")
+    source, options = _split(rest, folder or Path())
+    settings = scenario.inputs.get(channel, {})
+    return InputSpec(channel, source, _options(options, text), settings, scenario.arena, len(scenario.robots.points))
+
+
+def demo_specs(scenario: Scenario) -> list[InputSpec]:
+    """The inputs of the scenario's demonstration.
+
+    Raises:
+        InputError: the scenario has none.
+    """
+    if not scenario.demo:
+        raise InputError(f"scenario '{scenario.name}' has no section 'demo' ({scenario.source})")
+    return [input_spec(text, scenario, data_folder()) for text in scenario.demo]
+
+
+def _split(rest: str, folder: Path) -> tuple[str, str]:
+    splits = [(rest, ""), *_splits(rest)]
+    found = [(source, options) for source, options in splits if source and _is_file(folder / source)]
+    if not found:
+        _refuse_torn(rest, folder)
+    source, options = found[0] if found else splits[1] if len(splits) > 1 else splits[0]
+    return (str(folder / source) if source and folder != Path() else source), options
+
+
+def _refuse_torn(rest: str, folder: Path) -> None:
+    """Refuses what is no file, and would be one and its options but for a blank or a missing value."""
+    for colon in re.finditer(":", rest):
+        source, options = rest[: colon.start()], rest[colon.end() :]
+        if _MEANT.fullmatch(options) and not _OPTIONS.fullmatch(options) and source and _is_file(folder / source):
+            raise InputError(f"{source}: {options!r} behind it is not option=value,option=value, without blanks")
+
+
+def _is_file(path: Path) -> bool:
+    """Whether it is a file; what cannot be a name, say of 300 letters, is none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def _splits(rest: str) -> Iterator[tuple[str, str]]:
+    for colon in re.finditer(":", rest):
+        if _OPTIONS.fullmatch(rest[colon.end() :]):
+            yield rest[: colon.start()], rest[colon.end() :]
+
+
+def _options(text: str, whole: str) -> dict[str, str]:
+    options: dict[str, str] = {}
+    for part in text.split(",") if text else ():
+        name, _, value = part.partition("=")
+        if name in options:
+            raise InputError(f"--input {whole}: option '{name}' is given twice")
+        options[name] = value
+    return options

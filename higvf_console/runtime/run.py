@@ -1,0 +1,147 @@
+"""A run without a clock: one command or one control period at a time, and the tally of both.
+
+Live, headless and replayed sessions all drive this class, so the same commands at the same ticks give the same bytes.
+"""
+
+import hashlib
+import struct
+from collections.abc import Callable
+from typing import TypeAlias
+
+from higvf_console.analysis.explain import Moved
+from higvf_console.control.gains import Gains
+from higvf_console.control.safety.coupled_filter import CoupledFilter
+from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, Undo
+from higvf_console.core.errors import ScenarioError
+from higvf_console.core.state import Motion, SimState, Trace
+from higvf_console.runtime.doing import done
+from higvf_console.runtime.history import History, Moment, Tally
+from higvf_console.scenario.scenario import Scenario
+from higvf_console.scenario.sections import FilterKind
+from higvf_console.sim import simulation
+from higvf_console.sim.certificates import watched
+from higvf_console.sim.events import events_between
+from higvf_console.sim.setup import Event, Setup, Severity
+
+Advance: TypeAlias = Callable[[SimState], tuple[SimState, Trace]]
+
+
+class Run:
+    """State, trace and tally of a run.
+
+    Attributes:
+        state: now.
+        last: the last control period; at the start of a run and after an edit, the first one to come.
+        ticks: control periods done; a reset of the run does not set it back.
+        tally: what it has come to so far.
+        filter: the safety filter that runs.
+        scenario: where it comes from; None for a run that no scenario file describes.
+        history: what was done, to be undone.
+    """
+
+    def __init__(
+        self, setup: Setup, filter_kind: FilterKind = FilterKind.DISTRIBUTED, scenario: Scenario | None = None
+    ) -> None:
+        """Starts at tick 0, and computes the first trace ahead."""
+        self.state = setup.start
+        self.ticks = 0
+        self.tally = Tally()
+        self.filter = filter_kind
+        self.scenario = scenario
+        self.history = History()
+        self._take(setup)
+
+    def _take(self, setup: Setup) -> None:
+        """Goes on in another world, or in the same one from another state."""
+        self._setup = setup
+        self._advance = _advance_by(self.filter, setup)
+        ahead, trace = self._advance(self.state)
+        self.last = Moved(self.state, ahead.motion, trace)
+        self._trace_before: Trace | None = None
+
+    @property
+    def setup(self) -> Setup:
+        """World and gains in force, and what a reset starts from."""
+        return self._setup
+
+    @property
+    def moment(self) -> Moment:
+        """The run as it is now."""
+        return Moment(self._setup, self.state, self.tally, self.filter, self.scenario)
+
+    @property
+    def trace(self) -> Trace:
+        """Why the team moved as it did in the last control period."""
+        return self.last.trace
+
+    @property
+    def time(self) -> float:
+        """Session time [s]: control periods since the start, or since the run was reset."""
+        return self.state.motion.tick * self._setup.gains.safety.control_period
+
+    def apply(self, command: OperatorCommand) -> tuple[Event, ...]:
+        """Gives a command its meaning; a refused one leaves everything as it was and says so."""
+        try:
+            moment, history, events = done(self.moment, self.history, command)
+        except ScenarioError as error:
+            return (Event(self.time, Severity.WARNING, "refused", f"Not done: {error}."),)
+        again = moment.setup is not self._setup or isinstance(command, ResetRun | Undo | Redo)
+        self.state, self.tally, self.history = moment.state, moment.tally, history
+        self.filter, self.scenario = moment.filter, moment.scenario
+        if again:
+            self._take(moment.setup)
+        return events
+
+    def step(self) -> tuple[Event, ...]:
+        """Advances by one control period."""
+        before = self.state
+        self.state, trace = self._advance(before)
+        events = events_between(before, self.state, self._trace_before, trace, self._setup.gains)
+        self.last = Moved(before, self.state.motion, trace)
+        self._trace_before = trace
+        self.ticks += 1
+        self.tally = _counted(self.tally, before.motion, self.state.motion, trace, self._setup.gains)
+        return events
+
+
+def _counted(tally: Tally, before: Motion, after: Motion, trace: Trace, gains: Gains) -> Tally:
+    """The tally after one control period."""
+    extinguished, was, burns = tally.extinguished, before.fire_burning, after.fire_burning
+    if was.tobytes() != burns.tobytes():
+        extinguished += tuple(int(fire) for fire in (was & ~burns).nonzero()[0])
+    return Tally(
+        extinguished,
+        min(tally.min_clearance, float(trace.clearance.min())),
+        tally.infeasible_ticks + bool(trace.infeasible.any()),
+        tally.deadlock_ticks + bool(trace.deadlocked.any()),
+        watched(tally.worst, after, trace, gains),
+    )
+
+
+def _advance_by(filter_kind: FilterKind, setup: Setup) -> Advance:
+    world, gains = setup.world, setup.gains
+    if filter_kind is FilterKind.DISTRIBUTED:
+        return lambda state: simulation.advance(state, world, gains)
+    coupled = CoupledFilter()
+    return lambda state: simulation.advance_coupled(state, world, gains, coupled)
+
+
+class TrajectoryDigest:
+    """SHA-256 over the bytes of position, velocity, fire radius, burning and path parameter of every tick."""
+
+    def __init__(self) -> None:
+        """Starts with no tick."""
+        self._hash = hashlib.sha256()
+
+    def add(self, motion: Motion) -> None:
+        """Takes in the state after one tick."""
+        update = self._hash.update
+        update(motion.position.tobytes())
+        update(motion.velocity.tobytes())
+        update(motion.fire_radius.tobytes())
+        update(motion.fire_burning.tobytes())
+        update(struct.pack("<d", motion.path_parameter))
+
+    def hex(self) -> str:
+        """The digest of all ticks so far."""
+        return self._hash.hexdigest()

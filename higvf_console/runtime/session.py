@@ -1,0 +1,342 @@
+"""A session: the one loop between operator and team.
+
+    each tick:  poll the interfaces -> apply their commands -> watch the channels -> advance -> record -> publish
+
+The session owns the clock (freeze, step, speed). Everyone else reads `snapshot`, which is replaced as a whole and never
+written, so a view may keep one for as long as it likes.
+"""
+
+import logging
+from collections.abc import Iterable
+from threading import Event as Signal
+from threading import Thread
+from time import perf_counter
+from typing import Any, NamedTuple, cast
+
+from higvf_console.analysis.baseline import Baseline, compute_baseline
+from higvf_console.channels.channels import Channels
+from higvf_console.channels.input_reports import InputReports, Reporter, calibration_event
+from higvf_console.channels.marker_outlet import MarkerOutlet
+from higvf_console.channels.supervision import Said, Supervisor
+from higvf_console.core.command import SESSION
+from higvf_console.core.commands import (
+    Cursor,
+    Freeze,
+    LoadScenario,
+    OperatorCommand,
+    Redo,
+    SetSpeed,
+    Step,
+    StrokePoints,
+    Undo,
+)
+from higvf_console.core.edits import Edit
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
+from higvf_console.core.reports import Calibrated
+from higvf_console.core.viewport import Viewport
+from higvf_console.runtime.failsafe import failure_event, halted
+from higvf_console.runtime.history import rows_before
+from higvf_console.runtime.recording import Recorder
+from higvf_console.runtime.run import Run
+from higvf_console.runtime.scheduling import stand_back
+from higvf_console.runtime.snapshot import Snapshot
+from higvf_console.scenario.scenario import Scenario
+from higvf_console.scenario.sections import FilterKind
+from higvf_console.sim.metrics import loss_area
+from higvf_console.sim.setup import Event, Setup, Severity
+
+SLOWEST, FASTEST = 0.25, 8.0  # speed factors
+CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time
+EVENTS_KEPT = 2000
+_LOOK = 0.1  # [s] between two looks whether the world is another one
+_WATCH_EVERY = 5  # ticks from one look after the channels to the next
+
+_log = logging.getLogger(__name__)
+
+
+class AppliedCommand(NamedTuple):
+    """A command and the session time at which it was applied [s]."""
+
+    time: float
+    command: OperatorCommand
+
+
+class Session:
+    """A scenario, its operator's interfaces and the clock.
+
+    Attributes:
+        seed: of the start positions.
+        snapshot: the latest moment.
+        baseline: loss area without an operator; None until it is known.
+        viewport: how the operator's screen lies over the arena; set by the view.
+        commands: applied so far, without cursors and stroke points, which come by the thousand.
+        error: what halted the engine; None while all is well.
+        answered: set when the snapshot has come to show what one of `commands` did; cleared by who shows it.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        interfaces: Iterable[Interface],
+        seed: int = 0,
+        recorder: Recorder | None = None,
+        markers: MarkerOutlet | None = None,
+    ) -> None:
+        """Sets the run up and publishes its first moment; nothing moves before `tick` or `run`.
+
+        Args:
+            scenario: what to run.
+            interfaces: polled each tick, in this order.
+            seed: of the start positions.
+            recorder: writes everything down.
+            markers: tells the laboratory's other devices.
+
+        Raises:
+            ScenarioError: the start is not safe with this seed.
+            InputError: two interfaces have the same name.
+        """
+        self.seed = seed
+        self.baseline: Baseline | None = None
+        self.viewport: Viewport | None = None
+        self.commands: list[AppliedCommand] = []
+        self.error: Exception | None = None
+        self.answered = Signal()
+        self._run = Run(scenario.setup(seed), scenario.filter, scenario)
+        self._channels = Channels(interfaces)
+        self._supervisor = Supervisor(self._channels, scenario.limits)
+        self._reporter = Reporter(self._channels, self._run.setup.gains.safety.control_period)
+        self._recorder, self._markers = recorder, markers
+        self._frozen = False
+        self._speed = 1.0
+        self._steps_due = 0
+        self._beats = 0
+        self._events = tuple(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings)
+        self._publish(perf_counter())
+
+    @property
+    def pointer(self) -> PointerSink:
+        """Where the view leaves the browser's commands: the interface named "mouse".
+
+        Raises:
+            InputError: the session has none, or it takes no pushed commands.
+        """
+        mouse = self._channels.named("mouse")
+        if not hasattr(mouse, "push"):
+            raise InputError("the session has no interface 'mouse' that commands can be pushed to")
+        return cast(PointerSink, mouse)
+
+    @property
+    def scenario(self) -> Scenario:
+        """What is run."""
+        return cast(Scenario, self._run.scenario)
+
+    @property
+    def calibrated(self) -> Calibrated | None:
+        """The interface whose calibration can be made; None = none has a screen."""
+        return self._reporter.calibrated
+
+    @property
+    def input_reports(self) -> InputReports:
+        """What the interfaces tell of themselves at this moment; the snapshot's may be half a second old."""
+        return self._reporter.count(self._run.time, self.snapshot.inputs)
+
+    @property
+    def setup(self) -> Setup:
+        """What a reset of the run starts from."""
+        return self._run.setup
+
+    @property
+    def ticks(self) -> int:
+        """Control periods done; a reset of the run does not set it back."""
+        return self._run.ticks
+
+    def tick(self, *, advance: bool = True) -> None:
+        """Polls and applies, then advances by one control period unless the clock stands, and publishes.
+
+        Args:
+            advance: False polls, applies and publishes only (between the ticks of a slowed clock).
+        """
+        started, known = perf_counter(), len(self.commands)
+        self._attend()
+        if self._frozen:
+            advance, self._steps_due = self._steps_due > 0, max(0, self._steps_due - 1)
+        if advance:
+            self._add(self._run.step())
+            if self._recorder is not None:
+                self._record(self._recorder.step, self._run.state.motion)
+        self._publish(started)
+        if len(self.commands) > known:
+            self.answered.set()
+
+    def run(self, stopping: Signal) -> None:
+        """Ticks at the pace of the clock until `stopping` is set; an engine that fails halts the team, not the loop."""
+        Thread(target=self._keep_baseline, args=(stopping,), name="baseline", daemon=True).start()
+        due, credit = perf_counter(), 0.0
+        while not stopping.is_set():
+            credit += min(self._speed, 1.0)
+            try:
+                self.tick(advance=credit >= 1.0)
+            except Exception as error:  # the operator must learn of any failure, and the robots must stand
+                self._halt(error)
+            credit -= credit >= 1.0
+            due = self._wait(due, stopping)
+
+    def close(self) -> None:
+        """Closes the interfaces and completes the recording."""
+        try:
+            self._channels.close()
+        finally:
+            if self._recorder is not None:
+                self._record(self._recorder.close)
+                self._publish(perf_counter())  # an event tells if that failed
+            if self._markers is not None:
+                self._markers.close()
+
+    def _wait(self, due: float, stopping: Signal) -> float:
+        """Waits for the next tick; returns when it is due, without the time that cannot be caught up."""
+        period = self.setup.gains.safety.control_period / max(self._speed, 1.0)
+        due += period
+        now = perf_counter()
+        if now < due:
+            stopping.wait(due - now)
+        return max(due, now - CATCH_UP * period)
+
+    def _attend(self) -> None:
+        intent, motion = self._run.state.intent, self._run.state.motion
+        context = OperatorContext(
+            self._run.time, "operator", self.viewport, self._run.state.drawing.clutch, intent.paused,
+            intent.influenced, self._run.tally.extinguished, len(motion.position),
+            Targets(self._run.setup.world.fire_position, motion.fire_radius, motion.position),
+        )  # fmt: skip
+        said, failures = self._supervisor.poll(context)
+        for channel, command in said:
+            self._apply(command, channel)
+        self._add(failures)
+        if failures or self._beats % _WATCH_EVERY == 0:
+            commands, events = self._supervisor.watch(self._run.time, self._run.state)
+            self._add(events)
+            for command in commands:
+                self._apply(command, SESSION)
+        self._beats += 1
+
+    def _apply(self, command: OperatorCommand, channel: str) -> None:
+        former = self._run.scenario
+        try:
+            self._give(command, channel)
+        except Exception as error:  # a device may send what no type checker saw; the state is as it was
+            source = getattr(command, "source", "?")
+            text = f"Input '{source}' sent {type(command).__name__}, which cannot be used: {error}"
+            self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
+            return
+        if not isinstance(command, Cursor | StrokePoints):
+            self.commands.append(AppliedCommand(self._run.time, command))
+            if self._markers is not None:
+                self._markers.command(self._run.time, command)
+        refused = isinstance(command, LoadScenario) and self._run.scenario is former
+        if self._recorder is not None and not refused:
+            self._record(self._recorder.command, command, self._run.scenario)
+
+    def _give(self, command: OperatorCommand, channel: str) -> None:
+        """Gives a command its meaning, for the run, the channels and the clock."""
+        before, history, scenario = self._run.state, self._run.history, self._run.scenario
+        self._add(self._run.apply(command))
+        changed = self._run.history is not history and isinstance(command, Edit | Undo | Redo)
+        rows = rows_before(self._run.history, undone=isinstance(command, Undo)) if changed else None
+        self._add(self._supervisor.applied(Said(channel, command), self._run.time, before, self._run.state, rows))
+        self._set_clock(command)
+        self._follow(scenario)
+
+    def _follow(self, former: Scenario | None) -> None:
+        """After a scenario was loaded, or came back: its limits hold; what its inputs are given counts at the start."""
+        scenario = self._run.scenario
+        if scenario is former or scenario is None:
+            return
+        self._supervisor.limit(scenario.limits)
+        for name in self._channels.names:
+            if former is not None and scenario.inputs.get(name) != former.inputs.get(name):
+                text = f"Input '{name}' keeps its settings; those of '{scenario.title}' count when the console starts."
+                self._add((Event(self._run.time, Severity.WARNING, "channel", text),))
+
+    def _set_clock(self, command: OperatorCommand) -> None:
+        match command:
+            case Freeze(frozen=frozen):
+                self._frozen, self._steps_due = bool(frozen), 0
+            case Step():
+                self._steps_due += 1
+            case SetSpeed(factor=factor):
+                self.set_speed(factor)
+            case _:
+                pass
+
+    def set_speed(self, factor: float) -> None:
+        """Lets the clock run at `factor` times real time; one outside [0.25, 8] is refused with an event."""
+        if SLOWEST <= factor <= FASTEST:
+            self._speed = float(factor)
+            return
+        text = f"The clock cannot run at {factor:g} times real time: choose {SLOWEST:g} to {FASTEST:g}."
+        self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
+
+    def _record(self, write: Any, *arguments: object) -> None:
+        try:
+            write(*arguments)
+        except (OSError, TypeError, ValueError) as error:  # the last two: what JSON does not know
+            self._recorder = None
+            text = f"The recording ends here: {getattr(error, 'strerror', None) or error}."
+            self._add((Event(self._run.time, Severity.ALARM, "recording", text),))
+
+    def _add(self, events: tuple[Event, ...]) -> None:
+        if self._markers is not None:
+            for event in events:
+                self._markers.event(event)
+        if events:
+            self._events = (self._events + events)[-EVENTS_KEPT:]
+
+    def _halt(self, error: Exception) -> None:
+        _log.error("the engine failed at %.2f s; the team stands", self._run.time, exc_info=error)
+        self.error = error
+        self._frozen, self._steps_due = True, 0
+        self._run.state = halted(self._run.state)
+        self._add((failure_event(error, self._run.time),))
+        self._publish(perf_counter())
+
+    def _publish(self, started: float) -> None:
+        run, inputs = self._run, self._reporter.take(self._run.time)
+        for channel, report in self._reporter.new_calibrations():
+            self._add((calibration_event(channel, report, run.time),))
+            if self._recorder is not None:
+                self._record(self._recorder.calibration, channel, report)
+        self.snapshot = Snapshot(
+            scenario=self.scenario,
+            setup=run.setup,
+            state=run.state,
+            trace=run.trace,
+            last=run.last,
+            time=run.time,
+            frozen=self._frozen,
+            speed=self._speed,
+            loss_area=loss_area(run.state.motion),
+            min_clearance=run.tally.min_clearance,
+            tick_ms=1e3 * (perf_counter() - started),
+            infeasible_ticks=run.tally.infeasible_ticks,
+            deadlock_s=run.tally.deadlock_ticks * self.setup.gains.safety.control_period,
+            worst=run.tally.worst,
+            extinguished=run.tally.extinguished,
+            history=run.history,
+            channels=self._supervisor.health,
+            events=self._events,
+            inputs=inputs,
+        )
+
+    def _keep_baseline(self, stopping: Signal) -> None:
+        """Runs every world that is edited or loaded without an operator, on a thread of its own."""
+        stand_back()
+        known: Setup | None = None
+        while not stopping.wait(_LOOK):
+            setup, scenario = self.setup, self.scenario
+            if setup is known:
+                continue
+            known, self.baseline = setup, None
+            if scenario.filter is FilterKind.DISTRIBUTED:  # the centralised filter has no fast roll
+                found = compute_baseline(setup, scenario.duration, stopping)
+                self.baseline = found if self.setup is setup else None

@@ -1,0 +1,59 @@
+"""All that a view needs of one moment of a session."""
+
+from typing import NamedTuple
+
+from higvf_console.analysis.explain import Moved
+from higvf_console.channels.input_reports import InputReports
+from higvf_console.core.arrays import Floats
+from higvf_console.core.interface import ChannelHealth
+from higvf_console.core.state import SimState, Trace
+from higvf_console.runtime.history import History
+from higvf_console.scenario.scenario import Scenario
+from higvf_console.sim.certificates import Worst
+from higvf_console.sim.setup import Event, Setup
+
+
+class Snapshot(NamedTuple):
+    """All that a view needs of one moment.
+
+    Attributes:
+        scenario: what is run; another object once another one is loaded.
+        setup: world and gains in force; another object once they are edited.
+        state: now.
+        trace: of the last control period.
+        last: the last control period as a whole; at the start of a run, the first one to come.
+        time: session time [s].
+        frozen: whether the simulation clock stands.
+        speed: factor of the simulation clock.
+        loss_area: (M,) burnt by each fire [m^2].
+        min_clearance: smallest of the run so far [m]; the present one is in the trace.
+        tick_ms: how long the tick took [ms].
+        infeasible_ticks: control periods in which a robot could not meet all barrier rows.
+        deadlock_s: time in which a robot was deadlocked [s].
+        worst: what the certificates of single ticks came to so far.
+        extinguished: fire indices in the order in which they went out.
+        history: what was done and may be undone.
+        channels: how each interface is.
+        events: what happened, oldest first; the last `EVENTS_KEPT`.
+        inputs: what the interfaces tell of themselves: attention, decoding, calibration.
+    """
+
+    scenario: Scenario
+    setup: Setup
+    state: SimState
+    trace: Trace
+    last: Moved
+    time: float
+    frozen: bool
+    speed: float
+    loss_area: Floats
+    min_clearance: float
+    tick_ms: float
+    infeasible_ticks: int
+    deadlock_s: float
+    worst: Worst
+    extinguished: tuple[int, ...]
+    history: History
+    channels: tuple[tuple[str, ChannelHealth], ...]
+    events: tuple[Event, ...]
+    inputs: InputReports = InputReports()

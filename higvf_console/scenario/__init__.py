@@ -1,0 +1,1 @@
+"""Scenario files: strict YAML, read into a run and written back."""

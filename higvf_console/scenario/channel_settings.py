@@ -1,0 +1,56 @@
+"""What a scenario's `inputs` section says of each channel to the session, beside what it says to the interface.
+
+inputs:
+  gaze: {stale: 0.5, lost: 2, on_lost: hold, clutch: held}   # the first three are the session's
+"""
+
+from collections.abc import Mapping
+
+from higvf_console.channels.channel_state import LOST_BY_STALE, Limits, OnLost, default_limits
+from higvf_console.core.quantity import Quantity
+from higvf_console.scenario.reading import Node
+
+_KEYS = ("stale", "lost", "on_lost")
+_SILENCE = Quantity("s", 0.05, 3600.0, "", "Silence of a channel.")
+
+
+def read_inputs(node: Node) -> tuple[dict[str, dict[str, object]], dict[str, Limits]]:
+    """Settings by interface, as the interface wants them, and the limits of each channel that is named.
+
+    Raises:
+        ScenarioError: not sections of settings, or limits that cannot be used.
+    """
+    if not isinstance(node.value, dict):
+        raise node.wrong("a section with one entry an interface")
+    settings: dict[str, dict[str, object]] = {}
+    limits: dict[str, Limits] = {}
+    for name, value in node.value.items():
+        section = Node(value, node.source, f"{node.place}.{name}")
+        if not isinstance(value, dict):
+            raise section.wrong("a section of settings")
+        settings[name] = {key: setting for key, setting in value.items() if key not in _KEYS}
+        limits[name] = _limits(section, value, default_limits(name))
+    return settings, limits
+
+
+def written_inputs(
+    settings: Mapping[str, Mapping[str, object]], limits: Mapping[str, Limits]
+) -> dict[str, dict[str, object]]:
+    """The section that `read_inputs` reads as these settings and limits."""
+    return {name: {**settings[name], **_differing(limits[name], default_limits(name))} for name in settings}
+
+
+def _differing(limits: Limits, default: Limits) -> dict[str, object]:
+    if limits == default:
+        return {}
+    return {"stale": limits.stale, "lost": limits.lost, "on_lost": limits.on_lost.value}
+
+
+def _limits(section: Node, values: Mapping[str, object], default: Limits) -> Limits:
+    given = {key: Node(values[key], section.source, f"{section.place}.{key}") for key in _KEYS if key in values}
+    stale = given["stale"].number(_SILENCE) if "stale" in given else default.stale
+    lost = given["lost"].number(_SILENCE) if "lost" in given else max(default.lost, LOST_BY_STALE * stale)
+    if lost <= stale:
+        raise section.error(f"lost: {lost:g} s is not longer than stale, {stale:g} s")
+    on_lost = OnLost(given["on_lost"].choice(tuple(OnLost))) if "on_lost" in given else default.on_lost
+    return Limits(stale, lost, on_lost)

@@ -1,0 +1,293 @@
+"""Scenarios: strict YAML files that say what a run starts from.
+
+    version: 1                               # these three are required
+    arena: {size_m: [1200, 700]}             # or x_min, y_min, x_max, y_max; walls: false opens it
+    robots: {start_m: [[700, 300], ...]}     # or count, spacing_m, centre_m; jitter_m, as the seed decides;
+        # heading_deg of unicycles: one for all, or a list
+    title, description, name: text           # the name defaults to the file's
+    links: [[1, 2], ...]                     # else the communication range decides
+    formation_m: [[0, 0], ...]               # the shape to keep, else the start positions
+    fires: [{at_m: [500, 250], radius_m: 20, growth_m_per_s: 1, robots_needed: 2}, ...]
+    obstacles:
+      circles: [{at_m: ..., radius_m: 20}]
+      bars: [{from_m: ..., to_m: ..., half_width_m: 6}]
+      polygons: [{points_m: [[0, 0], [90, 0], [0, 60]]}]               # of any shape that does not cross itself;
+          # free_m: [[...], ...], outlines of the free areas in it
+      masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2}]    # dark pixels; at_m is its lower left corner;
+          # threshold: 128, obstacle: dark | bright, tolerance_m, least_area_m2; beside this file, or shipped
+    path: {circle: {at_m: ..., radius_m: 250}, direction: forward}     # or line, ellipse, sketch (points_m, closed,
+        # smoothing_m); ending: release | hold | loop, pace, duration_s
+    influenced: 1                            # robots and fires count from 1
+    strokes: [{name: Round the bar, robot: 1, points_m: [...]}]        # "show me" buttons
+    parameters: {safety: {robot_clearance: 25}}                        # groups and names of `control.gains`
+    forms: corrected                         # or zero-in, printed; or a word for each of `control.forms`
+    filter: distributed                      # or centralised
+    inputs: {emg: {labels: {fist: pause}}}   # settings by interface; stale, lost, on_lost of any: channel_settings
+    demo: ["gaze=assets/recordings/barrier-gaze.tsv:frame=screen"]     # what --demo plays, as --input
+    duration_s: 120
+
+A key that is not known, a number out of range or a start that is not safe raises a `ScenarioError` with the file, the
+key path, the value and the choices.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+
+from higvf_console.channels.channel_state import Limits
+from higvf_console.channels.channels import unknown_settings
+from higvf_console.control.forms import PRINTED, Forms
+from higvf_console.control.gains import Gains
+from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.core.errors import ScenarioError
+from higvf_console.core.quantity import Quantity, shown
+from higvf_console.core.state import NO_PATH, Path, World
+from higvf_console.core.viewport import Arena
+from higvf_console.operator.path_commands import follow
+from higvf_console.scenario.channel_settings import read_inputs
+from higvf_console.scenario.reading import Node, closest, read_yaml
+from higvf_console.scenario.sections import (
+    FilterKind,
+    Fire,
+    Obstacles,
+    Robots,
+    ShownStroke,
+    read_arena,
+    read_fires,
+    read_formation,
+    read_forms,
+    read_links,
+    read_obstacles,
+    read_parameters,
+    read_path,
+    read_robots,
+    read_strokes,
+)
+from higvf_console.sim.setup import Setup
+from higvf_console.sim.simulation import initial_state
+from higvf_console.world.editing.layout import Layout, world_of
+from higvf_console.world.placement import (
+    Network,
+    buried_fires,
+    check_barriers,
+    check_formation,
+    check_intention,
+    check_robots,
+    check_start,
+    convergent,
+    intention_radius,
+    late_stand_off,
+    robot_warnings,
+    start_network,
+)
+
+VERSION = 1
+KEYS = (
+    "version", "name", "title", "description", "arena", "robots", "links", "formation_m", "fires", "obstacles", "path",
+    "influenced", "strokes", "parameters", "forms", "filter", "inputs", "demo", "duration_s",
+)  # fmt: skip
+_SEEDS = 2**53  # whole numbers that a float can tell apart
+_DURATION = Quantity("s", 0.001, 1e6, "", "How long a run lasts.")
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """A scenario file, read and checked.
+
+    Attributes:
+        name: word that reports use.
+        title: what a person reads.
+        description: one or two sentences.
+        text: the file as it was read, for recordings.
+        source: where it was read from.
+        arena: what the operator sees.
+        walls: whether the arena's four sides are barriers.
+        robots: where the team starts.
+        links: given communication links as index pairs i < j; None = the communication range decides.
+        formation: (N, 2) shape [m]; None = the start positions.
+        fires: in the order of their numbers.
+        obstacles: circles, bars and polygons.
+        path: desired path in force from the start, or NO_PATH.
+        influenced: index of the robot that is influenced first.
+        strokes: what the "show me" buttons draw.
+        gains: all tunables.
+        filter: which safety filter runs.
+        inputs: settings by interface name.
+        limits: when silence of an input matters, by its name, where the scenario says.
+        demo: inputs of `--demo`, written as on the command line.
+        duration: how long a headless run lasts at most [s].
+        warnings: what is allowed but probably not meant.
+    """
+
+    name: str
+    title: str
+    description: str
+    text: str
+    source: str
+    arena: Arena
+    walls: bool
+    robots: Robots
+    links: tuple[tuple[int, int], ...] | None
+    formation: Floats | None
+    fires: tuple[Fire, ...]
+    obstacles: Obstacles
+    path: Path
+    influenced: int
+    strokes: tuple[ShownStroke, ...]
+    gains: Gains
+    filter: FilterKind
+    inputs: Mapping[str, Mapping[str, object]]
+    limits: Mapping[str, Limits]
+    demo: tuple[str, ...]
+    duration: float
+    warnings: tuple[str, ...]
+
+    def setup(self, seed: int = 0) -> Setup:
+        """What a run starts from; the same seed gives the same bytes.
+
+        Raises:
+            ScenarioError: the seed's jitter puts a robot where it would violate a safety barrier.
+        """
+        position = self.robots.controlled(seed, self.gains.robots.look_ahead)
+        world = self._world(position)
+        fire_radius = floats([fire.radius for fire in self.fires], -1)
+        check_start(position, fire_radius, world, self.obstacles, self.gains, f"{self.source}: robots")
+        start = initial_state(position, fire_radius, world)
+        start = start._replace(
+            motion=start.motion._replace(heading=self.robots.heading),
+            intent=start.intent._replace(influenced=self.influenced),
+        )
+        gains = self.gains._replace(robots=self.gains.robots._replace(seed=float(seed % _SEEDS)))
+        return Setup(self.arena, world, gains, follow(start, self.path), self.obstacles.polygons)
+
+    def with_forms(self, forms: Forms) -> "Scenario":
+        """The same scenario with other forms of the equations, and weights with which they converge."""
+        gains = self.gains._replace(forms=forms)
+        gains, warnings = convergent(gains, self.robots.points, self.links, self.influenced)
+        return replace(self, gains=gains, warnings=self.warnings + warnings)
+
+    def _world(self, position: Floats) -> World:
+        return world_of(
+            Layout(
+                self.arena, self.walls, self.obstacles, floats([fire.position for fire in self.fires], -1, 2),
+                floats([fire.growth for fire in self.fires], -1), ints([fire.needs for fire in self.fires], -1),
+                position if self.formation is None else self.formation, self.links, self.gains,
+            )
+        )  # fmt: skip
+
+
+def data_folder() -> FilePath:
+    """The folder of `scenarios` and `assets`: beside the package in a checkout, inside it in a wheel.
+
+    A checkout comes first, for an editable install may leave a stale copy inside.
+    """
+    package = FilePath(__file__).parents[1]
+    checkout = package.parent
+    return checkout if (checkout / "pyproject.toml").is_file() and (checkout / "scenarios").is_dir() else package
+
+
+def scenario_names() -> tuple[str, ...]:
+    """Names of the shipped scenarios."""
+    return tuple(sorted(path.stem for path in (data_folder() / "scenarios").glob("*.yaml")))
+
+
+def load_scenario(name_or_path: str | FilePath) -> Scenario:
+    """The shipped scenario of that name, or the one in that file.
+
+    Raises:
+        ScenarioError: there is no such scenario, or its file cannot be used.
+    """
+    given = str(name_or_path)
+    file = FilePath(given)
+    if file.suffix not in (".yaml", ".yml"):
+        names = scenario_names()
+        if given not in names:
+            raise ScenarioError(
+                f"no scenario '{given}'{closest(given, names)}; known scenarios: {', '.join(names)}, or a .yaml file"
+            )
+        file = data_folder() / "scenarios" / f"{given}.yaml"
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
+        raise ScenarioError(f"{file}: {reason}") from error
+    return parse_scenario(text, str(file))
+
+
+def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None = None) -> Scenario:
+    """The scenario that a YAML text describes.
+
+    Args:
+        text: the YAML.
+        source: where it comes from, for errors; its stem names a scenario that does not name itself, images are looked
+            for in its folder and then in `data_folder()`.
+        polygons: what its polygons and masks came to when they were read before; None = read them.
+
+    Raises:
+        ScenarioError: the text cannot be used.
+    """
+    root = read_yaml(text, source)
+    entries = root.section(KEYS, ("version", "arena", "robots"))
+    version = entries["version"]
+    if str(version.value) != str(VERSION):
+        raise version.error(
+            f"{shown(version.value)} is not a version that this console reads; known versions: {VERSION}"
+        )
+
+    def entry(key: str, default: object) -> Node:
+        return entries.get(key, Node(default, source, key))
+
+    arena, walls = read_arena(entries["arena"])
+    robots = read_robots(entries["robots"], arena)
+    count = len(robots.points)
+    gains = read_parameters(entry("parameters", {}))._replace(forms=read_forms(entry("forms", "corrected")))
+    inputs, limits = read_inputs(entry("inputs", {}))
+    links = read_links(entries["links"], count) if "links" in entries else None
+    network = start_network(robots.points, links, gains.formation.communication_range)
+    check_formation(network.degree, gains, source)
+    fires = read_fires(entry("fires", []), count)
+    check_robots(gains, max((fire.growth for fire in fires), default=0.0), source)
+    name = entry("name", FilePath(source).stem).text()
+    scenario = Scenario(
+        name=name,
+        title=entry("title", name).text(),
+        description=entry("description", "").text().strip(),
+        text=text,
+        source=source,
+        arena=arena,
+        walls=walls,
+        robots=robots,
+        links=links,
+        formation=read_formation(entries["formation_m"], count) if "formation_m" in entries else None,
+        fires=fires,
+        obstacles=read_obstacles(entry("obstacles", {}), (FilePath(source).parent, data_folder()), polygons),
+        path=read_path(entries["path"], gains.path.stroke_smoothing) if "path" in entries else NO_PATH,
+        influenced=entry("influenced", 1).integer(1, count, "a robot's number") - 1,
+        strokes=read_strokes(entry("strokes", []), count),
+        gains=gains,
+        filter=FilterKind(entry("filter", "distributed").choice(tuple(FilterKind))),
+        inputs=inputs,
+        limits=limits,
+        demo=tuple(item.text() for item in entry("demo", []).items()),
+        duration=entry("duration_s", 120.0).number(_DURATION),
+        warnings=(
+            *_network_warnings(network, links is not None),
+            *unknown_settings(inputs),
+            *robot_warnings(gains),
+        ),
+    )
+    start = scenario.setup(seed=0)
+    fire_radius = start.start.motion.fire_radius
+    check_barriers(start.world, fire_radius, gains, source)
+    if gains.forms.intention == PRINTED:
+        check_intention(intention_radius(robots.points, links, scenario.influenced, gains), source)
+    late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, gains)
+    buried = buried_fires(start.world.fire_position, fire_radius, scenario.obstacles)
+    return replace(scenario, warnings=(*scenario.warnings, *late, *buried))
+
+
+def _network_warnings(network: Network, linked: bool) -> tuple[str, ...]:
+    if network.components == 1:
+        return ()
+    cause = "links" if linked else "communication_range"
+    return (f"the team starts in {network.components} parts that do not hear each other; see {cause}",)

@@ -1,0 +1,322 @@
+"""The sections of a scenario file, each read into the part of a run that it describes."""
+
+import math
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path as FilePath
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from higvf_console.control.forms import FORMS, WORDS, Forms
+from higvf_console.control.gains import Gains, PathGains
+from higvf_console.control.guidance.paths import circle_path, ellipse_path, line_path, sketch_path
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.commands import ShapePath
+from higvf_console.core.errors import PathError
+from higvf_console.core.quantity import Quantity, quantities, with_values
+from higvf_console.core.state import Path
+from higvf_console.core.viewport import Arena
+from higvf_console.operator.path_commands import ENDINGS, FASTEST, SLOWEST, shaped
+from higvf_console.scenario.irregular import check_edges, read_masks, read_polygons
+from higvf_console.scenario.reading import COORDINATE, Node
+
+MOST_ROBOTS = 100_000
+SPEED_LIMIT_FACTOR = 1.5  # v_max of a scenario that names only the cruise speed C
+
+_LENGTH = Quantity("m", 0.001, 1e6, "", "A length.")
+_JITTER = Quantity("m", 0.0, 1000.0, "", "Largest shift of a robot along x and along y.")
+_GROWTH = Quantity("m/s", 0.0, 100.0, "", "How fast a fire's radius grows.")
+_ANGLE = Quantity("deg", -360.0, 360.0, "", "An angle.")
+_PACE = Quantity("", SLOWEST, FASTEST, "", "Share of their velocity that those who are led take.")
+_DURATION = Quantity("s", 0.0, 1e6, "", "How long a path is followed; 0 = as long as it takes.")
+_SMOOTHING = quantities(PathGains)["stroke_smoothing"]
+
+
+class FilterKind(StrEnum):
+    """Which safety filter a run uses."""
+
+    DISTRIBUTED = "distributed"
+    CENTRALISED = "centralised"
+
+
+class Fire(NamedTuple):
+    """A fire at time 0.
+
+    Attributes:
+        position: centre [m].
+        radius: [m].
+        growth: growth of the radius [m/s].
+        needs: robots that it takes to extinguish it.
+    """
+
+    position: tuple[float, float]
+    radius: float
+    growth: float
+    needs: int
+
+
+class Obstacles(NamedTuple):
+    """What stands in the way.
+
+    Attributes:
+        circles: (P, 3) as in `state.World`.
+        bars: (Q, 5) as in `state.World`.
+        polygons: closed chains (n, 2) [m] as in `world.polygons`: those of the file, then those of its masks.
+    """
+
+    circles: Floats
+    bars: Floats
+    polygons: tuple[Floats, ...]
+
+
+class Robots(NamedTuple):
+    """Where the team starts.
+
+    Attributes:
+        points: (N, 2) centres [m].
+        jitter: by how much each is shifted at most along x and along y, as the seed decides [m].
+        heading: (N,) of unicycles [rad].
+    """
+
+    points: Floats
+    jitter: float
+    heading: Floats
+
+    def positions(self, seed: int) -> Floats:
+        """Centres (N, 2) [m] at the start; the same seed gives the same bytes."""
+        if self.jitter == 0.0:
+            return floats(self.points)
+        return self.points + np.random.default_rng(seed).uniform(-self.jitter, self.jitter, self.points.shape)
+
+    def controlled(self, seed: int, look_ahead: float) -> Floats:
+        """Controlled points (N, 2) [m] at the start: the centres, or points so far [m] ahead of them."""
+        if look_ahead == 0.0:
+            return self.positions(seed)
+        ahead = [(math.cos(angle), math.sin(angle)) for angle in self.heading.tolist()]
+        return floats(self.positions(seed) + look_ahead * np.array(ahead))
+
+    def written(self) -> dict[str, Any]:
+        """The section that `read_robots` reads as these robots."""
+        section: dict[str, Any] = {"start_m": self.points.tolist()}
+        if self.jitter > 0.0:
+            section["jitter_m"] = self.jitter
+        degrees = np.degrees(self.heading)
+        if degrees.any():
+            section["heading_deg"] = float(degrees[0]) if (degrees == degrees[0]).all() else degrees.tolist()
+        return section
+
+
+class ShownStroke(NamedTuple):
+    """A stroke that the scenario ships for a "show me" button.
+
+    Attributes:
+        name: what the button says.
+        robot: index of the robot that is to feel it; None = the influenced one.
+        points: (n, 2) [m].
+    """
+
+    name: str
+    robot: int | None
+    points: Floats
+
+
+def read_arena(node: Node) -> tuple[Arena, bool]:
+    """The arena, and whether its sides are walls."""
+    entries = node.section(("size_m", "x_min", "y_min", "x_max", "y_max", "walls"))
+    walls = entries["walls"].flag() if "walls" in entries else True
+    if "size_m" in entries:
+        if len(entries) > 1 + ("walls" in entries):
+            raise node.error("give size_m, or x_min, y_min, x_max and y_max, not both")
+        width, height = entries["size_m"].point()
+        arena = Arena(0.0, 0.0, width, height)
+    else:
+        entries = node.section(tuple(entries), ("x_min", "y_min", "x_max", "y_max"))
+        arena = Arena(*(entries[name].number(COORDINATE) for name in Arena._fields))
+    if arena.width <= 0.0 or arena.height <= 0.0:
+        raise node.error(f"an arena of {arena.width:g} m x {arena.height:g} m has no inside")
+    return arena, walls
+
+
+def read_robots(node: Node, arena: Arena) -> Robots:
+    """Given start points, or a square grid round a centre; one heading for all unicycles, or one for each."""
+    entries = node.section(("start_m", "count", "spacing_m", "centre_m", "jitter_m", "heading_deg"))
+    jitter = entries["jitter_m"].number(_JITTER) if "jitter_m" in entries else 0.0
+    if "start_m" in entries:
+        if {"count", "spacing_m", "centre_m"} & set(entries):
+            raise node.error("give start_m, or count and spacing_m, not both")
+        points = entries["start_m"].points(least=1)
+        return Robots(points, jitter, _headings(entries, len(points)))
+    entries = node.section(tuple(entries), ("count", "spacing_m"))
+    count = entries["count"].integer(1, MOST_ROBOTS, "a number of robots")
+    centre = ((arena.x_min + arena.x_max) / 2, (arena.y_min + arena.y_max) / 2)
+    centre = entries["centre_m"].point() if "centre_m" in entries else centre
+    grid = _grid(count, entries["spacing_m"].number(_LENGTH), centre)
+    return Robots(grid, jitter, _headings(entries, count))
+
+
+def _headings(entries: dict[str, Node], robots: int) -> Floats:
+    """Headings (N,) [rad]."""
+    node = entries.get("heading_deg")
+    if node is None:
+        return np.zeros(robots)
+    if not isinstance(node.value, list):
+        return np.full(robots, math.radians(node.number(_ANGLE)))
+    given = [math.radians(item.number(_ANGLE)) for item in node.items()]
+    if len(given) != robots:
+        raise node.error(f"{len(given)} headings for {robots} robots; give one for all, or one a robot")
+    return floats(given)
+
+
+def _grid(count: int, spacing: float, centre: tuple[float, float]) -> Floats:
+    columns = math.ceil(math.sqrt(count))
+    rows = math.ceil(count / columns)
+    index = np.arange(count)
+    cells = np.stack([index % columns - (columns - 1) / 2, index // columns - (rows - 1) / 2], axis=1)
+    return floats(cells * spacing + np.array(centre))
+
+
+def read_links(node: Node, robots: int) -> tuple[tuple[int, int], ...]:
+    """Communication links as pairs of robot indices, each once, the smaller index first."""
+    links: set[tuple[int, int]] = set()
+    for item in node.items():
+        ends = [end.integer(1, robots, "a robot's number") - 1 for end in item.items()]
+        if len(ends) != 2 or ends[0] == ends[1]:
+            raise item.wrong("a link between two robots, such as [1, 2]")
+        links.add((min(ends), max(ends)))
+    return tuple(sorted(links))
+
+
+def read_formation(node: Node, robots: int) -> Floats:
+    """A shape (N, 2) [m] whose pairwise distances the team keeps."""
+    shape = node.points()
+    if len(shape) != robots:
+        raise node.error(f"{len(shape)} points for {robots} robots; give one a robot")
+    return shape
+
+
+def read_fires(node: Node, robots: int) -> tuple[Fire, ...]:
+    """The fires, in the order of their numbers."""
+    fires: list[Fire] = []
+    for item in node.items():
+        entries = item.section(("at_m", "radius_m", "growth_m_per_s", "robots_needed"), ("at_m", "radius_m"))
+        growth = entries["growth_m_per_s"].number(_GROWTH) if "growth_m_per_s" in entries else 1.0
+        needs = min(2, robots)
+        if "robots_needed" in entries:
+            needs = entries["robots_needed"].integer(1, robots, f"within the team of {robots}")
+        fires.append(Fire(entries["at_m"].point(), entries["radius_m"].number(_LENGTH), growth, needs))
+    return tuple(fires)
+
+
+def read_obstacles(node: Node, folders: Sequence[FilePath], polygons: tuple[Floats, ...] | None = None) -> Obstacles:
+    """Circles, bars, polygons and masks.
+
+    Args:
+        node: the section `obstacles`.
+        folders: where the images of masks are looked for.
+        polygons: what its polygons and masks came to when they were read before; None = read them.
+    """
+    entries = node.section(("circles", "bars", "polygons", "masks"))
+    circles: list[tuple[float, ...]] = []
+    for item in entries["circles"].items() if "circles" in entries else ():
+        part = item.section(("at_m", "radius_m"), ("at_m", "radius_m"))
+        circles.append((*part["at_m"].point(), part["radius_m"].number(_LENGTH)))
+    bars: list[tuple[float, ...]] = []
+    for item in entries["bars"].items() if "bars" in entries else ():
+        part = item.section(("from_m", "to_m", "half_width_m"), ("from_m", "to_m", "half_width_m"))
+        bars.append((*part["from_m"].point(), *part["to_m"].point(), part["half_width_m"].number(_LENGTH)))
+    if polygons is None:
+        polygons = read_polygons(entries["polygons"]) if "polygons" in entries else ()
+        polygons += read_masks(entries["masks"], folders) if "masks" in entries else ()
+        check_edges(node, polygons)
+    return Obstacles(floats(circles, -1, 3), floats(bars, -1, 5), polygons)
+
+
+def read_strokes(node: Node, robots: int) -> tuple[ShownStroke, ...]:
+    """The "show me" strokes."""
+    strokes: list[ShownStroke] = []
+    for item in node.items():
+        entries = item.section(("name", "robot", "points_m"), ("name", "points_m"))
+        robot = entries["robot"].integer(1, robots, "a robot's number") - 1 if "robot" in entries else None
+        strokes.append(ShownStroke(entries["name"].text(), robot, entries["points_m"].points(least=3)))
+    return tuple(strokes)
+
+
+def read_path(node: Node, smoothing: float) -> Path:
+    """The desired path that is in force from the start: a line, circle, ellipse or sketch.
+
+    Args:
+        node: the section `path`.
+        smoothing: standard deviation by which a path may leave its sketch [m].
+    """
+    kinds = ("line", "circle", "ellipse", "sketch")
+    entries = node.section((*kinds, "direction", "ending", "pace", "duration_s"))
+    backward = "direction" in entries and entries["direction"].choice(("forward", "backward")) == "backward"
+    direction = -1.0 if backward else 1.0
+    given = [name for name in kinds if name in entries]
+    if len(given) != 1:
+        raise node.error(f"give exactly one of: {', '.join(kinds)}")
+    shape = entries[given[0]]
+    try:
+        path = _PATHS[given[0]](shape, direction, smoothing)
+    except PathError as error:
+        raise shape.error(str(error)) from error
+    way = ShapePath(
+        ending=entries["ending"].choice(tuple(ENDINGS)) if "ending" in entries else None,
+        pace=entries["pace"].number(_PACE) if "pace" in entries else None,
+        duration=entries["duration_s"].number(_DURATION) if "duration_s" in entries else None,
+    )
+    return shaped(path, way)
+
+
+def _line(node: Node, direction: float, _: float) -> Path:
+    entries = node.section(("at_m", "angle_deg"), ("at_m", "angle_deg"))
+    return line_path(*entries["at_m"].point(), math.radians(entries["angle_deg"].number(_ANGLE)), direction)
+
+
+def _circle(node: Node, direction: float, _: float) -> Path:
+    entries = node.section(("at_m", "radius_m"), ("at_m", "radius_m"))
+    return circle_path(*entries["at_m"].point(), entries["radius_m"].number(_LENGTH), direction)
+
+
+def _ellipse(node: Node, direction: float, _: float) -> Path:
+    entries = node.section(("at_m", "half_axes_m", "angle_deg"), ("at_m", "half_axes_m"))
+    angle = math.radians(entries["angle_deg"].number(_ANGLE)) if "angle_deg" in entries else 0.0
+    return ellipse_path(*entries["at_m"].point(), *entries["half_axes_m"].point(), angle, direction)
+
+
+def _sketch(node: Node, direction: float, smoothing: float) -> Path:
+    entries = node.section(("points_m", "closed", "smoothing_m"), ("points_m",))
+    closed = entries["closed"].flag() if "closed" in entries else None
+    smoothing = entries["smoothing_m"].number(_SMOOTHING) if "smoothing_m" in entries else smoothing
+    return sketch_path(entries["points_m"].points(least=3), smoothing, closed, direction)
+
+
+_PATHS = {"line": _line, "circle": _circle, "ellipse": _ellipse, "sketch": _sketch}
+
+
+def read_parameters(node: Node) -> Gains:
+    """All tunables: the defaults, and what the file says otherwise."""
+    gains = Gains()
+    groups = tuple(name for name in Gains._fields if name != "forms")
+    for group, section in node.section(groups).items():
+        part = getattr(gains, group)
+        section.section(tuple(quantities(type(part))))
+        gains = gains._replace(**{group: with_values(part, section.value, f"{section.source}: {section.place}")})
+    given = {name: set(section) for name, section in node.value.items()}
+    if "cruise_speed" in given.get("blending", ()) and "speed_limit" not in given.get("safety", ()):
+        limit = SPEED_LIMIT_FACTOR * gains.blending.cruise_speed
+        gains = gains._replace(safety=gains.safety._replace(speed_limit=limit))
+    reactive, repulsive = gains.rings.reactive_margin, gains.rings.repulsive_margin
+    if reactive <= repulsive:
+        place = Node(None, node.source, f"{node.place}.rings")
+        raise place.error(f"reactive_margin is {reactive:g} m and must be above repulsive_margin, {repulsive:g} m")
+    return gains
+
+
+def read_forms(node: Node) -> Forms:
+    """The forms of the equations: the name of a set, or a section with a word for each equation."""
+    if isinstance(node.value, str):
+        return FORMS[node.choice(tuple(FORMS))]
+    entries = node.section(Forms._fields)
+    return Forms(**{name: WORDS[entry.choice(tuple(WORDS))] for name, entry in entries.items()})

@@ -1,0 +1,174 @@
+"""A run as it is now, as the text of a scenario file; `scenario.parse_scenario` reads it.
+
+What burns keeps its present radius; what is out is left out, and later fires move up. Of an open path the part is kept
+that is still to be followed, of any path only where it is not over. Progress at a fire, priorities and what the team
+had agreed on are of the run, not of the scenario, and are not kept.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from higvf_console.control.forms import FORMS, Forms
+from higvf_console.control.gains import Gains
+from higvf_console.control.guidance.paths import SEGMENTS, SHORTEST_PATH, path_points
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import ScenarioError
+from higvf_console.core.quantity import quantities
+from higvf_console.core.state import Motion, Path, PathEnding, PathKind, PathStatus, SimState
+from higvf_console.core.viewport import Arena
+from higvf_console.operator.path_commands import ending_word
+from higvf_console.scenario.channel_settings import written_inputs
+from higvf_console.scenario.reading import yaml_text
+from higvf_console.scenario.scenario import VERSION, Scenario, parse_scenario
+from higvf_console.scenario.sections import Obstacles, Robots
+from higvf_console.sim.setup import Setup
+from higvf_console.world.editing.layout import layout_of
+from higvf_console.world.editing.things import centres
+from higvf_console.world.polygons import obstacles_of
+
+Section = dict[str, Any]
+
+
+def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> str:
+    """The text of a scenario file that starts from what is now.
+
+    World, gains and start positions are bit for bit those of now; headings of unicycles and a sketched path are so up
+    to rounding.
+
+    Args:
+        setup: world and gains in force.
+        state: now.
+        scenario: where the run comes from, for what an edit does not touch; None = nowhere.
+
+    Raises:
+        ScenarioError: a run cannot start from what is now, for example because a fire has grown too large.
+    """
+    layout, motion = layout_of(setup), state.motion
+    robots = _robots(centres(layout, motion), motion.heading, setup.gains)
+    content: Section = {"version": VERSION}
+    if scenario is not None:
+        content |= {"name": scenario.name, "title": scenario.title, "description": scenario.description}
+    content |= {"arena": _arena(layout.arena, layout.walls), "robots": robots.written()}
+    if layout.links is not None:
+        content["links"] = [[first + 1, second + 1] for first, second in layout.links]
+    if layout.formation.tobytes() != robots.controlled(0, setup.gains.robots.look_ahead).tobytes():
+        content["formation_m"] = layout.formation.tolist()
+    content |= {"fires": _fires(setup, motion), "obstacles": _obstacles(layout.obstacles)}
+    content |= {"path": _path(state), "influenced": state.intent.influenced + 1}
+    if scenario is not None:
+        content["strokes"] = _strokes(scenario, len(motion.position))
+    content |= {"parameters": _parameters(setup.gains), "forms": _forms(setup.gains.forms)}
+    if scenario is not None:
+        content |= {
+            "filter": scenario.filter.value, "inputs": written_inputs(scenario.inputs, scenario.limits),
+            "demo": list(scenario.demo), "duration_s": scenario.duration,
+        }  # fmt: skip
+    text = yaml_text({key: value for key, value in content.items() if key == "links" or value not in ({}, [], "")})
+    try:
+        parse_scenario(text, scenario.source if scenario is not None else "scenario.yaml")
+    except ScenarioError as error:
+        raise ScenarioError(f"no run can start from what is now: {error}") from error
+    return text
+
+
+def _arena(arena: Arena, walls: bool) -> Section:
+    if (arena.x_min, arena.y_min) == (0.0, 0.0):
+        return {"size_m": [arena.x_max, arena.y_max], "walls": walls}
+    return {**arena._asdict(), "walls": walls}
+
+
+def _robots(centre: Floats, heading: Floats, gains: Gains) -> Robots:
+    unicycles = gains.robots.look_ahead > 0.0
+    turned = np.array([math.remainder(angle, 2.0 * math.pi) for angle in heading.tolist()])
+    return Robots(centre, 0.0, turned if unicycles else np.zeros(len(centre)))
+
+
+def _fires(setup: Setup, motion: Motion) -> list[Section]:
+    world = setup.world
+    return [
+        {
+            "at_m": world.fire_position[fire].tolist(), "radius_m": float(motion.fire_radius[fire]),
+            "growth_m_per_s": float(world.fire_growth[fire]), "robots_needed": int(world.fire_needs[fire]),
+        }
+        for fire in np.flatnonzero(motion.fire_burning).tolist()
+    ]  # fmt: skip
+
+
+def _obstacles(obstacles: Obstacles) -> Section:
+    sections: Section = {
+        "circles": [{"at_m": row[:2], "radius_m": row[2]} for row in obstacles.circles.tolist()],
+        "bars": [{"from_m": row[:2], "to_m": row[2:4], "half_width_m": row[4]} for row in obstacles.bars.tolist()],
+        "polygons": [_polygon(*chains) for chains in obstacles_of(obstacles.polygons)],
+    }
+    return {name: section for name, section in sections.items() if section}
+
+
+def _polygon(outline: Floats, *free: Floats) -> Section:
+    polygon: Section = {"points_m": outline.tolist()}
+    return {**polygon, "free_m": [chain.tolist() for chain in free]} if free else polygon
+
+
+def _path(state: SimState) -> Section:
+    path, motion = state.intent.path, state.motion
+    if path.kind == PathKind.NONE or motion.path_status not in (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY):
+        return {}
+    shape = _shape(path, motion.path_parameter)
+    if not shape:
+        return {}
+    way: Section = {"direction": "forward" if path.direction > 0.0 else "backward"}
+    if path.ending != PathEnding.RELEASE:
+        way["ending"] = ending_word(path)
+    if path.pace != 1.0:
+        way["pace"] = path.pace
+    if path.duration < math.inf:
+        way["duration_s"] = motion.path_left
+    return shape | way
+
+
+def _shape(path: Path, done: float) -> Section:
+    """Line, circle or sketch; of an open path that does not start again what is left from arc length `done` [m]."""
+    if path.kind == PathKind.LINE:
+        x, y, cos, sin = path.shape.tolist()
+        return {"line": {"at_m": [x, y], "angle_deg": math.degrees(math.atan2(sin, cos))}}
+    if path.kind == PathKind.CIRCLE:
+        x, y, radius, _ = path.shape.tolist()
+        return {"circle": {"at_m": [x, y], "radius_m": radius}}
+    start, end = 0.0, path.length
+    if not path.closed and path.ending != PathEnding.LOOP:
+        start, end = (done, end) if path.direction > 0.0 else (start, done)
+    if end - start < SHORTEST_PATH:
+        return {}
+    points = path_points(path, floats(np.linspace(start, end, SEGMENTS + 1)))
+    return {"sketch": {"points_m": points.tolist(), "closed": bool(path.closed), "smoothing_m": 0.0}}
+
+
+def _strokes(scenario: Scenario, robots: int) -> list[Section]:
+    return [
+        {
+            "name": stroke.name,
+            **({"robot": stroke.robot + 1} if stroke.robot is not None and stroke.robot < robots else {}),
+            "points_m": stroke.points.tolist(),
+        }
+        for stroke in scenario.strokes
+    ]
+
+
+def _parameters(gains: Gains) -> Section:
+    """What differs from the defaults; a speed limit that would follow from the cruise speed is said as well."""
+    sections: Section = {}
+    for group, default in Gains()._asdict().items():
+        if group == "forms":
+            continue
+        part = getattr(gains, group)
+        changed = {name: getattr(part, name) for name in quantities(type(part))}
+        sections[group] = {name: value for name, value in changed.items() if value != getattr(default, name)}
+    if "cruise_speed" in sections["blending"]:
+        sections["safety"]["speed_limit"] = gains.safety.speed_limit
+    return {group: section for group, section in sections.items() if section}
+
+
+def _forms(forms: Forms) -> str | Mapping[str, str]:
+    return next((name for name, known in FORMS.items() if known == forms), forms.words())

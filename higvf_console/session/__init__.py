@@ -1,1 +1,0 @@
-"""A run: scenario, clock, inputs, recording."""

@@ -1,0 +1,120 @@
+"""Disturbances: errors of measured positions and lost messages, drawn without a state, and what stays safe with them.
+
+Every draw is a hash of the run's seed, the tick, the purpose and the robots concerned (a counter-based generator, the
+finaliser of SplitMix64, Steele et al. 2014), so that live runs, rolls, replays and previews see the same errors.
+
+Noise. The controller and the safety filter see p' = p + error, |error| <= e, new for each robot in each tick; physics
+and judges know p. The filter's clearances are enlarged, R' = R + E, with E = e for obstacles and E = 2 e for pairs,
+where both robots err. Then a distance d >= R stays so, as long as no robot is flagged infeasible:
+
+    measured outside, d' >= R'. The filter keeps p' + u dt at R' or farther (`barriers.certificate`), and the robot ends
+    up within E of that: d_next >= R' - E = R.
+
+    measured inside, d' < R', and no nearer than R' - 2 E. The row asks for a speed w along the measured direction n,
+    w dt >= c (R' - d') with c = min(rate dt, v dt / 2 E), v = v_max for obstacles and 2 v_max for pairs. Let q be the
+    point of the (convex) danger nearest to p', and p - q = a n + b t. The danger lies behind the line through q across
+    n, so d_next >= a + w dt. If g = R - a > 0, then a^2 + b^2 >= d^2 >= R^2 gives b^2 >= g (R + a), and d' <= a +
+    sqrt(E^2 - b^2) gives R' - d' >= g + b^2 / 2 E >= g (1 + (R + a) / 2 E). With E <= R / 2 this is a >= R - E, and
+    with E <= c R then c (R' - d') >= g, hence d_next >= R.
+
+A fire's growth is added to both sides, and taken from v; walls have an exact direction and need no condition.
+`noise_limit` is the largest e that meets the conditions. Rows that contradict each other are not ruled out: a robot
+that is measured inside two clearances at once may have no velocity that leaves both. It then takes the least violation,
+and is flagged.
+
+Losses. A lost link carries nothing in either direction for one tick, as an exchange that is not acknowledged: the
+graph stays undirected, so formation forces cancel in pairs. Only shared intentions and formation use messages. Barriers
+rest on what robots sense themselves, so clearances do not depend on losses; and v_s stays a weighted mean of what is
+heard, whatever that is, so that its bound holds. Sides and leadership are agreed on the whole graph: they are held
+between ticks, and a message lost for 20 ms does not revoke them.
+"""
+
+import math
+
+import numpy as np
+
+from higvf_console.control.gains import Gains, RobotGains
+from higvf_console.control.kernel import kernel
+from higvf_console.core.arrays import Floats, Ints
+from higvf_console.core.state import Motion
+
+MEASURING, SENDING = 1, 2  # purposes of a draw
+
+_STEP = np.uint64(0x9E3779B97F4A7C15)
+_FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+_SHIFT_1, _SHIFT_2, _SHIFT_3, _EXCESS = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
+
+
+@kernel
+def chance(seed: float, tick: int, purpose: int, i: int, j: int) -> float:
+    """A number in [0, 1), uniform over any of the arguments (whole numbers from 0), the same for the same ones."""
+    z = _mixed(np.uint64(seed))
+    for word in (tick, purpose, i, j):
+        z = _mixed(z ^ np.uint64(word))
+    return float(z >> _EXCESS) * 2.0**-53
+
+
+@kernel
+def _mixed(z: np.uint64) -> np.uint64:
+    z = z + _STEP
+    z = (z ^ (z >> _SHIFT_1)) * _FIRST
+    z = (z ^ (z >> _SHIFT_2)) * _SECOND
+    return z ^ (z >> _SHIFT_3)
+
+
+@kernel
+def measured(position: Floats, tick: int, robots: RobotGains) -> Floats:
+    """Measured positions (N, 2) [m]: each off by an error that is uniform in a disc of radius `position_noise`."""
+    seen = np.empty(position.shape)
+    for i in range(position.shape[0]):
+        radius = robots.position_noise * math.sqrt(chance(robots.seed, tick, MEASURING, i, 0))
+        angle = 2.0 * math.pi * chance(robots.seed, tick, MEASURING, i, 1)
+        seen[i, 0] = position[i, 0] + radius * math.cos(angle)
+        seen[i, 1] = position[i, 1] + radius * math.sin(angle)
+    return seen
+
+
+@kernel
+def as_measured(motion: Motion, robots: RobotGains) -> Motion:
+    """The motion as controller and filter see it: with measured positions."""
+    return Motion(
+        motion.tick, measured(motion.position, motion.tick, robots), motion.heading, motion.velocity, motion.intention,
+        motion.target, motion.target_value, motion.side, motion.stalled, motion.rung, motion.fire_radius,
+        motion.fire_progress, motion.fire_burning, motion.path_parameter, motion.path_status, motion.path_idle,
+        motion.path_gap, motion.path_left, motion.robot_peak, motion.human_peak,
+    )  # fmt: skip
+
+
+@kernel
+def heard(start: Ints, to: Ints, tick: int, robots: RobotGains) -> tuple[Ints, Ints]:
+    """The links, as rows of neighbours, whose messages arrive in this tick; each is lost with `packet_loss`."""
+    if robots.packet_loss == 0.0:
+        return start, to
+    heard_start, heard_to = np.zeros(start.shape[0], np.int64), np.empty(to.shape[0], np.int64)
+    used = 0
+    for i in range(start.shape[0] - 1):
+        for entry in range(start[i], start[i + 1]):
+            j = to[entry]
+            if chance(robots.seed, tick, SENDING, min(i, j), max(i, j)) >= robots.packet_loss:
+                heard_to[used] = j
+                used += 1
+        heard_start[i + 1] = used
+    return heard_start, heard_to[:used].copy()
+
+
+def noise_limit(gains: Gains, growth: float) -> float:
+    """The largest `position_noise` [m] under which true clearances are kept, by the conditions above.
+
+    Args:
+        gains: those of the controlled point without noise.
+        growth: of the fastest fire [m/s].
+    """
+    safety = gains.safety
+    dt, way = safety.control_period, safety.speed_limit * safety.control_period
+    obstacle, pair = safety.obstacle_clearance, safety.robot_clearance
+    return min(
+        obstacle * min(safety.obstacle_rate * dt, 0.5),
+        math.sqrt(max(way - growth * dt, 0.0) * obstacle / 2.0),
+        pair * min(safety.pair_rate * dt, 0.5) / 2.0,
+        math.sqrt(way * pair) / 2.0,
+    )

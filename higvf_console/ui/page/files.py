@@ -1,0 +1,88 @@
+"""Files that a page sends: chosen by the operator, in pieces, with a limit to their size."""
+
+import base64
+import binascii
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import viser
+
+from higvf_console.ui.page import page
+
+MOST_BYTES = 16_000_000
+PIECE = 400_000  # bytes of one message
+
+Received = Callable[[str, bytes], None]  # name and content of a file
+
+
+class FileKind(NamedTuple):
+    """A kind of file that can be sent.
+
+    Attributes:
+        accept: endings, as a file chooser wants them.
+        received: hears of a file, on viser's event loop: it must return at once. A ValueError refuses the file.
+    """
+
+    accept: str
+    received: Received
+
+
+class _Growing(NamedTuple):
+    """A file that has not come as a whole."""
+
+    name: str
+    kind: str
+    parts: int
+    content: tuple[bytes, ...]
+
+
+def install(
+    server: viser.ViserServer, kinds: Mapping[str, FileKind], refused: Callable[[str, str], None]
+) -> Callable[[str, int], None]:
+    """Lets pages send files.
+
+    Args:
+        server: whose pages may.
+        kinds: of files, by name.
+        refused: hears the name of a file that cannot be used, and why.
+
+    Returns:
+        choose(kind, client_id): opens the file chooser of a page that has just been clicked.
+    """
+    growing: dict[int, _Growing] = {}
+
+    def piece(client_id: int, body: page.Body) -> None:
+        name, kind, content = str(body.get("name"))[:200], body.get("kind"), body.get("content")
+        part, parts, size = (body.get(key) for key in ("part", "parts", "size"))
+        if kind not in kinds or not isinstance(content, str) or not all(type(n) is int for n in (part, parts, size)):
+            raise ValueError("not a piece of a file")
+        if int(size) > MOST_BYTES or not 0 < int(parts) <= MOST_BYTES // PIECE + 1:  # pyright: ignore[reportArgumentType]
+            growing.pop(client_id, None)
+            refused(name, f"{int(size) / 1e6:.1f} MB are too many; at most {MOST_BYTES / 1e6:g} MB")  # pyright: ignore[reportArgumentType]
+            return
+        known = _Growing(name, str(kind), int(parts), ()) if part == 0 else growing.get(client_id)  # pyright: ignore[reportArgumentType]
+        if known is None or (known.name, known.kind, known.parts, len(known.content)) != (name, kind, parts, part):
+            growing.pop(client_id, None)
+            raise ValueError(f"piece {part} of {name!r} came where another was due")
+        try:
+            known = known._replace(content=(*known.content, base64.b64decode(content, validate=True)))
+        except binascii.Error as error:
+            raise ValueError(f"piece {part} of {name!r} is damaged") from error
+        growing[client_id] = known
+        if len(known.content) == known.parts:
+            del growing[client_id]
+            try:
+                kinds[known.kind].received(name, b"".join(known.content))
+            except ValueError as error:
+                refused(name, str(error))
+
+    def forget(client_id: int) -> None:
+        growing.pop(client_id, None)
+
+    def choose(kind: str, client_id: int) -> None:
+        page.call(server, "files", "choose", {"kind": kind, "accept": kinds[kind].accept}, client_id)
+
+    page.listen(server, "file", piece)
+    page.on_leave(server, forget)
+    page.install(server, "files", {"most": MOST_BYTES, "piece": PIECE})
+    return choose

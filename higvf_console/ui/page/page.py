@@ -1,0 +1,157 @@
+"""The one door to the operator's page: scripts and calls go in, our own messages come out.
+
+viser has no public way to do either, so this module alone uses its message classes and connections:
+
+    install(server, "camera", {...})        runs browser_js/camera.js in every page, now and after each reconnect
+    call(server, "keys", "stopped", True)   calls a method of an installed script
+    listen(server, "key", callback)         hears what a script sent with `page.send("key", {...})`
+    gate(server, allows)                    keeps out what a page may not do
+
+viser replays scripts whenever a page reconnects; `browser_js/page.js` keeps one instance of each.
+"""
+
+import hashlib
+import json
+import logging
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any, TypeAlias
+
+import viser
+from viser import _messages
+from viser.infra import WebsockClientConnection, WebsockServer
+
+Body: TypeAlias = dict[str, Any]
+WIDGET = "widget"  # topic under which `gate` asks about viser's own widgets, palette and scene
+# Of viser's messages, those that tell of the page itself and change nothing.
+_HARMLESS = (
+    _messages.GetRenderResponseMessage,
+    _messages.LocalStorageGetItemResponseMessage,
+    _messages.ViewerCameraMessage,
+)
+_log = logging.getLogger(__name__)
+
+
+@dataclass
+class PageMessage(_messages.Message, include_in_scene_serialization=False):
+    """What a script of ours sends: a topic and its content, to be validated by whoever listens."""
+
+    topic: str
+    body: Body
+
+
+@dataclass
+class _PageScript(_messages.RunJavascriptMessage, include_in_scene_serialization=False):
+    """JavaScript that replaces an earlier one of the same slot, and stays out of recordings of the scene."""
+
+    slot: str = ""
+
+    def redundancy_key(self) -> str:
+        return f"higvf {self.slot}"
+
+
+# The page knows a message by the name of its class.
+_PageScript.__name__ = _messages.RunJavascriptMessage.__name__
+
+
+def install(server: viser.ViserServer, name: str, config: Mapping[str, object]) -> None:
+    """Runs `browser_js/<name>.js` in every page, with `page` and `config` as its arguments.
+
+    Args:
+        server: whose pages shall run it.
+        name: file name without ending; a later script of the same name replaces an earlier one.
+        config: what the script is given; must be JSON.
+    """
+    base, script, settings = _source("page"), _source(name), json.dumps(config)
+    version = hashlib.sha256((base + script + settings).encode()).hexdigest()[:12]
+    source = f"({base})();window.higvf.install({json.dumps(name)}, {json.dumps(version)}, {script}, {settings});"
+    _sockets(server).queue_message(_PageScript(source, f"install {name}"))
+
+
+def call(server: viser.ViserServer, name: str, method: str, argument: object, client_id: int | None = None) -> None:
+    """Calls a method of an installed script.
+
+    Args:
+        server: whose pages are meant.
+        name: name of the script.
+        method: name of the method.
+        argument: its only argument; must be JSON.
+        client_id: one page; None = every page, those that connect later included (they get the latest call).
+    """
+    source = f"window.higvf?.call({json.dumps(name)}, {json.dumps(method)}, {json.dumps(argument)});"
+    message = _PageScript(source, f"call {name}.{method}")
+    if client_id is None:
+        _sockets(server).queue_message(message)
+    elif client := _sockets(server)._client_state_from_id.get(client_id):  # pyright: ignore[reportPrivateUsage]
+        client.message_buffer.push(message)
+
+
+def listen(server: viser.ViserServer, topic: str, callback: Callable[[int, Body], None]) -> None:
+    """Calls `callback(client_id, body)` for each message of a topic, in order, on viser's event loop.
+
+    A callback must return at once. A ValueError that it raises refuses the message: it is logged and dropped.
+    """
+
+    def handle(client_id: int, message: PageMessage) -> None:
+        if message.topic != topic:
+            return
+        try:
+            callback(client_id, message.body)
+        except ValueError as error:
+            _log.warning("page %d: refused a %r message: %s", client_id, topic, error)
+
+    _sockets(server).register_handler(PageMessage, handle)
+
+
+def gate(server: viser.ViserServer, allows: Callable[[int, str, Body], bool]) -> None:
+    """Drops what a page may not do; a widget that it touched shows its true value there again.
+
+    Args:
+        server: whose pages are meant; their camera and the like are never asked about.
+        allows: asked as `allows(client_id, topic, body)` on viser's event loop; for viser's own messages the topic is
+            `WIDGET` and the body has the "uuid" of the widget or palette command, where there is one.
+    """
+    sockets = _sockets(server)
+    handle = sockets._handle_incoming_message  # pyright: ignore[reportPrivateUsage]
+
+    async def handle_allowed(client_id: Any, message: Any) -> None:
+        if isinstance(message, PageMessage):
+            topic, body = message.topic, message.body
+        else:
+            topic, body = WIDGET, {"uuid": getattr(message, "uuid", None)}
+        if isinstance(message, _HARMLESS) or allows(client_id, topic, body):
+            await handle(client_id, message)
+        elif isinstance(message, _messages.GuiUpdateMessage):
+            _show_true_value(server, message.uuid, client_id)
+
+    sockets._handle_incoming_message = handle_allowed  # pyright: ignore[reportPrivateUsage]
+
+
+def uuid_of(command: viser.CommandHandle) -> str:
+    """By what the palette names a command."""
+    return command._impl.uuid  # pyright: ignore[reportPrivateUsage]
+
+
+def on_leave(server: viser.ViserServer, callback: Callable[[int], None]) -> None:
+    """Calls `callback(client_id)` on viser's event loop when a page has gone; a reload is a new page."""
+
+    def left(connection: WebsockClientConnection) -> None:
+        callback(connection.client_id)
+
+    _sockets(server).on_client_disconnect(left)
+
+
+def _show_true_value(server: viser.ViserServer, uuid: str, client_id: int) -> None:
+    widget = server.gui._gui_input_handle_from_uuid.get(uuid)  # pyright: ignore[reportPrivateUsage]
+    client = _sockets(server)._client_state_from_id.get(client_id)  # pyright: ignore[reportArgumentType, reportPrivateUsage, reportCallIssue]
+    if widget is not None and client is not None and not widget._impl.is_button:  # pyright: ignore[reportPrivateUsage]
+        client.message_buffer.push(_messages.GuiUpdateMessage(uuid, {"value": widget.value}))
+
+
+def _sockets(server: viser.ViserServer) -> WebsockServer:
+    return server._websock_server  # pyright: ignore[reportPrivateUsage]
+
+
+def _source(name: str) -> str:
+    return (files("higvf_console.ui.page") / "browser_js" / f"{name}.js").read_text(encoding="utf-8").strip()

@@ -1,0 +1,74 @@
+"""A widget that names one robot: a list for a team that fits into one, a number for a larger one."""
+
+from collections.abc import Callable
+
+import viser
+
+from higvf_console.ui.panels.widgets.callbacks import mirror, number_in, one_of, reaction
+
+MOST_LISTED = 50  # robots
+
+
+class RobotPicker:
+    """Calls back with a robot's index, or None for the choice that names none of them."""
+
+    def __init__(
+        self, gui: viser.GuiApi, label: str, robots: int, choose: Callable[[int | None], None], *, hint: str,
+        nobody: str = "",
+    ) -> None:  # fmt: skip
+        """Builds the list or the number.
+
+        Args:
+            gui: where.
+            label: of the widget.
+            robots: how many there are now.
+            choose: hears what a page chose.
+            hint: of the widget.
+            nobody: name of a choice besides the robots; empty = there is none.
+        """
+        self._nobody, self._robots, self._choose = nobody, robots, choose
+        self._list: viser.GuiDropdownHandle[str] | None = None
+        self._number: viser.GuiNumberHandle[int] | None = None
+        if robots <= MOST_LISTED:
+            self._list = gui.add_dropdown(label, self._names(), hint=hint)
+            self._list.on_update(reaction(self._named))
+        else:
+            also = f"; 0 = {nobody}" if nobody else ""
+            self._number = gui.add_number(label, self._least, min=self._least, max=robots, step=1, hint=hint + also)
+            self._number.on_update(reaction(self._numbered))
+
+    @property
+    def _least(self) -> int:
+        return 0 if self._nobody else 1
+
+    def _names(self) -> tuple[str, ...]:
+        robots = tuple(f"Robot {number}" for number in range(1, self._robots + 1))
+        return (self._nobody, *robots) if self._nobody else robots
+
+    def _named(self, value: object) -> None:
+        number = one_of(value, {name: number for number, name in enumerate(self._names(), self._least)})
+        self._choose(number - 1 if number else None)
+
+    def _numbered(self, value: object) -> None:
+        number = int(number_in(value, self._least, self._robots))
+        self._choose(number - 1 if number else None)
+
+    def show(self, robot: int | None, robots: int) -> None:
+        """Shows who is chosen in a team of so many robots."""
+        if robots != self._robots:
+            self._robots = robots
+            if self._list is not None:
+                self._list.options = self._names()
+            elif self._number is not None:
+                self._number.max = robots
+        number = 0 if robot is None else robot + 1
+        if self._list is not None:
+            mirror(self._list, f"Robot {number}" if number else self._nobody)
+        elif self._number is not None:
+            mirror(self._number, number)
+
+    def remove(self) -> None:
+        """Removes the widget."""
+        widget = self._list if self._list is not None else self._number
+        if widget is not None:
+            widget.remove()

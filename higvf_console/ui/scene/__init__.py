@@ -1,0 +1,1 @@
+"""The arena as the operator sees it, layer by layer."""

@@ -1,0 +1,70 @@
+"""What is being edited: the chosen thing's outline and handles, and the ghost of what the hand holds."""
+
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import PathError
+from higvf_console.core.state import NOBODY, SimState
+from higvf_console.operator.path_commands import in_hand
+from higvf_console.operator.path_edits import bent
+from higvf_console.sim.setup import Setup
+from higvf_console.ui.interaction.grips import Drag, handles_of, outlines, wished
+from higvf_console.ui.scene import shapes
+from higvf_console.ui.scene.ground import joined
+from higvf_console.ui.scene.parts import Canvas, Layer
+from higvf_console.ui.scene.path import path_outline
+from higvf_console.world.editing.layout import layout_of
+from higvf_console.world.editing.things import Place, centres, exists, numbers_of
+
+_SQUARE, _DISC = 5.0, 6.0  # half a side, radius [px]
+_DASH = 6.0  # [px]
+_NOTHING = floats([], 0, 2, 2)
+
+
+class EditLayer:
+    """Dashed outline and handles of the chosen thing; the ghost is drawn through."""
+
+    def __init__(self, canvas: Canvas, setup: Setup) -> None:
+        """Starts with nothing chosen."""
+        self._canvas, self._layout, ink, px = canvas, layout_of(setup), canvas.palette, canvas.px
+        self._chosen = canvas.lines(Layer.CURSOR, "/edit/chosen", ink.operator, 2.0)
+        self._ghost = canvas.lines(Layer.CURSOR, "/edit/ghost", ink.stroke, 2.5)
+        square = shapes.filled(shapes.rectangle(-_SQUARE * px, -_SQUARE * px, _SQUARE * px, _SQUARE * px))
+        disc = shapes.filled(shapes.circle(0.0, 0.0, _DISC * px, 24))
+        self._square = canvas.marks(Layer.CURSOR, "/edit/square", square, count=1, colour=ink.operator)
+        self._disc = canvas.marks(Layer.CURSOR, "/edit/disc", disc, count=1, colour=ink.operator)
+
+    def update(self, state: SimState, selected: Place | None, drag: Drag | None) -> None:
+        """Shows the choice, and what the hand would do."""
+        self._ghost.draw(_NOTHING if drag is None else self._ghost_of(drag, state))
+        motion, layout, px = state.motion, self._layout, self._canvas.px
+        if selected is None or not exists(selected, layout):
+            self._chosen.draw(_NOTHING)
+            for marks in (self._square, self._disc):
+                marks.show(False)
+            return
+        dash = _DASH * px
+        now = outlines(selected, numbers_of(selected, layout, motion), layout, motion, px)
+        self._chosen.draw(joined([shapes.dashed(outline, dash, dash) for outline in now]))
+        handles = handles_of(selected, layout, motion, px)
+        for marks, turns in ((self._square, False), (self._disc, True)):
+            points = [handle.point for handle in handles if handle.turns is turns]
+            marks.show(bool(points))
+            if points:
+                marks.place(floats(points, -1, 2)[:1])
+
+    def _ghost_of(self, drag: Drag, state: SimState) -> Floats:
+        motion, layout = state.motion, self._layout
+        if drag.bends:
+            return self._bent(drag, state)
+        if drag.link != NOBODY and drag.link < len(motion.position):
+            return floats([[centres(layout, motion)[drag.link], drag.now]])
+        if drag.place is None or not exists(drag.place, layout):
+            return _NOTHING
+        found = outlines(drag.place, wished(drag, layout, motion), layout, motion, self._canvas.px)
+        return joined([shapes.segments(outline) for outline in found])
+
+    def _bent(self, drag: Drag, state: SimState) -> Floats:
+        try:
+            path = bent(in_hand(state), drag.start, drag.now)
+        except PathError:
+            return _NOTHING
+        return shapes.segments(path_outline(path, self._canvas.arena)[1])

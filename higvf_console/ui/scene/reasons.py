@@ -1,0 +1,134 @@
+"""Why a robot moves, in the arena: its velocity as a chain of coloured arrows, and its lines of sight to the fires."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from higvf_console.analysis.explain import Moved, Part, explain
+from higvf_console.analysis.sight import Sight, sights
+from higvf_console.control.gains import controlled
+from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.sim.setup import Setup
+from higvf_console.ui.scene import shapes
+from higvf_console.ui.scene.ground import joined
+from higvf_console.ui.scene.parts import Canvas, Layer
+from higvf_console.ui.theme import DARK, Palette, mixed, vertex_rgb
+
+LONGEST = 150.0  # arrow of the speed limit [px]
+_LEAST = 3.0  # shorter arrows are not drawn [px]
+_BARB = 7.0  # [px]
+_DASH = 6.0  # of the line of sight to a fire that is hidden [px]
+
+
+def part_colours(palette: Palette) -> dict[Part, str]:
+    """The colour of each part of a velocity."""
+    return {
+        Part.TARGET: palette.own_target,
+        Part.HUMAN: palette.operator,
+        Part.NEIGHBOURS: palette.neighbours,
+        Part.SO_FAR: palette.so_far,
+        Part.FORMATION: palette.formation,
+        Part.ROUND: palette.way_round,
+        Part.HOLD: palette.hold,
+        Part.SAFETY: palette.safety,
+    }
+
+
+class ReasonLayer:
+    """A broad grey bar, the velocity, and on it the chain of its parts, each with a head."""
+
+    def __init__(self, canvas: Canvas, setup: Setup) -> None:
+        """Starts without arrows."""
+        self._px, self._gains, self._palette = canvas.px, setup.gains, canvas.palette
+        self._scale = LONGEST * canvas.px / controlled(setup.gains).safety.speed_limit
+        self._whole = canvas.lines(Layer.VELOCITY, "/why/velocity", canvas.palette.velocity, 7.0)
+        self._chain = canvas.lines(Layer.REASON, "/why/parts", None, 3.0)
+
+    def update(self, moved: Moved, robot: int | None) -> None:
+        """Shows why a robot moved in one control period; None = nobody is explained."""
+        if robot is None:
+            self._whole.draw(floats([], 0, 2, 2))
+            self._chain.draw(floats([], 0, 2, 2))
+            return
+        parts = explain(moved, self._gains, ints([robot])).parts[0]
+        at = moved.after.position[robot]
+        segments, colours = chain(at, self._scale * parts, self._px, self._palette)
+        self._chain.draw(segments, colours)
+        self._whole.draw(arrow(at, at + self._scale * moved.after.velocity[robot], _LEAST * self._px, 0.0))
+
+
+class SightLayer:
+    """Lines from a robot to the burning fires, dashed to those that obstacles hide, whose outlines light up."""
+
+    def __init__(self, canvas: Canvas, setup: Setup) -> None:
+        """Starts without lines."""
+        self._px, self._setup = canvas.px, setup
+        calm = mixed(canvas.palette.fire_edge, canvas.palette.floor, 0.35)
+        self._seen = canvas.lines(Layer.SIGHT, "/why/seen", calm, 1.5)
+        self._unseen = canvas.lines(Layer.SIGHT, "/why/unseen", canvas.palette.scorched_text, 1.5)
+        self._hiders = canvas.lines(Layer.SIGHT, "/why/hiders", calm, 2.5)
+
+    def update(self, moved: Moved, robot: int | None) -> None:
+        """Shows what a robot saw in one control period; None = nobody is explained."""
+        found = [] if robot is None else sights(robot, moved, self._setup)
+        at = np.zeros(2) if robot is None else moved.before.motion.position[robot]
+        seen, unseen = sight_lines(at, found, moved, self._setup, _DASH * self._px)
+        self._seen.draw(seen)
+        self._unseen.draw(unseen)
+        hiders = sorted({part for sight in found for part in sight.hidden_by})
+        self._hiders.draw(joined([shapes.segments(part_outline(part, self._setup)) for part in hiders]))
+
+
+def chain(at: Floats, vectors: Floats, px: float, palette: Palette = DARK) -> tuple[Floats, NDArray[np.uint8]]:
+    """Vectors (8, 2) [m] by `Part` as arrows head to tail from a point (2,).
+
+    Returns:
+        Segments (s, 2, 2) [m] and the colours (s, 2, 3) of their ends.
+    """
+    segments: list[Floats] = []
+    colours: list[NDArray[np.uint8]] = []
+    paint = {part: vertex_rgb(colour) for part, colour in part_colours(palette).items()}
+    for part, vector in zip(Part, vectors, strict=True):
+        drawn = arrow(at, at + vector, _LEAST * px, _BARB * px)
+        segments.append(drawn)
+        colours.append(np.full((len(drawn), 2, 3), paint[part], np.uint8))
+        at = at + vector
+    return np.concatenate(segments), np.concatenate(colours)
+
+
+def arrow(tail: Floats, tip: Floats, least: float, barb: float) -> Floats:
+    """A shaft and two barbs (3, 2, 2), barbs at most 0.6 of the shaft; nothing of an arrow shorter than `least` [m]."""
+    along = tip - tail
+    length = float(np.hypot(*along))
+    if not length >= least:
+        return floats([], 0, 2, 2)
+    reach = min(barb, 0.6 * length) / length
+    back, side = -reach * along, 0.5 * reach * np.array([-along[1], along[0]])
+    return floats([[tail, tip], [tip, tip + back + side], [tip, tip + back - side]])
+
+
+def sight_lines(at: Floats, found: list[Sight], moved: Moved, setup: Setup, dash: float) -> tuple[Floats, Floats]:
+    """Lines (s, 2, 2) from a robot (2,) to the rims of the fires that it sees, and of those that it does not.
+
+    Drawn through to a fire that nothing hides, in dashes to others.
+    """
+    seen: list[Floats] = []
+    unseen: list[Floats] = []
+    for sight in found:
+        fire, radius = setup.world.fire_position[sight.fire], moved.before.motion.fire_radius[sight.fire]
+        distance = float(np.hypot(*(fire - at)))
+        if distance <= radius:
+            continue
+        line = floats([at, fire + radius / distance * (at - fire)])
+        clear = sight.value > 0.0 and not sight.hidden_by
+        lines = shapes.segments(line) if clear else shapes.dashed(line, dash, dash)
+        (seen if sight.value > 0.0 else unseen).append(lines)
+    return joined(seen), joined(unseen)
+
+
+def part_outline(part: int, setup: Setup) -> Floats:
+    """The closed outline (n, 2) of circle `part`, or of bar `part` - P."""
+    circles, bars = setup.world.circles, setup.world.bars
+    if part < len(circles):
+        return shapes.circle(*circles[part])
+    bar = bars[part - len(circles)]
+    return shapes.capsule(bar[:2], bar[2:4], bar[4])

@@ -1,0 +1,1 @@
+"""What a world is made of: layout, obstacles, placement checks; `editing` changes it while a run goes on."""

@@ -1,0 +1,239 @@
+"""Edits of fires and obstacles: where they may go and how large they may be, with robots standing around."""
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from higvf_console.control.gains import controlled
+from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.core.edits import Thing
+from higvf_console.core.errors import ScenarioError
+from higvf_console.core.state import Motion
+from higvf_console.scenario.irregular import closed_outline
+from higvf_console.scenario.sections import Obstacles
+from higvf_console.world.editing.layout import Layout, Links
+from higvf_console.world.editing.safe_places import body_fits, diagonal, held_words, nearest_fit
+from higvf_console.world.editing.things import Place, how_many, name_of, numbers_of
+from higvf_console.world.polygons import MOST_EDGES, crossing, obstacles_of, segment_distance, signed_distance
+
+CIRCLE_RADIUS = 25.0  # of a new circle [m]
+BAR_LENGTH, BAR_HALF_WIDTH = 120.0, 6.0  # of a new bar [m]
+Gap = Callable[[Floats], Floats]
+
+
+def fire_place(layout: Layout, motion: Motion, point: Floats, radius: float) -> tuple[Floats, str]:
+    """Where a fire goes that is wanted at a point (2,), and what to say if that is somewhere else."""
+    return _held_place(layout, motion, point, _disc(point, radius), radius, "the fire")
+
+
+def fire_changed(
+    layout: Layout, motion: Motion, place: Place, name: str, value: float, text: str
+) -> tuple[Layout, str]:
+    """The layout after a fire's growth or need has changed; its radius is the motion's, and is checked here."""
+    row = place.row
+    if name == "growth":
+        growth = layout.fire_growth.copy()
+        growth[row] = value
+        return layout._replace(fire_growth=growth), text
+    if name == "needs":
+        robots = len(layout.formation)
+        if value != round(value) or value > robots:
+            raise ScenarioError(
+                f"needs of {name_of(place)}: {value:g} is not a whole number within the team of {robots}"
+            )
+        needs = layout.fire_needs.copy()
+        needs[row] = round(value)
+        return layout._replace(fire_needs=ints(needs)), text
+    _check_room(layout, motion, _disc(layout.fire_position[row], value), name_of(place))
+    return layout, text
+
+
+def fire_sized(row: int, radius: float) -> Callable[[Motion], Motion]:
+    """Gives a fire its radius [m]."""
+
+    def finish(motion: Motion) -> Motion:
+        sizes = motion.fire_radius.copy()
+        sizes[row] = radius
+        return motion._replace(fire_radius=sizes)
+
+    return finish
+
+
+def with_body(layout: Layout, motion: Motion, kind: Thing, point: Floats) -> tuple[Layout, str]:
+    """The layout with a new circle or level bar of ordinary size at a point (2,), or as near as is safe."""
+    x, y = point.tolist()
+    if kind is Thing.CIRCLE:
+        body = floats([[x, y, CIRCLE_RADIUS]])
+        grown = _with(layout, circles=np.vstack([layout.obstacles.circles, body]))
+    elif kind is Thing.BAR:
+        body = floats([[x - BAR_LENGTH / 2, y, x + BAR_LENGTH / 2, y, BAR_HALF_WIDTH]])
+        grown = _with(layout, bars=np.vstack([layout.obstacles.bars, body]))
+    else:
+        raise ScenarioError("a polygon needs an outline: draw one")
+    place = Place(kind, how_many(kind, layout))
+    return _put(grown, motion, place, point, f"{name_of(place).capitalize()} is added")
+
+
+def with_outlines(layout: Layout, motion: Motion, outlines: Sequence[Floats]) -> tuple[Layout, str]:
+    """The layout with new obstacles of any shape.
+
+    Raises:
+        ScenarioError: an outline cannot be one, crosses something, or leaves a robot without its clearance.
+    """
+    chains = tuple(closed_outline(outline) for outline in outlines)
+    if not chains:
+        raise ScenarioError("there is no outline to make an obstacle of")
+    for chain in chains:
+        _check_room(layout, motion, lambda points, chain=chain: signed_distance((chain,), points), "the obstacle")
+    first = how_many(Thing.POLYGON, layout) + 1
+    names = f"Polygon {first} is" if len(chains) == 1 else f"Polygons {first} to {first + len(chains) - 1} are"
+    return _checked(_with(layout, polygons=layout.obstacles.polygons + chains), layout), f"{names} added."
+
+
+def moved(layout: Layout, motion: Motion, place: Place, point: Floats) -> tuple[Layout, str]:
+    """The layout with an obstacle's middle at a point (2,), or as near as is safe."""
+    return _put(layout, motion, place, point, f"{name_of(place).capitalize()} is moved")
+
+
+def reshaped(layout: Layout, motion: Motion, place: Place, numbers: dict[str, float]) -> Layout:
+    """The layout with an obstacle that has these numbers.
+
+    Raises:
+        ScenarioError: a robot would be too near to it.
+    """
+    new = _checked(shaped(layout, place, numbers, numbers_of(place, layout, motion)), layout)
+    _check_room(new, motion, _gap(new, place), name_of(place))
+    return new
+
+
+def without(layout: Layout, place: Place) -> Layout:
+    """The layout without an obstacle."""
+    obstacles = layout.obstacles
+    match place.thing:
+        case Thing.CIRCLE:
+            return _with(layout, circles=floats(np.delete(obstacles.circles, place.row, axis=0)))
+        case Thing.BAR:
+            return _with(layout, bars=floats(np.delete(obstacles.bars, place.row, axis=0)))
+        case _:
+            shapes = obstacles_of(obstacles.polygons)
+            return _with(layout, polygons=tuple(chain for shape in _others(shapes, place.row) for chain in shape))
+
+
+def links_now(layout: Layout, motion: Motion) -> Links:
+    """The communication links in force, as index pairs i < j."""
+    if layout.links is not None:
+        return layout.links
+    reach = min(layout.gains.formation.communication_range, 1e9)
+    pairs = KDTree(motion.position).query_pairs(reach, output_type="ndarray")
+    return tuple((int(i), int(j)) for i, j in np.sort(pairs, axis=1))
+
+
+def _others(shapes: list[tuple[Floats, ...]], row: int) -> list[tuple[Floats, ...]]:
+    return shapes[:row] + shapes[row + 1 :]
+
+
+def _with(layout: Layout, **parts: object) -> Layout:
+    obstacles: Obstacles = layout.obstacles._replace(**parts)  # pyright: ignore[reportArgumentType]
+    return layout._replace(obstacles=obstacles)
+
+
+def _put(layout: Layout, motion: Motion, place: Place, point: Floats, what: str) -> tuple[Layout, str]:
+    was = numbers_of(place, layout, motion)
+    middle = floats([was["x"], was["y"]])
+    gap = _gap(layout, place)
+    at, held = _held_place(
+        layout, motion, point, lambda points: gap(points - point + middle), _extent(place, was), name_of(place)
+    )
+    numbers = {**was, "x": float(at[0]), "y": float(at[1])}
+    return _checked(shaped(layout, place, numbers, was), layout), f"{what}{held}."
+
+
+def shaped(layout: Layout, place: Place, new: dict[str, float], was: dict[str, float]) -> Layout:
+    """The layout with an obstacle that has other numbers, whatever it then touches."""
+    row, obstacles = place.row, layout.obstacles
+    middle = floats([new["x"], new["y"]])
+    if place.thing is Thing.CIRCLE:
+        circles = obstacles.circles.copy()
+        circles[row] = (*middle, new["radius"])
+        return _with(layout, circles=circles)
+    angle = math.radians(new["angle"])
+    if place.thing is Thing.BAR:
+        bars = obstacles.bars.copy()
+        spine = 0.5 * new["length"] * np.array([math.cos(angle), math.sin(angle)])
+        bars[row] = (*(middle - spine), *(middle + spine), new["half width"])
+        return _with(layout, bars=bars)
+    turn, scale = angle - math.radians(was["angle"]), new["size"] / was["size"]
+    rotation = scale * np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+    shapes = obstacles_of(obstacles.polygons)
+    shapes[row] = tuple(floats((chain - (was["x"], was["y"])) @ rotation + middle) for chain in shapes[row])
+    return _with(layout, polygons=tuple(chain for shape in shapes for chain in shape))
+
+
+def _checked(layout: Layout, before: Layout) -> Layout:
+    """The layout, if its polygons can be.
+
+    Raises:
+        ScenarioError: two of them cross or touch, and none did before; or they have too many edges.
+    """
+    chains, old = layout.obstacles.polygons, before.obstacles.polygons
+    if chains is old:
+        return layout
+    edges = sum(len(chain) for chain in chains)
+    if edges > MOST_EDGES:
+        raise ScenarioError(f"the polygons would have {edges} edges; at most {MOST_EDGES} are possible")
+    if crossing(chains) is not None and (not old or crossing(old) is None):
+        raise ScenarioError("the polygon would cross or touch itself or another one")
+    return layout
+
+
+def _gap(layout: Layout, place: Place) -> Gap:
+    """Distance of points from the surface of an obstacle."""
+    obstacles, row = layout.obstacles, place.row
+    match place.thing:
+        case Thing.CIRCLE:
+            x, y, radius = obstacles.circles[row].tolist()
+            return _disc(floats([x, y]), radius)
+        case Thing.BAR:
+            bar = obstacles.bars[row]
+            return lambda points: segment_distance(points, bar[:2], bar[2:4]) - bar[4]
+        case _:
+            chains = obstacles_of(obstacles.polygons)[row]
+            return lambda points: signed_distance(chains, points)
+
+
+def _disc(middle: Floats, radius: float) -> Gap:
+    return lambda points: np.hypot(points[:, 0] - middle[0], points[:, 1] - middle[1]) - radius
+
+
+def _extent(place: Place, numbers: dict[str, float]) -> float:
+    """How far the surface of an obstacle is from its middle at most [m]."""
+    match place.thing:
+        case Thing.CIRCLE:
+            return numbers["radius"]
+        case Thing.BAR:
+            return 0.5 * numbers["length"] + numbers["half width"]
+        case _:
+            return numbers["size"]
+
+
+def _held_place(
+    layout: Layout, motion: Motion, point: Floats, gap: Gap, extent: float, what: str
+) -> tuple[Floats, str]:
+    place = nearest_fit(point, body_fits(point, gap, extent, layout, motion), diagonal(layout))
+    if place is None:
+        raise ScenarioError(f"there is no place for {what} that leaves every robot its clearance")
+    return place, held_words(place, point)
+
+
+def _check_room(layout: Layout, motion: Motion, gap: Gap, what: str) -> None:
+    least = controlled(layout.gains).safety.obstacle_clearance
+    room = gap(motion.position)
+    robot = int(np.argmin(room))
+    if room[robot] < 0.0:
+        raise ScenarioError(f"robot {robot + 1} would be inside {what}; {least:g} m is the least clearance")
+    if room[robot] < least:
+        raise ScenarioError(
+            f"{what} would be too near to robot {robot + 1}: {room[robot]:.1f} m from it, {least:g} m is the least"
+        )

@@ -1,0 +1,321 @@
+"""What each edit does: from a setup and a state to others, or a refusal that says why and what would do.
+
+A body dropped on a robot, and a robot dropped on a body, are held at the nearest safe place. An edit before the first
+step changes the start too; later ones leave the start of what stood then alone, but for robots that could not start
+safely any more: those start at their nearest safe place.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.control.gains import controlled
+from higvf_console.core.arrays import Floats, Ints, floats, ints
+from higvf_console.core.edits import (
+    AddOutlines,
+    AddThing,
+    ChangeThing,
+    DeleteThing,
+    Edit,
+    LinkByRange,
+    MoveThing,
+    SetArena,
+    SetParameters,
+    Thing,
+    ToggleLink,
+)
+from higvf_console.core.errors import ScenarioError
+from higvf_console.core.state import Motion, SimState, World
+from higvf_console.core.viewport import Arena
+from higvf_console.scenario.reading import COORDINATE
+from higvf_console.sim.setup import Setup
+from higvf_console.world.editing import bodies
+from higvf_console.world.editing.carry import NEW, carried, led_on, same_rows, waiting_on
+from higvf_console.world.editing.checks import Stand, check_edit, check_fires, check_walls
+from higvf_console.world.editing.layout import Layout, layout_of, world_of
+from higvf_console.world.editing.parameters import with_parameters
+from higvf_console.world.editing.safe_places import diagonal, held_words, nearest_fit, placed, resettled, robot_fits
+from higvf_console.world.editing.things import NUMBERS, Place, centres, how_many, name_of, numbers_of
+
+FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire [m], [m/s]
+_OF_PATH = ("path_parameter", "path_status", "path_idle", "path_gap", "path_left")  # what a start keeps of its motion
+
+
+class Edited(NamedTuple):
+    """What came of an edit.
+
+    Attributes:
+        setup: from now on.
+        state: from now on.
+        robots: (N,) row that each robot had before, or `carry.NEW`.
+        fires: (M,) likewise.
+        text: what was done, one sentence.
+    """
+
+    setup: Setup
+    state: SimState
+    robots: Ints
+    fires: Ints
+    text: str
+
+
+class _Draft(NamedTuple):
+    """An edit on its way: the new layout, and what it makes of a motion."""
+
+    layout: Layout
+    robots: Ints
+    fires: Ints
+    finish: Callable[[Motion], Motion]  # gives new and moved rows their places
+    text: str
+
+
+def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
+    """Setup and state after an edit.
+
+    Raises:
+        ScenarioError: it cannot be done; nothing has changed.
+    """
+    before = layout_of(setup)
+    draft = _draft(before, state, command)
+    layout = draft.layout
+    same = layout.obstacles is before.obstacles and _clearance(layout) == _clearance(before)
+    world = setup.world if layout is before else world_of(layout, setup.world if same else None)
+    motion = draft.finish(carried(state.motion, draft.robots, draft.fires, setup.world, world))
+    if state.motion.tick == 0:
+        start = motion._replace(**{name: getattr(setup.start.motion, name) for name in _OF_PATH})
+        layout = layout._replace(formation=_shifted_formation(layout, draft, setup.start.motion, motion))
+        world = world._replace(formation=layout.formation)
+    else:
+        start = _start(setup, draft, layout, world)
+    steered = state.intent.influenced
+    still = int((draft.robots == steered).argmax())  # the first robot, where the one that is steered goes
+    check_edit(Stand(before, setup.world, state.motion, steered), Stand(layout, world, motion, still), draft.robots)
+    if state.motion.tick > 0:
+        check_fires(Stand(before, setup.world, setup.start.motion, steered), Stand(layout, world, start, still))
+    motion, intent = led_on(motion, state.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
+    start, start_intent = led_on(start, setup.start.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
+    new = Setup(
+        layout.arena, world, layout.gains, setup.start._replace(motion=start, intent=start_intent),
+        layout.obstacles.polygons,
+    )  # fmt: skip
+    drawing = waiting_on(state.drawing, draft.robots)
+    return Edited(new, SimState(motion, intent, drawing), draft.robots, draft.fires, draft.text)
+
+
+def _clearance(layout: Layout) -> float:
+    return controlled(layout.gains).safety.obstacle_clearance
+
+
+def _start(setup: Setup, draft: _Draft, layout: Layout, world: World) -> Motion:
+    """The start, with rows that came and went; what could not start safely any more is moved."""
+    start = carried(setup.start.motion, draft.robots, draft.fires, setup.world, world)
+    if (draft.robots == NEW).any() or (draft.fires == NEW).any():
+        start = draft.finish(start)
+    start = resettled(layout, start)
+    if start is None:
+        raise ScenarioError("there would be no room for the robots where a run starts")
+    return start
+
+
+def _shifted_formation(layout: Layout, draft: _Draft, before: Motion, after: Motion) -> Floats:
+    """The shape to keep, before the first step: it follows robots that are moved."""
+    formation = layout.formation.copy()
+    kept = draft.robots != NEW
+    if len(formation) == len(after.position):
+        formation[kept] += after.position[kept] - before.position[draft.robots[kept]]
+    return formation
+
+
+def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: PLR0911
+    motion = state.motion
+    match command:
+        case AddThing(thing=thing, point=point):
+            return _add(layout, motion, _kind(thing), _on_ground(point)[0])
+        case AddOutlines(outlines=outlines):
+            return _plain(layout, *bodies.with_outlines(layout, motion, [_on_ground(outline) for outline in outlines]))
+        case MoveThing(thing=thing, index=index, point=point):
+            return _move(layout, motion, _place(layout, thing, index), _on_ground(point)[0])
+        case ChangeThing(thing=thing, index=index, name=name, value=value):
+            return _change(layout, motion, _place(layout, thing, index), name, value)
+        case DeleteThing(thing=thing, index=index):
+            return _delete(layout, _place(layout, thing, index))
+        case ToggleLink(first=first, second=second):
+            return _plain(layout, *_toggle(layout, motion, first, second))
+        case LinkByRange():
+            return _plain(layout, layout._replace(links=None), "The communication range decides who is linked.")
+        case SetArena(sides=sides, walls=walls):
+            arena = Arena(*_on_ground(sides).ravel().tolist())
+            check_walls(arena, bool(walls), layout, motion)
+            text = f"The arena is {arena.width:g} m x {arena.height:g} m, {'walled' if walls else 'open'}."
+            return _plain(layout, layout._replace(arena=arena, walls=bool(walls)), text)
+        case SetParameters(values=values):
+            gains, text = with_parameters(layout, values)
+            return _plain(layout, layout._replace(gains=gains), text)
+        case _:
+            raise ScenarioError(f"{type(command).__name__} is no edit that this console knows")
+
+
+def _on_ground(points: Floats) -> Floats:
+    """Points (n, 2) [m], if they are within the coordinates that a scenario may have."""
+    points = floats(points, -1, 2)
+    for x, y in points[~((points >= COORDINATE.low) & (points <= COORDINATE.high)).all(axis=1)]:
+        raise ScenarioError(
+            f"({x:g}, {y:g}) is no place: coordinates are numbers from {COORDINATE.low:g} to {COORDINATE.high:g} m"
+        )
+    return points
+
+
+def _plain(layout: Layout, new: Layout, text: str) -> _Draft:
+    """An edit after which every robot and fire is where it was."""
+    same = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
+    return _Draft(new, *same, _as_it_is, text)
+
+
+def _as_it_is(motion: Motion) -> Motion:
+    return motion
+
+
+def _kind(word: str) -> Thing:
+    try:
+        return Thing(word)
+    except ValueError:
+        raise ScenarioError(f"'{word}' is nothing that can be edited; choose {', '.join(Thing)}") from None
+
+
+def _place(layout: Layout, word: str, row: int) -> Place:
+    kind = _kind(word)
+    count = how_many(kind, layout)
+    if not 0 <= row < count:
+        known = f"there are {kind.value}s 1 to {count}" if count else f"there is no {kind.value}"
+        raise ScenarioError(f"there is no {kind.value} {row + 1}: {known}")
+    return Place(kind, int(row))
+
+
+def _add(layout: Layout, motion: Motion, kind: Thing, point: Floats) -> _Draft:
+    robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
+    if kind is Thing.ROBOT:
+        offset = (layout.formation - motion.position).mean(axis=0)
+        new = layout._replace(formation=floats(np.vstack([layout.formation, point + offset])))
+        text = f"Robot {len(robots) + 1} is added"
+        return _Draft(new, np.append(robots, NEW), fires, _robot_put(new, len(robots), point), f"{text}.")
+    if kind is Thing.FIRE:
+        row, needs = len(fires), min(2, len(robots))
+        new = layout._replace(
+            fire_position=floats(np.vstack([layout.fire_position, point])),
+            fire_growth=floats(np.append(layout.fire_growth, FIRE_GROWTH)),
+            fire_needs=ints(np.append(layout.fire_needs, needs)),
+        )
+        place, held = bodies.fire_place(layout, motion, point, FIRE_RADIUS)
+        new.fire_position[row] = place
+
+        def kindled(carried_on: Motion) -> Motion:
+            radius = carried_on.fire_radius.copy()
+            radius[row] = FIRE_RADIUS
+            return carried_on._replace(fire_radius=radius)
+
+        return _Draft(new, robots, np.append(fires, NEW), kindled, f"Fire {row + 1} is lit{held}.")
+    return _plain(layout, *bodies.with_body(layout, motion, kind, point))
+
+
+def _robot_put(layout: Layout, robot: int, centre: Floats) -> Callable[[Motion], Motion]:
+    """Puts a robot's centre at a point (2,), or where it is safe near it."""
+
+    def finish(motion: Motion) -> Motion:
+        ahead, heading = layout.gains.robots.look_ahead, float(motion.heading[robot])
+        point = centre + ahead * np.array([math.cos(heading), math.sin(heading)])
+        place = nearest_fit(point, robot_fits(robot, layout, motion), diagonal(layout))
+        if place is None:
+            raise ScenarioError(f"there is no safe place for robot {robot + 1} in the arena")
+        return placed(motion, robot, place)
+
+    return finish
+
+
+def _move(layout: Layout, motion: Motion, place: Place, point: Floats) -> _Draft:
+    if place.thing is Thing.ROBOT:
+        put = _robot_put(layout, place.row, point)
+        held = held_words(centres(layout, put(motion))[place.row], point)
+        return _plain(layout, layout, f"Robot {place.row + 1} is moved{held}.")._replace(finish=put)
+    if place.thing is Thing.FIRE:
+        at, held = bodies.fire_place(layout, motion, point, float(motion.fire_radius[place.row]))
+        position = layout.fire_position.copy()
+        position[place.row] = at
+        return _plain(layout, layout._replace(fire_position=position), f"Fire {place.row + 1} is moved{held}.")
+    return _plain(layout, *bodies.moved(layout, motion, place, point))
+
+
+def _change(layout: Layout, motion: Motion, place: Place, name: str, value: float) -> _Draft:
+    known = NUMBERS[place.thing]
+    if name not in known:
+        raise ScenarioError(f"{name_of(place)} has no number '{name}'; it has {', '.join(known)}")
+    low, high, unit = known[name].low, known[name].high, known[name].unit
+    if not low <= value <= high:
+        raise ScenarioError(f"{name} of {name_of(place)}: {value:g} is not from {low:g} to {high:g} {unit}".rstrip())
+    numbers = {**numbers_of(place, layout, motion), name: float(value)}
+    if name in ("x", "y"):
+        return _move(layout, motion, place, floats([numbers["x"], numbers["y"]]))
+    text = f"{name_of(place).capitalize()} has {name} {value:g} {unit}".rstrip() + "."
+    if place.thing is Thing.ROBOT:
+        if layout.gains.robots.look_ahead == 0.0:
+            raise ScenarioError("the robots have no heading: they are no unicycles")
+        return _plain(layout, layout, text)._replace(finish=_turned(layout, place.row, value))
+    if place.thing is Thing.FIRE:
+        return _plain(layout, *bodies.fire_changed(layout, motion, place, name, value, text))._replace(
+            finish=bodies.fire_sized(place.row, numbers["radius"])
+        )
+    return _plain(layout, bodies.reshaped(layout, motion, place, numbers), text)
+
+
+def _turned(layout: Layout, robot: int, degrees: float) -> Callable[[Motion], Motion]:
+    """Turns a unicycle about its centre; its controlled point goes with it, to where it is safe."""
+
+    def finish(motion: Motion) -> Motion:
+        centre, heading = centres(layout, motion)[robot], motion.heading.copy()
+        heading[robot] = math.radians(degrees)
+        return _robot_put(layout, robot, centre)(motion._replace(heading=heading))
+
+    return finish
+
+
+def _delete(layout: Layout, place: Place) -> _Draft:
+    robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
+    text = f"{name_of(place).capitalize()} is deleted."
+    if place.thing is Thing.ROBOT:
+        if len(robots) == 1:
+            raise ScenarioError("robot 1 is the last one; a team has at least one robot")
+        kept = np.delete(robots, place.row)
+        return _plain(layout, _without_robot(layout, place.row), text)._replace(robots=kept)
+    if place.thing is Thing.FIRE:
+        kept = np.delete(fires, place.row)
+        new = layout._replace(
+            fire_position=floats(layout.fire_position[kept]),
+            fire_growth=floats(layout.fire_growth[kept]),
+            fire_needs=ints(layout.fire_needs[kept]),
+        )
+        return _plain(layout, new, text)._replace(fires=kept)
+    return _plain(layout, bodies.without(layout, place), text)
+
+
+def _without_robot(layout: Layout, robot: int) -> Layout:
+    links = layout.links
+    if links is not None:
+        kept = [(i, j) for i, j in links if robot not in (i, j)]
+        links = tuple((i - (i > robot), j - (j > robot)) for i, j in kept)
+    robots = len(layout.formation) - 1
+    return layout._replace(
+        formation=floats(np.delete(layout.formation, robot, axis=0)),
+        fire_needs=np.minimum(layout.fire_needs, robots),
+        links=links,
+    )
+
+
+def _toggle(layout: Layout, motion: Motion, first: int, second: int) -> tuple[Layout, str]:
+    low, high = sorted((_place(layout, "robot", first).row, _place(layout, "robot", second).row))
+    if low == high:
+        raise ScenarioError(f"robot {low + 1} cannot be linked to itself")
+    links = set(bodies.links_now(layout, motion))
+    links ^= {(low, high)}
+    now = "are linked" if (low, high) in links else "are linked no more"
+    return layout._replace(links=tuple(sorted(links))), f"Robots {low + 1} and {high + 1} {now}."

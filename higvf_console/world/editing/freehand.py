@@ -1,0 +1,42 @@
+"""The outline of an obstacle drawn freehand: closed, without its crossings, with few corners."""
+
+import cv2
+import numpy as np
+
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import ScenarioError
+from higvf_console.world.masks import MaskPlace, trace
+from higvf_console.world.polygons import signed_area
+
+_PIXELS = 400  # of the drawing's longer side
+_TOLERANCE = 1.5  # pixels by which the outline may leave the stroke
+_MARGIN = 3  # pixels
+_LINE, _OUTSIDE = 255, 128
+
+
+def outline_of(stroke: Floats) -> Floats:
+    """The outline (n, 2) [m] of what a stroke (m, 2) [m] encloses; of several parts, the largest.
+
+    Raises:
+        ScenarioError: it encloses nothing.
+    """
+    size = np.ptp(stroke, axis=0) if len(stroke) else np.zeros(2)
+    if len(stroke) < 3 or not size.min() > 0.0:
+        raise ScenarioError("the stroke encloses nothing: draw round the obstacle")
+    scale, low = float(size.max()) / _PIXELS, stroke.min(axis=0)
+    height, width = np.ceil(size[::-1] / scale).astype(int) + 2 * _MARGIN
+    pixels = (stroke - low) / scale + _MARGIN
+    mask = np.zeros((height, width), np.uint8)
+    upright = np.stack([pixels[:, 0], height - pixels[:, 1]], axis=1)
+    cv2.polylines(mask, [np.rint(upright).astype(np.int32)], isClosed=True, color=_LINE)
+    cv2.floodFill(mask, None, (0, 0), _OUTSIDE)  # what no part of the stroke encloses; crossings leave no holes
+    corner = low - _MARGIN * scale
+    place = MaskPlace((float(corner[0]), float(corner[1])), scale)
+    chains = [
+        chain
+        for chain in trace(np.asarray(mask != _OUTSIDE, np.bool_), place, _TOLERANCE * scale, 0.0)
+        if signed_area(chain) > 0.0
+    ]
+    if not chains:
+        raise ScenarioError("the stroke encloses nothing: draw round the obstacle")
+    return floats(max(chains, key=signed_area))

@@ -1,0 +1,60 @@
+"""An overhead image: read from its bytes, laid on the ground, and traced for obstacles."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from higvf_console.core.arrays import Floats
+from higvf_console.core.errors import ScenarioError
+from higvf_console.world.masks import MOST_PIXELS, MaskPlace, grey, trace
+from higvf_console.world.polygons import MOST_EDGES, signed_area
+
+Pixels = NDArray[np.uint8]
+LEAST_PIXELS = 30.0  # area of a shape that counts as an obstacle [pixels]
+_DOUBLINGS = 6  # of the tolerance, until there are few enough edges
+
+
+def read_picture(content: bytes) -> Pixels:
+    """Red, green and blue (rows, columns, 3) of an image file's content.
+
+    Raises:
+        ScenarioError: it is no image, or a huge one.
+    """
+    coded = np.frombuffer(content, np.uint8)
+    image = cv2.imdecode(coded, cv2.IMREAD_COLOR) if coded.size else None
+    if image is None:
+        raise ScenarioError("not an image that OpenCV can read, such as PNG, JPEG or TIFF")
+    if image.shape[0] * image.shape[1] > MOST_PIXELS:
+        raise ScenarioError(
+            f"{image.shape[1]} x {image.shape[0]} pixels are too many; give at most {MOST_PIXELS / 1e6:g} million"
+        )
+    return np.asarray(np.ascontiguousarray(image[:, :, ::-1]), np.uint8)
+
+
+def outlines_in(picture: Pixels, place: MaskPlace, threshold: float, *, bright: bool) -> tuple[Floats, ...]:
+    """Outlines (n, 2) [m] of the dark or bright shapes of a picture; free areas inside them are filled.
+
+    Args:
+        picture: red, green, blue.
+        place: where it lies.
+        threshold: brightness from 0 to 255 that parts dark from bright.
+        bright: whether obstacles are bright; else dark.
+
+    Raises:
+        ScenarioError: there is no such shape, or they have too many edges.
+    """
+    light = grey(np.ascontiguousarray(picture[:, :, ::-1]))
+    blocked = np.asarray((light >= threshold) if bright else (light < threshold), np.bool_)
+    least, edges = LEAST_PIXELS * place.scale**2, 0
+    outlines: tuple[Floats, ...] = ()
+    for doubling in range(_DOUBLINGS + 1):
+        found = trace(blocked, place, 1.5 * place.scale * 2.0**doubling, least)
+        outlines = tuple(chain for chain in found if signed_area(chain) > 0.0)
+        edges = sum(len(chain) for chain in outlines)
+        if edges <= MOST_EDGES:
+            break
+    else:
+        raise ScenarioError(f"its shapes have {edges} edges, at most {MOST_EDGES} are possible; change the threshold")
+    if not outlines:
+        raise ScenarioError(f"no {'bright' if bright else 'dark'} shape at threshold {threshold:g}; change it")
+    return outlines

@@ -1,0 +1,58 @@
+"""Tunables edited while a run goes on: checked against their ranges; a few are fixed for a run."""
+
+from collections.abc import Mapping
+
+from higvf_console.control.gains import Gains
+from higvf_console.core.errors import ScenarioError
+from higvf_console.core.quantity import Quantity, quantities, with_values
+from higvf_console.scenario.reading import closest
+from higvf_console.world.editing.layout import Layout
+
+# What a run's clock and the robots' model rest on; a scenario file sets them.
+FIXED = ("safety.control_period", "robots.look_ahead")
+
+
+def parameter_names() -> tuple[str, ...]:
+    """Names of all tunables, as "group.name"."""
+    gains = Gains()
+    groups = [group for group in Gains._fields if group != "forms"]
+    return tuple(f"{group}.{name}" for group in groups for name in quantities(type(getattr(gains, group))))
+
+
+def parameter(gains: Gains, name: str) -> float:
+    """A tunable by its name "group.name"."""
+    group, key = name.split(".")
+    return float(getattr(getattr(gains, group), key))
+
+
+def quantity_of(name: str) -> Quantity:
+    """What the tunable "group.name" means."""
+    group, key = name.split(".")
+    return quantities(type(getattr(Gains(), group)))[key]
+
+
+def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Gains, str]:
+    """The gains with other values, and what has changed in words.
+
+    Raises:
+        ScenarioError: an unknown name, a value out of range, or a tunable that is fixed for a run.
+    """
+    gains, known = layout.gains, parameter_names()
+    for name, value in values.items():
+        if name not in known:
+            raise ScenarioError(f"there is no parameter '{name}'{closest(name, known)}")
+        if name in FIXED and value != parameter(gains, name):
+            raise ScenarioError(f"{name} is fixed for a run: set it in the scenario and load that")
+        group, key = name.split(".")
+        gains = gains._replace(**{group: with_values(getattr(gains, group), {key: value}, group)})
+    if gains.rings.reactive_margin <= gains.rings.repulsive_margin:
+        raise ScenarioError(
+            f"rings.reactive_margin ({gains.rings.reactive_margin:g} m) must be above "
+            f"rings.repulsive_margin ({gains.rings.repulsive_margin:g} m)"
+        )
+    changed = [name for name in values if parameter(gains, name) != parameter(layout.gains, name)]
+    if not changed:
+        return gains, "The parameters are as they were."
+    if len(changed) > 1:
+        return gains, f"{len(changed)} parameters have changed: {', '.join(changed)}."
+    return gains, f"{changed[0]} is {parameter(gains, changed[0]):g} {quantity_of(changed[0]).unit}".rstrip() + "."

@@ -1,0 +1,142 @@
+"""Where things may stand: what an edit would put too near to something is held at the nearest place that is safe."""
+
+import math
+from collections.abc import Callable
+from itertools import chain
+from typing import TypeAlias
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from higvf_console.control.gains import controlled
+from higvf_console.core.arrays import Bools, Floats, floats
+from higvf_console.core.state import Motion
+from higvf_console.world.editing.layout import Layout
+from higvf_console.world.editing.room import obstacle_room
+from higvf_console.world.placement import wall_gaps
+
+Fits: TypeAlias = Callable[[Floats], Bools]  # which of the points (K, 2) [m] would do
+
+_ANGLES = 64
+_RINGS = 600
+_BISECTIONS = 24
+_HAIR = 1e-6  # [m] to spare, so that rounding never makes a violation
+_HELD = 0.01  # [m] from where it was wanted, from which on it is said that a thing was held
+
+
+def nearest_fit(point: Floats, fits: Fits, reach: float) -> Floats | None:
+    """The place (2,) nearest to `point` (2,) that fits, within some `reach` [m]; None = there is none.
+
+    Sought on rings round the point, then by bisection on the ways back to the point.
+    """
+    if fits(floats(point, 1, 2))[0]:
+        return floats(point)
+    angle = np.linspace(0.0, 2.0 * math.pi, _ANGLES, endpoint=False)
+    round_ = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    for radius in np.linspace(0.0, reach, _RINGS + 1)[1:]:
+        ring = floats(point + radius * round_)
+        found = ring[fits(ring)]
+        if len(found):
+            return _closest(point, found, fits, 1.0 - reach / (_RINGS * radius))
+    return None
+
+
+def _closest(point: Floats, places: Floats, fits: Fits, least: float) -> Floats:
+    """The nearest place on the ways from `places` (K, 2), which fit, to the point; at a share of `least` none fits."""
+    low, high = np.full((len(places), 1), least), np.ones((len(places), 1))  # shares of the way back from the point
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        good = fits(floats(point + middle * (places - point)))[:, None]
+        low, high = np.where(good, low, middle), np.where(good, middle, high)
+    ways = high * (places - point)
+    return floats(point + ways[np.argmin(np.hypot(ways[:, 0], ways[:, 1]))])
+
+
+def robot_fits(robot: int, layout: Layout, motion: Motion) -> Fits:
+    """Where the controlled point of a robot may be, the others staying where they are."""
+    others = np.delete(motion.position, robot, axis=0)
+    least = controlled(layout.gains).safety.robot_clearance + _HAIR
+    tree = KDTree(others) if len(others) else None
+    clear = clear_of(layout, motion, _HAIR)
+
+    def fits(points: Floats) -> Bools:
+        alone = np.ones(len(points), np.bool_) if tree is None else tree.query(points)[0] >= least
+        return np.asarray(alone & clear(points), np.bool_)
+
+    return fits
+
+
+def clear_of(layout: Layout, motion: Motion, spare: float) -> Fits:
+    """Which points keep clear of obstacles, burning fires and walls, with so much to spare [m]."""
+    burning = np.column_stack([layout.fire_position, motion.fire_radius])[motion.fire_burning]
+    room = obstacle_room(layout.obstacles._replace(circles=np.vstack([layout.obstacles.circles, burning])))
+    least = controlled(layout.gains).safety.obstacle_clearance + spare
+
+    def fits(points: Floats) -> Bools:
+        gaps = (room(points), *(wall_gaps(points, layout.arena) if layout.walls else ()))
+        return np.asarray(np.min(gaps, axis=0) >= least, np.bool_)
+
+    return fits
+
+
+def body_fits(middle: Floats, gap: Callable[[Floats], Floats], extent: float, layout: Layout, motion: Motion) -> Fits:
+    """Where the middle of an obstacle or a fire may be, so that no robot is too near to it.
+
+    Args:
+        middle: (2,) where it is [m].
+        gap: distance (N,) of points (N, 2) from its surface as it stands there [m], negative inside.
+        extent: how far its surface is from its middle at most [m]; robots farther away are not looked at.
+        layout: for the clearance.
+        motion: where the robots are.
+    """
+    least = controlled(layout.gains).safety.obstacle_clearance + _HAIR
+    tree = KDTree(motion.position)
+
+    def fits(points: Floats) -> Bools:
+        near = tree.query_ball_point(points, extent + least)
+        place = np.repeat(np.arange(len(points)), [len(robots) for robots in near])
+        robots = np.fromiter(chain.from_iterable(near), np.int64, len(place))
+        seen = motion.position[robots] - (points[place] - middle)
+        crowded_places = place[gap(floats(seen)) < least] if len(place) else place
+        return np.bincount(crowded_places, minlength=len(points)) == 0
+
+    return fits
+
+
+def resettled(layout: Layout, motion: Motion) -> Motion | None:
+    """The motion with every robot that stands too near to something at its nearest safe place; None without room."""
+    for robot in crowded(layout, motion):
+        place = nearest_fit(motion.position[robot], robot_fits(robot, layout, motion), diagonal(layout))
+        if place is None:
+            return None
+        motion = placed(motion, robot, place)
+    return motion
+
+
+def crowded(layout: Layout, motion: Motion) -> list[int]:
+    """Robots that stand too near to an obstacle, a burning fire, a wall or a robot."""
+    least = controlled(layout.gains).safety.robot_clearance
+    pairs = KDTree(motion.position).query_pairs(least - _HAIR, output_type="ndarray")
+    near = ~clear_of(layout, motion, -_HAIR)(motion.position)
+    near[pairs.ravel()] = True
+    return np.flatnonzero(near).tolist()
+
+
+def held_words(place: Floats, wanted: Floats) -> str:
+    """What to say where a thing is held at another place (2,) than the one that was wanted [m]."""
+    gap = math.hypot(place[0] - wanted[0], place[1] - wanted[1])
+    return f"; it is held at the nearest safe place, {gap:.1f} m from there" if gap > _HELD else ""
+
+
+def placed(motion: Motion, robot: int, place: Floats) -> Motion:
+    """The motion with a robot's controlled point at `place` (2,) [m], at rest."""
+    position, velocity, stalled, rung = (
+        array.copy() for array in (motion.position, motion.velocity, motion.stalled, motion.rung)
+    )
+    position[robot], velocity[robot], stalled[robot], rung[robot] = place, 0.0, 0.0, 0
+    return motion._replace(position=position, velocity=velocity, stalled=stalled, rung=rung)
+
+
+def diagonal(layout: Layout) -> float:
+    """Of the arena [m]: nothing is held farther away than this."""
+    return math.hypot(layout.arena.width, layout.arena.height)

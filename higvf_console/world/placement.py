@@ -1,0 +1,298 @@
+"""Checks that a run starts safe: nobody overlaps, nobody stands inside an obstacle, the gains fit the team."""
+
+from collections.abc import Iterator
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from higvf_console.control.forms import PRINTED
+from higvf_console.control.gains import Gains, controlled
+from higvf_console.control.intention.intention import map_radius
+from higvf_console.control.safety.barriers.certificate import check_sampling, least_stand_off
+from higvf_console.core.arrays import Floats, Ints, floats, ints
+from higvf_console.core.errors import FilterError, ScenarioError
+from higvf_console.core.state import World
+from higvf_console.core.viewport import Arena
+from higvf_console.scenario.sections import Obstacles
+from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
+from higvf_console.sim.disturbances import noise_limit
+from higvf_console.world.polygons import obstacles_of, segment_distance, signed_distance
+
+ROUNDING = 1e-6  # [m] by which a start may miss a clearance: a team that is written down may stand right at it
+PRINTED_RADIUS = 0.9  # spectral radius to which the printed intention update is scaled
+_WEIGHTS = ("decay", "robot_weight", "neighbour_weight", "human_weight")
+
+
+def check_start(
+    position: Floats, fire_radius: Floats, world: World, obstacles: Obstacles, gains: Gains, place: str
+) -> None:
+    """Refuses starts that already violate a safety barrier.
+
+    Args:
+        position: (N, 2) controlled points [m].
+        fire_radius: (M,) [m].
+        world: fires and walls.
+        obstacles: circles, bars and polygons.
+        gains: those of the bodies.
+        place: what to call the section in errors.
+
+    Raises:
+        ScenarioError: two robots overlap, or a robot is too near to an obstacle, a fire or a wall, or inside it.
+    """
+    body, point = gains.safety, controlled(gains).safety
+    _check_pairs(position, point.robot_clearance, _clearance("robot", body.robot_clearance, gains), place)
+    least = point.obstacle_clearance - ROUNDING
+    for what, gap in chain(obstacle_gaps(position, obstacles), _other_gaps(position, fire_radius, world)):
+        robot = int(np.argmin(gap))
+        if gap[robot] < least:
+            x, y = position[robot]
+            raise ScenarioError(
+                f"{place}: robot {robot + 1} at ({x:g}, {y:g}) is {gap[robot]:.2f} m from {what}; "
+                f"{_clearance('obstacle', body.obstacle_clearance, gains)}"
+            )
+
+
+def _clearance(kind: str, clearance: float, gains: Gains) -> str:
+    """The clearance of bodies in words, and that of controlled points where it differs."""
+    look_ahead, noise = gains.robots.look_ahead, gains.robots.position_noise
+    causes = [f"look_ahead {look_ahead:g} m"] * (look_ahead > 0.0) + [f"position_noise {noise:g} m"] * (noise > 0.0)
+    said = f"{kind}_clearance is {clearance:g} m"
+    if not causes:
+        return said
+    enlarged = clearance + (2.0 if kind == "robot" else 1.0) * (look_ahead + noise)
+    return f"{said}, enlarged to {enlarged:g} m by {' and '.join(causes)}"
+
+
+def _check_pairs(position: Floats, least: float, clearance: str, place: str) -> None:
+    pairs = KDTree(position).query_pairs(least, output_type="ndarray")
+    gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
+    if (gap < least - ROUNDING).any():
+        nearest = int(np.argmin(gap))
+        first, second = pairs[nearest] + 1
+        raise ScenarioError(f"{place}: robots {first} and {second} start {gap[nearest]:.2f} m apart; {clearance}")
+
+
+def obstacle_gaps(points: Floats, obstacles: Obstacles) -> Iterator[tuple[str, Floats]]:
+    """Every obstacle by name, with the distance (N,) of each point (N, 2) from its surface [m], negative inside."""
+    for number, (x, y, radius) in enumerate(obstacles.circles, 1):
+        yield f"circle {number}", np.hypot(*(points - (x, y)).T) - radius
+    for number, (*ends, half_width) in enumerate(obstacles.bars, 1):
+        yield f"bar {number}", segment_distance(points, floats(ends[:2]), floats(ends[2:])) - half_width
+    for number, chains in enumerate(obstacles_of(obstacles.polygons), 1):
+        yield f"polygon {number}", signed_distance(chains, points)
+
+
+def _other_gaps(position: Floats, fire_radius: Floats, world: World) -> Iterator[tuple[str, Floats]]:
+    """Fires and walls, in the same way."""
+    for number, (centre, radius) in enumerate(zip(world.fire_position, fire_radius, strict=True), 1):
+        yield f"fire {number}", np.hypot(*(position - centre).T) - radius
+    for normal_x, normal_y, offset in world.walls:
+        yield "the arena's wall", position @ np.array([normal_x, normal_y]) - offset
+
+
+def wall_gaps(points: Floats, arena: Arena) -> tuple[Floats, ...]:
+    """Distance (N,) of each point (N, 2) from the four sides of the arena [m], negative outside."""
+    x, y = points.T
+    return x - arena.x_min, arena.x_max - x, y - arena.y_min, arena.y_max - y
+
+
+def buried_fires(fire_position: Floats, fire_radius: Floats, obstacles: Obstacles) -> tuple[str, ...]:
+    """A warning for each fire that lies inside an obstacle, where no robot can see it."""
+    return tuple(
+        f"fire {fire + 1} lies inside {what}; no robot sees it before it has grown out of there"
+        for what, gap in obstacle_gaps(fire_position, obstacles)
+        for fire in np.flatnonzero(gap <= -fire_radius)
+    )
+
+
+def link_table(links: tuple[tuple[int, int], ...], robots: int) -> tuple[Ints, Ints]:
+    """Links i < j as the rows of neighbours that `state.World` holds: (link_start, link_to)."""
+    both = sorted([*links, *((j, i) for i, j in links)])
+    degree = np.bincount([i for i, _ in both], minlength=robots)
+    return ints(np.concatenate([[0], np.cumsum(degree)])), ints([j for _, j in both], -1)
+
+
+class Network(NamedTuple):
+    """The communication graph at the start: the most links that one robot has, and the connected components."""
+
+    degree: int
+    components: int
+
+
+def start_network(position: Floats, links: tuple[tuple[int, int], ...] | None, reach: float) -> Network:
+    """The graph of robots at `position` (N, 2): the given links, or all pairs within `reach` [m]."""
+    robots = len(position)
+    if links is None and np.isinf(reach):
+        return Network(robots - 1, 1)
+    edges = ints(links, -1, 2) if links is not None else KDTree(position).query_pairs(reach, output_type="ndarray")
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(robots, robots))
+    degree = np.bincount(edges.ravel(), minlength=robots).max()
+    return Network(int(degree), int(connected_components(graph, directed=False)[0]))
+
+
+def intention_radius(
+    position: Floats, links: tuple[tuple[int, int], ...] | None, influenced: int, gains: Gains
+) -> float:
+    """Spectral radius of the intention update as printed, on the communication graph at the start.
+
+    Args:
+        position: (N, 2) [m].
+        links: given links; None = all pairs within the communication range.
+        influenced: the robot that feels the human.
+        gains: weights and communication range.
+    """
+    robots = len(position)
+    reach = min(gains.formation.communication_range, 1e9)
+    edges = ints(links, -1, 2) if links is not None else KDTree(position).query_pairs(reach, output_type="ndarray")
+    return map_radius(laplacian(ints(edges, -1, 2), robots), influenced, gains.intention)
+
+
+def convergent(
+    gains: Gains, position: Floats, links: tuple[tuple[int, int], ...] | None, influenced: int
+) -> tuple[Gains, tuple[str, ...]]:
+    """The gains with weights for which the printed intention update converges, and a warning if that changed them.
+
+    Weights that suit the corrected update make the printed one diverge: they are scaled to `PRINTED_RADIUS`.
+    """
+    radius = intention_radius(position, links, influenced, gains)
+    if gains.forms.intention != PRINTED or radius < 1.0:
+        return gains, ()
+    scale = PRINTED_RADIUS / radius
+    weights = {name: scale * getattr(gains.intention, name) for name in _WEIGHTS}
+    warning = (
+        f"the intention update as printed has spectral radius {radius:.3g} and diverges: "
+        f"its weights are multiplied by {scale:.3g}, which makes it {PRINTED_RADIUS:g}"
+    )
+    return gains._replace(intention=gains.intention._replace(**weights)), (warning,)
+
+
+def check_intention(radius: float, source: str) -> None:
+    """Refuses an intention update in its printed form that diverges.
+
+    Raises:
+        ScenarioError: the spectral `radius` is not below 1; the message gives it and the way out.
+    """
+    if radius >= 1.0:
+        raise ScenarioError(
+            f"{source}: forms.intention: the printed update has spectral radius {radius:.3g} and diverges from 1 on; "
+            f"multiply all four weights of parameters.intention by less than {1.0 / radius:.3g}, or take 'corrected'"
+        )
+
+
+def check_robots(gains: Gains, growth: float, source: str) -> None:
+    """Refuses unicycles that cannot move, and noise under which clearances are not kept.
+
+    Args:
+        gains: those of the bodies.
+        growth: of the fastest fire [m/s].
+        source: the scenario file.
+
+    Raises:
+        ScenarioError: with the value and the limit.
+    """
+    robots = gains.robots
+    if robots.look_ahead > 0.0 and robots.turn_rate_limit == 0.0:
+        raise ScenarioError(
+            f"{source}: parameters.robots.turn_rate_limit: unicycles that cannot turn cannot follow a velocity; "
+            "give more than 0 rad/s, or look_ahead 0 for single integrators"
+        )
+    limit = noise_limit(controlled(gains._replace(robots=robots._replace(position_noise=0.0))), growth)
+    if robots.position_noise > limit:
+        raise ScenarioError(
+            f"{source}: parameters.robots.position_noise: {robots.position_noise:g} m exceeds {limit:.3g} m, up to "
+            "which the barriers keep the true clearances; lower it, or raise the clearances, pair_rate, "
+            "obstacle_rate or speed_limit"
+        )
+
+
+def robot_warnings(gains: Gains) -> tuple[str, ...]:
+    """What the robots' model and noise make of other tunables without need to refuse them."""
+    robots, point, warnings = gains.robots, controlled(gains).safety, list[str]()
+    if robots.look_ahead == 0.0 and np.isfinite(robots.turn_rate_limit):
+        warnings.append("robots.turn_rate_limit has no effect on single integrators; unicycles have a look_ahead")
+    if point.speed_limit < gains.safety.speed_limit and point.speed_limit < gains.blending.cruise_speed:
+        warnings.append(
+            f"look_ahead and turn_rate_limit let unicycles go {point.speed_limit:.3g} m/s; "
+            f"cruise_speed is {gains.blending.cruise_speed:g} m/s"
+        )
+    if point != gains.safety and gains.rings.repulsive_margin <= point.obstacle_clearance:
+        warnings.append(
+            f"{_clearance('obstacle', gains.safety.obstacle_clearance, gains)}; it should stay below repulsive_margin "
+            f"({gains.rings.repulsive_margin:g} m), where robots circulate"
+        )
+    return tuple(warnings)
+
+
+def check_barriers(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:
+    """Refuses gains with which the safety barriers do not hold in discrete time, or no robot could hold at a fire.
+
+    Raises:
+        ScenarioError: as `check_rates` and `check_stand_off`.
+    """
+    check_rates(world, fire_radius, gains, source)
+    check_stand_off(world, fire_radius, gains, source)
+
+
+def check_rates(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:
+    """Refuses gains with which the safety barriers do not hold in discrete time.
+
+    Raises:
+        ScenarioError: the sampling condition is missed; the message gives limit and value.
+    """
+    try:
+        check_sampling(world, fire_radius, controlled(gains).safety)
+    except FilterError as error:
+        raise ScenarioError(f"{source}: parameters.safety: {error}") from error
+
+
+def check_stand_off(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:
+    """Refuses a stand-off at which no robot could hold at a fire.
+
+    Raises:
+        ScenarioError: with the least stand-off of the fire.
+    """
+    safety, stand_off = controlled(gains).safety, gains.fires.stand_off
+    for number, (radius, growth) in enumerate(zip(fire_radius, world.fire_growth, strict=True), 1):
+        least = least_stand_off(float(radius), float(growth), safety)
+        if stand_off < least:
+            raise ScenarioError(
+                f"{source}: parameters.fires.stand_off: {stand_off:g} m is too near to fire {number} "
+                f"({radius:g} m, growing {growth:g} m/s), whose barrier holds robots {least:.2f} m off; raise it"
+            )
+
+
+def late_stand_off(fire_radius: Floats, fire_growth: Floats, duration: float, gains: Gains) -> tuple[str, ...]:
+    """A warning for each fire that grows, within `duration` [s], until no robot can hold at it."""
+    grown = fire_radius + fire_growth * duration
+    safety = controlled(gains).safety
+    least = [least_stand_off(float(r), float(g), safety) for r, g in zip(grown, fire_growth, strict=True)]
+    return tuple(
+        f"fire {number} can grow to {radius:.0f} m, where its barrier holds robots {far:.1f} m off; "
+        f"stand_off is {gains.fires.stand_off:g} m"
+        for number, (radius, far) in enumerate(zip(grown, least, strict=True), 1)
+        if far > gains.fires.stand_off
+    )
+
+
+def check_formation(degree: int, gains: Gains, source: str) -> None:
+    """Refuses a formation too stiff for the control period (explicit Euler, `FORMATION_LIMIT`).
+
+    Args:
+        degree: the most links that one robot has.
+        gains: with `formation_rate` and `control_period`.
+        source: the scenario file.
+
+    Raises:
+        ScenarioError: dt k_form 2 deg_max is not below the limit.
+    """
+    stiffness = 2.0 * gains.safety.control_period * gains.formation.formation_rate * degree
+    if stiffness >= FORMATION_LIMIT:
+        raise ScenarioError(
+            f"{source}: parameters.formation: control_period x formation_rate x 2 x {degree} links of one robot is "
+            f"{stiffness:.3g} and must stay below {FORMATION_LIMIT:g}; lower formation_rate "
+            f"({gains.formation.formation_rate:g} 1/s), set communication_range, or give links"
+        )

@@ -1,0 +1,1 @@
+"""Decoded decisions (EMG, BCI) as operator commands."""

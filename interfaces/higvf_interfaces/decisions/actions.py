@@ -1,0 +1,56 @@
+"""The closed list of actions that a decoded label, or a line of a script, may name, and the commands that they give."""
+
+import re
+from collections.abc import Callable
+
+from higvf_console.core.commands import (
+    Acknowledge,
+    AskReset,
+    ClearPath,
+    Clutch,
+    Confirm,
+    Discard,
+    NextTask,
+    OperatorCommand,
+    Pause,
+    Pick,
+    Redo,
+    ResetRun,
+    ResetStop,
+    Resume,
+    ReversePath,
+    Stop,
+    Undo,
+)
+
+PLAIN: dict[str, Callable[[], OperatorCommand]] = {
+    "pause": Pause,
+    "resume": Resume,
+    "stop": Stop,
+    "ask_reset": AskReset,
+    "reset_stop": ResetStop,
+    "clear_path": ClearPath,
+    "reverse_path": ReversePath,
+    "next_task": NextTask,
+    "reset_run": ResetRun,
+    "confirm": Confirm,
+    "discard": Discard,
+    "acknowledge": Acknowledge,
+    "undo": Undo,
+    "redo": Redo,
+}
+ACTIONS: dict[str, Callable[[], OperatorCommand]] = {
+    **PLAIN,
+    "clutch_close": lambda: Clutch(closed=True),
+    "clutch_open": lambda: Clutch(closed=False),
+}
+CHOICES = (*ACTIONS, "robot:NUMBER (from 1)")
+_ROBOT = re.compile(r"robot:\s*([1-9][0-9]{0,5})")
+
+
+def command_for(action: str) -> OperatorCommand | None:
+    """The command that `action` stands for; None where it is not in the list."""
+    robot = _ROBOT.fullmatch(action)
+    if robot:
+        return Pick(int(robot[1]) - 1)
+    return ACTIONS[action]() if action in ACTIONS else None

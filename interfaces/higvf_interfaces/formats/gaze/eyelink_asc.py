@@ -1,0 +1,148 @@
+"""EyeLink ASC text, as `edf2asc` writes it: samples, messages and events in one stream of lines.
+
+    MSG     2095865 DISPLAY_COORDS 0 0 1279 1023          inclusive: 1280 px wide; GAZE_COORDS goes over it
+    SAMPLES GAZE LEFT RIGHT RATE 1000.00 TRACKING CR      one or two eyes; HREF and PUPIL are no screen coordinates
+    2154556   139.6   132.1   784.0 ...                   time [ms], x, y [px], pupil for each eye, flags; "." = missing
+    SBLINK L 2154600 ... EBLINK L 2154600 2154700 100     what lies between is the lid, finite or not
+
+Of the flags, C (no corneal reflection) and I (interpolated) say that the point was not measured.
+"""
+
+import math
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.gaze.eyes import NO_EYE, Eye, both
+from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
+from higvf_interfaces.formats.text import TextFile, number
+
+NAME = "eyelink-asc"
+TITLE = "EyeLink ASC (edf2asc)"
+_SIGNS = re.compile(rb"^(\*\* CONVERTED FROM|SAMPLES[ \t]+|START[ \t]+\d+[ \t]+(LEFT|RIGHT))", re.MULTILINE)
+_COORDINATES = ("GAZE_COORDS", "DISPLAY_COORDS")
+_UNMEASURED = frozenset("CI")
+_EYES = {"L": 0, "R": 1}
+_TIME = re.compile(r"\d+(\.\d)?")  # [ms]; at 2000 Hz with a half
+_FLAGS = re.compile(r"[.CIR]{3}|[.CIR]{5}")
+_PREAMBLE = b"** "  # a whole conversion, in which samples stand between START and END only
+_HEADER_LINES = 100_000
+
+
+class _Setting(NamedTuple):
+    """What the lines before a sample say of it."""
+
+    recording: bool  # numbers outside START and END belong to the calibration
+    eyes: tuple[int, ...] = ()  # 0 left, 1 right, in the order of their columns
+    shut: frozenset[int] = frozenset()  # eyes that blink
+    origin: tuple[float, float] = (0.0, 0.0)  # [px]
+    screen: tuple[float, float] | None = None
+
+
+def matches(file: TextFile) -> bool:
+    """Whether the first bytes have the converter's line, or the line that describes samples."""
+    return _SIGNS.search(file.head) is not None
+
+
+def stream(file: TextFile, _: Wanted) -> GazeStream:
+    """Begins to read.
+
+    Raises:
+        InputError: samples that are not gaze on the screen, or no sample at all.
+    """
+    setting = _first_setting(file)
+    notes: list[str] = []
+    if setting.screen is None:
+        notes.append("the file does not say the size of the screen (GAZE_COORDS or DISPLAY_COORDS)")
+    columns = ("time [ms]", *(f"{axis} {'LR'[eye]} [px]" for eye in setting.eyes for axis in "xy"), "flags")
+    return GazeStream(NAME, columns, "screen", blocks_of(_rows(file, notes)), notes, screen=setting.screen)
+
+
+def _first_setting(file: TextFile) -> _Setting:
+    setting = _before(file)
+    for count, line in enumerate(file.lines()):
+        cells = line.split()
+        if _is_sample(setting, cells):
+            return setting if setting.eyes else setting._replace(eyes=_counted_eyes(cells))
+        setting = _heard(file, setting, cells)
+        if count > _HEADER_LINES:
+            break
+    raise InputError(f"{file.path}: has no samples; convert the EDF with edf2asc without -e (events only)")
+
+
+def _before(file: TextFile) -> _Setting:
+    return _Setting(recording=not file.head.lstrip().startswith(_PREAMBLE))
+
+
+def _rows(file: TextFile, notes: list[str]) -> Iterator[Row]:
+    setting = _before(file)
+    held: Row | None = None
+    cells: list[str] = []
+    for line in file.lines(notes):
+        cells = line.split()
+        if not _is_sample(setting, cells):
+            setting = _heard(file, setting, cells)
+            continue
+        if held is not None:
+            yield held
+        held = _row(cells, setting)
+    if not file.complete and _is_sample(setting, cells) and not _FLAGS.fullmatch(cells[-1]):
+        notes.append("the last row is torn: left out")
+    elif held is not None:
+        yield held
+
+
+def _row(cells: list[str], setting: _Setting) -> Row:
+    flags = next((cell for cell in cells[3:] if _FLAGS.fullmatch(cell)), "")
+    x, y = both(
+        NO_EYE if eye in setting.shut else _point(cells, 1 + 3 * place, setting.origin)
+        for place, eye in enumerate(setting.eyes or _counted_eyes(cells))
+    )
+    return number(cells[0]) * 1e-3, x, y, not _UNMEASURED & set(flags), math.nan
+
+
+def _point(cells: list[str], place: int, origin: Eye) -> Eye:
+    if len(cells) < place + 2:
+        return NO_EYE
+    return number(cells[place]) - origin[0], number(cells[place + 1]) - origin[1]
+
+
+def _is_sample(setting: _Setting, cells: list[str]) -> bool:
+    return setting.recording and len(cells) >= 3 and _TIME.fullmatch(cells[0]) is not None
+
+
+def _counted_eyes(cells: list[str]) -> tuple[int, ...]:
+    numbers = sum(1 for cell in cells[1:] if cell == "." or number(cell) == number(cell))
+    return (0, 1) if numbers >= 6 else (0,)
+
+
+def _heard(file: TextFile, setting: _Setting, cells: list[str]) -> _Setting:
+    """The setting after a line that is no sample."""
+    match cells:
+        case ["SAMPLES", kind, *words]:
+            if kind != "GAZE":
+                raise InputError(
+                    f"{file.path}: its samples are {kind[:20]}, not gaze on the screen; convert with edf2asc -sg"
+                )
+            return setting._replace(eyes=tuple(k for k, word in enumerate(("LEFT", "RIGHT")) if word in words))
+        case ["MSG", _, *words]:
+            return _sized(setting, words)
+        case ["SBLINK", eye, *_] if eye in _EYES:
+            return setting._replace(shut=setting.shut | {_EYES[eye]})
+        case ["EBLINK", eye, *_] if eye in _EYES:
+            return setting._replace(shut=setting.shut - {_EYES[eye]})
+        case ["START" | "END" as word, *_]:  # a blink may last over the end of a block
+            return setting._replace(recording=word == "START", shut=frozenset())
+        case _:
+            return setting
+
+
+def _sized(setting: _Setting, words: list[str]) -> _Setting:
+    for name in _COORDINATES:
+        if name in words[:3]:
+            bounds = [number(word) for word in words[words.index(name) + 1 :][:4]]
+            if len(bounds) == 4 and bounds[2] > bounds[0] and bounds[3] > bounds[1]:
+                screen = bounds[2] - bounds[0] + 1, bounds[3] - bounds[1] + 1
+                return setting._replace(origin=(bounds[0], bounds[1]), screen=screen)
+    return setting

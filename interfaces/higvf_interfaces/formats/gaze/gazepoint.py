@@ -1,0 +1,51 @@
+"""Gazepoint tables: shares of the screen, origin top left, and the last point repeated while the eyes are lost.
+
+Only the validity tells a repeated point from a steady eye: BPOGV for the best point of both eyes, FPOGV for the
+fixation's. The title of the time column carries the date, `TIME(2016/11/09 10:05:22.333)`; its cells are seconds.
+"""
+
+import math
+from collections.abc import Iterator
+
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.gaze.eyes import says_yes
+from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
+from higvf_interfaces.formats.text import Column, TextFile, cell, number
+
+NAME = "gazepoint"
+TITLE = "Gazepoint table (BPOGX, BPOGY, BPOGV or FPOGX, FPOGY, FPOGV)"
+_POINTS = (("bpogx", "bpogy", "bpogv"), ("fpogx", "fpogy", "fpogv"))
+
+
+def matches(file: TextFile) -> bool:
+    """Whether the header has a point of gaze and its validity."""
+    return file.find("time") is not None and _find(file) is not None
+
+
+def stream(file: TextFile, _: Wanted) -> GazeStream:
+    """Begins to read.
+
+    Raises:
+        InputError: no time, or no point with its validity.
+    """
+    time, found = file.find("time"), _find(file)
+    if time is None or found is None:
+        raise InputError(f"{file.path}: needs TIME and BPOGX, BPOGY, BPOGV or FPOGX, FPOGY, FPOGV; has: {file.titles}")
+    x, y, validity = found
+    notes: list[str] = []
+
+    def rows() -> Iterator[Row]:
+        for row in file.rows(notes):
+            point = number(cell(row, x)), number(cell(row, y))
+            yield number(cell(row, time)), *point, says_yes(cell(row, validity)), math.nan
+
+    used = tuple(column.title for column in (time, x, y, validity))
+    return GazeStream(NAME, used, "unit", blocks_of(rows()), notes, start=None)
+
+
+def _find(file: TextFile) -> tuple[Column, Column, Column] | None:
+    for names in _POINTS:
+        x, y, validity = (file.find(name) for name in names)
+        if x is not None and y is not None and validity is not None:
+            return x, y, validity
+    return None

@@ -1,0 +1,93 @@
+"""Old Tobii tables, of Tobii Studio, E-Prime and the SDKs before 3: validity counts from 0 (found) to 4 (lost).
+
+The smaller the better, the opposite of later SDKs. A missing point is -1, which is inside no screen and must not be
+averaged with the other eye's; validities from 2 on may be the wrong eye, and Tobii's own filters leave them out.
+"""
+
+import math
+from collections.abc import Iterator
+from itertools import islice
+from typing import NamedTuple
+
+from higvf_console.core.arrays import floats
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.clock import unit_by_steps
+from higvf_interfaces.formats.gaze.eyes import NO_EYE, Eye, both
+from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
+from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, number
+
+NAME = "tobii-old"
+TITLE = "Tobii Studio, E-Prime or old Tobii SDK table (validity 0 to 4)"
+_FOUND = 1  # the worst validity that is taken
+_MISSING = -1.0
+_FIRST_ROWS = 2000
+_TIMES = ("eyetrackertimestamp", "time", "recordingtimestamp", "tettime", "timestamp")
+_DIALECTS = (
+    ("unit", "{0}gazepos2dx", "{0}gazepos2dy", "{0}validity", ("l", "r")),  # SDK
+    ("unit", "xgazepos{0}eye", "ygazepos{0}eye", "validity{0}eye", ("left", "right")),  # E-Prime
+    ("screen", "gazepoint{0}x", "gazepoint{0}y", "validity{0}", ("left", "right")),  # Studio 3
+    ("screen", "gazepointx{0}", "gazepointy{0}", "validity{0}", ("left", "right")),  # Studio 2
+)
+
+
+class _EyeColumns(NamedTuple):
+    x: Column
+    y: Column
+    validity: Column
+
+
+def matches(file: TextFile) -> bool:
+    """Whether the header has an old dialect's point and validity of an eye."""
+    return file.find(*_TIMES) is not None and _find_eyes(file)[1] != ()
+
+
+def stream(file: TextFile, _: Wanted) -> GazeStream:
+    """Begins to read.
+
+    Raises:
+        InputError: no times, or no eye with point and validity.
+    """
+    frame, eyes = _find_eyes(file)
+    clocks = [column for column in (file.find(name) for name in _TIMES) if column is not None]
+    if not eyes:
+        raise InputError(
+            f"{file.path}: no gaze columns with validity (LGazePos2dx, LGazePos2dy, LValidity or GazePointLeftX, "
+            f"GazePointLeftY, ValidityLeft); has: {file.titles}"
+        )
+    if not clocks:
+        raise InputError(f"{file.path}: no time column (one of {', '.join(_TIMES)}); has: {file.titles}")
+    notes: list[str] = []
+    clock = clocks[0]
+    scale = TIME_UNITS.get(clock.unit, 0.0)
+    if not scale:
+        first = floats([number(cell(row, clock)) for row in islice(file.rows([]), _FIRST_ROWS)])
+        unit = unit_by_steps(first)
+        scale = TIME_UNITS[unit]
+        notes.append(f"{clock.title} has no unit: taken as {unit} from its steps")
+
+    def rows() -> Iterator[Row]:
+        for row in file.rows(notes):
+            x, y = both(_eye(row, eye) for eye in eyes)
+            yield number(cell(row, clock)) * scale, x, y, True, math.nan
+
+    columns = (clock, *(column for eye in eyes for column in eye))
+    return GazeStream(NAME, tuple(column.title for column in columns), frame, blocks_of(rows()), notes)
+
+
+def _find_eyes(file: TextFile) -> tuple[str, tuple[_EyeColumns, ...]]:
+    for frame, x, y, validity, names in _DIALECTS:
+        eyes: list[_EyeColumns] = []
+        for name in names:
+            found = [file.find(title.format(name)) for title in (x, y, validity)]
+            known = [column for column in found if column is not None]
+            if len(known) == len(found):
+                eyes.append(_EyeColumns(*known))
+        if eyes:
+            return frame, tuple(eyes)
+    return "", ()
+
+
+def _eye(row: list[str], eye: _EyeColumns) -> Eye:
+    x, y = number(cell(row, eye.x)), number(cell(row, eye.y))
+    found = 0 <= number(cell(row, eye.validity)) <= _FOUND
+    return (x, y) if found and not x == y == _MISSING else NO_EYE

@@ -1,0 +1,80 @@
+"""Tables written from the Python SDK `tobii_research`: the callback's keys as columns, validity 1 = valid.
+
+A point is one cell, "(0.51, 0.43)", as pandas writes a tuple, or two columns with an ending such as `_x` and `_y`.
+Coordinates are shares of the display area, origin top left.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.gaze.eyes import NO_EYE, Eye, both, says_yes
+from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
+from higvf_interfaces.formats.text import Column, TextFile, cell, number
+
+NAME = "tobii-research"
+TITLE = "table of tobii_research gaze data (validity 1 = valid)"
+_CLOCKS = ("device_time_stamp", "system_time_stamp")
+_POINT, _VALIDITY = "{}_gaze_point_on_display_area", "{}_gaze_point_validity"
+_ENDINGS = (("",), ("_x", "_y"), ("_0", "_1"), ("[0]", "[1]"), (".x", ".y"), (" x", " y"))
+
+
+class _EyeColumns(NamedTuple):
+    points: tuple[Column, ...]  # one of a pair of numbers, or two
+    validity: Column | None
+
+
+def matches(file: TextFile) -> bool:
+    """Whether the header has the SDK's time stamp and a point of an eye."""
+    return file.find(*_CLOCKS) is not None and _find_eyes(file) != ()
+
+
+def stream(file: TextFile, _: Wanted) -> GazeStream:
+    """Begins to read.
+
+    Raises:
+        InputError: no time stamp, or no point of an eye.
+    """
+    clock, eyes = file.find(*_CLOCKS), _find_eyes(file)
+    if clock is None or not eyes:
+        raise InputError(
+            f"{file.path}: no {_CLOCKS[0]} or no left_gaze_point_on_display_area, in one column or as _x and _y; "
+            f"has: {file.titles}"
+        )
+    notes: list[str] = []
+
+    def rows() -> Iterator[Row]:
+        for row in file.rows(notes):
+            x, y = both(_eye(row, eye) for eye in eyes)
+            yield number(cell(row, clock)) * 1e-6, x, y, True, math.nan
+
+    used = [clock, *(column for eye in eyes for column in (*eye.points, eye.validity) if column is not None)]
+    return GazeStream(NAME, tuple(column.title for column in used), "unit", blocks_of(rows()), notes)
+
+
+def _find_eyes(file: TextFile) -> tuple[_EyeColumns, ...]:
+    eyes: list[_EyeColumns] = []
+    for side in ("left", "right"):
+        point, validity = _POINT.format(side), file.find(_VALIDITY.format(side))
+        pairs = ([_titled(file, point + end) for end in ending] for ending in _ENDINGS)
+        for pair in pairs:
+            found = tuple(column for column in pair if column is not None)
+            if found and len(found) == len(pair):
+                eyes.append(_EyeColumns(found, validity))
+                break
+    return tuple(eyes)
+
+
+def _titled(file: TextFile, title: str) -> Column | None:
+    """The column of that title, brackets and all: `[0]` is no unit here."""
+    return next((column for column in file.columns if column.title.casefold() == title), None)
+
+
+def _eye(row: list[str], eye: _EyeColumns) -> Eye:
+    if eye.validity is not None and not says_yes(cell(row, eye.validity)):
+        return NO_EYE
+    texts = [cell(row, column) for column in eye.points]
+    if len(texts) == 1:
+        texts = texts[0].strip("()[] ").split(",")
+    return (number(texts[0].strip()), number(texts[1].strip())) if len(texts) == 2 else NO_EYE

@@ -1,0 +1,1 @@
+"""Readers of EMG and EEG files."""

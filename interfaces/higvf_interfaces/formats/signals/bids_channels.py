@@ -1,0 +1,38 @@
+"""BIDS channel tables (`*_channels.tsv`): names, units and status of the channels of the recording beside them."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.text import cell, look
+
+_ENDINGS = ("_emg", "_eeg", "_ieeg", "_meg", "_physio")
+
+
+class ChannelNote(NamedTuple):
+    """What the table says of a channel."""
+
+    type: str
+    unit: str
+    bad: bool
+
+
+def beside(recording: Path) -> dict[str, ChannelNote]:
+    """The channel table of a BIDS recording, by channel name; empty where there is none.
+
+    Raises:
+        InputError: the table has no column `name`.
+    """
+    stem = recording.stem
+    ending = next((ending for ending in _ENDINGS if stem.endswith(ending)), None)
+    path = recording.with_name(f"{stem.removesuffix(ending or '')}_channels.tsv")
+    if ending is None or not path.is_file():
+        return {}
+    file = look(str(path))
+    name, kind, unit, status = (file.find(title) for title in ("name", "type", "units", "status"))
+    if name is None:
+        raise InputError(f"{path}: a BIDS channel table needs the column 'name'; has: {file.titles}")
+    return {
+        cell(row, name): ChannelNote(cell(row, kind), cell(row, unit), cell(row, status).casefold() == "bad")
+        for row in file.rows([])
+    }

@@ -1,0 +1,90 @@
+"""BrainVision markers (.vmrk, or the .vhdr that names it): `Mk2=Stimulus,S  1,487,1,0`, counted in samples from 1.
+
+Only the header knows the sampling interval, so a marker file alone needs its header beside it, or a rate.
+"""
+
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.records import CommandLog, Decision
+from higvf_interfaces.formats.signals.records import SignalRequest
+from higvf_interfaces.formats.text import TextFile, look, number
+
+NAME = "brainvision-markers"
+TITLE = "BrainVision markers (.vmrk or .vhdr)"
+_HEADER, _MARKERS = "header file", "marker file"
+_NO_EVENT = {"new segment"}
+_Sections = dict[str, dict[str, str]]
+
+
+def matches(file: TextFile) -> bool:
+    """Whether the first line is that of a BrainVision header or marker file."""
+    return _kind(file) != ""
+
+
+def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
+    """Reads the markers; their descriptions are the labels, or their types where they have none.
+
+    Raises:
+        InputError: the other file is missing, no sampling interval is known, or there is no event.
+    """
+    kind = _kind(file)
+    if kind == _HEADER:
+        header = _sections(file)
+        name = _value(header, "common infos", "markerfile")
+        if not name:
+            raise InputError(f"{file.path}: the BrainVision header names no marker file")
+        marks = _sections(look(str(file.path.with_name(_plain(name, file)))))
+    else:
+        marks = _sections(file)
+        beside = file.path.with_suffix(".vhdr")
+        header = _sections(look(str(beside))) if beside.is_file() else {}
+    interval = number(_value(header, "common infos", "samplinginterval")) * 1e-6
+    period = 1 / request.rate if request.rate and not interval > 0 else interval
+    if not period > 0:
+        raise InputError(f"{file.path}: the sampling interval is unknown: put the .vhdr beside it, or give rate=HZ")
+    entries = [_decision(text, period) for text in marks.get("marker infos", {}).values()]
+    decisions = sorted((entry for entry in entries if entry is not None), key=lambda decision: decision.time)
+    if not decisions:
+        raise InputError(f"{file.path}: there is no event among the {len(entries)} BrainVision markers")
+    return CommandLog(tuple(decisions), 0.0, NAME, ())
+
+
+def _kind(file: TextFile) -> str:
+    line = file.first_line.casefold().replace("brain vision", "brainvision")
+    if "brainvision data exchange" not in line:
+        return ""
+    return next((kind for kind in (_HEADER, _MARKERS) if kind in line), "")
+
+
+def _sections(file: TextFile) -> _Sections:
+    sections: _Sections = {}
+    section: dict[str, str] = {}
+    for line in file.lines():
+        plain = line.strip()
+        if plain.startswith("[") and plain.endswith("]"):
+            section = sections.setdefault(plain[1:-1].casefold(), {})
+        elif not plain.startswith(";") and "=" in plain:
+            key, _, value = plain.partition("=")
+            section[key.strip().casefold()] = value.strip()
+    return sections
+
+
+def _value(sections: _Sections, section: str, key: str) -> str:
+    return sections.get(section, {}).get(key, "")
+
+
+def _plain(name: str, file: TextFile) -> str:
+    """The file name that a header gives; `$b` is the header's own, without its ending."""
+    base = name.replace("$b", file.path.stem).replace("\\", "/").rsplit("/", 1)[-1].strip("\0 ")
+    if base in ("", ".", ".."):
+        raise InputError(f"{file.path}: {name!r} is not the name of a marker file")
+    return base
+
+
+def _decision(text: str, period: float) -> Decision | None:
+    parts = [part.strip().replace("\\1", ",") for part in text.split(",")]
+    place = number(parts[2]) if len(parts) > 2 else float("nan")
+    label = (parts[1] if len(parts) > 1 else "") or parts[0]
+    time = (place - 1) * period
+    if not label or parts[0].casefold() in _NO_EVENT or not abs(time) < 1e9:
+        return None
+    return Decision(time, " ".join(label.split()), None)

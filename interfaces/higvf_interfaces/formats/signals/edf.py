@@ -1,0 +1,133 @@
+"""European Data Format (EDF, EDF+) and BioSemi's BDF: channels as a signal, annotations as decisions.
+
+The channels of the commonest sampling rate make the signal; units are the header's, also where a BIDS channel table
+beside the file says otherwise. EDF is read in slices; BDF as a whole.
+"""
+
+import struct
+import warnings
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import edfio
+import numpy as np
+
+from higvf_console.core.arrays import floats
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.records import CommandLog, Decision
+from higvf_interfaces.formats.signals import bids_channels
+from higvf_interfaces.formats.signals.records import (
+    CHUNK,
+    SignalChunk,
+    SignalRecord,
+    SignalRequest,
+    unique_names,
+    unused_rate,
+)
+from higvf_interfaces.formats.text import TextFile
+
+NAME = "edf"
+TITLE = "EDF or BDF"
+MARKED_NAME = "edf-annotations"
+MARKED_TITLE = "annotations of an EDF+ or BDF+ file"
+_EDF, _BDF = b"0       ", b"\xffBIOSEMI"
+_BROKEN = (ValueError, KeyError, IndexError, TypeError, AttributeError, OSError, EOFError, StopIteration, MemoryError,
+           ArithmeticError, UnicodeError, AssertionError, struct.error)  # fmt: skip
+
+
+class _Content(NamedTuple):
+    data: Any  # edfio.Edf or Bdf
+    notes: list[str]
+
+
+def matches(file: TextFile) -> bool:
+    """Whether the file begins with the version field of EDF or BDF."""
+    return _version(file.path) in (_EDF, _BDF)
+
+
+def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
+    """Reads the channels of the commonest rate.
+
+    Raises:
+        InputError: no EDF or BDF file, or one without samples.
+    """
+    data, notes = _load(file.path)
+    try:
+        rates = Counter(float(signal.sampling_frequency) for signal in data.signals)
+        (rate, _), *others = rates.most_common()
+        signals = [signal for signal in data.signals if float(signal.sampling_frequency) == rate]
+        count = int(data.num_data_records) * min(signal.samples_per_data_record for signal in signals)
+        names, units = [str(signal.label) for signal in signals], [str(signal.physical_dimension) for signal in signals]
+        signals[0].get_data_slice(0.0, min(1, count) / rate)
+    except _BROKEN as problem:
+        raise InputError(f"{file.path}: the file has no readable signals: {str(problem)[:200]}") from problem
+    if count < 1 or not rate > 0:
+        raise InputError(f"{file.path}: the file has no samples")
+    if others:
+        notes.append(f"{sum(n for _, n in others)} channels of other rates than {rate:g} Hz left out")
+    notes += _by_bids(file.path, names, units)
+    notes += unused_rate(request.rate, rate)
+
+    def chunks() -> Iterator[SignalChunk]:
+        for start in range(0, count, CHUNK):
+            stop = min(start + CHUNK, count)
+            values = np.column_stack([signal.get_data_slice(start / rate, stop / rate) for signal in signals])
+            yield SignalChunk(floats(np.arange(start, stop) / rate), floats(values))
+
+    return SignalRecord(unique_names(names), tuple(units), rate, 0.0, NAME, notes, chunks)
+
+
+def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa: ARG001 - annotations carry their times
+    """Reads the annotations.
+
+    Raises:
+        InputError: no EDF or BDF file, or one without annotations.
+    """
+    data, notes = _load(file.path)
+    try:
+        found = [(float(a.onset), str(a.text).strip()) for a in data.annotations]
+    except _BROKEN as problem:
+        raise InputError(f"{file.path}: the annotations cannot be read: {str(problem)[:200]}") from problem
+    decisions = tuple(Decision(time, label, None) for time, label in sorted(found) if label and np.isfinite(time))
+    if not decisions:
+        raise InputError(f"{file.path}: the file has no annotations, so it holds no decisions")
+    return CommandLog(decisions, 0.0, MARKED_NAME, tuple(notes))
+
+
+def _version(path: Path) -> bytes:
+    try:
+        with path.open("rb") as stream:
+            return stream.read(8)
+    except OSError:
+        return b""
+
+
+def _load(path: Path) -> _Content:
+    version = _version(path)
+    if version not in (_EDF, _BDF):
+        raise InputError(f"{path}: is neither an EDF nor a BDF file")
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            data = edfio.read_bdf(path) if version == _BDF else edfio.read_edf(path)
+            continuous = data.is_continuous
+        except _BROKEN as problem:
+            raise InputError(f"{path}: the file cannot be read: {str(problem)[:200]}") from problem
+    if not continuous:
+        raise InputError(f"{path}: the recording has gaps (EDF+D), which is not supported; export it as EDF+C")
+    cut = [f"the recording was cut off: {warning.message}" for warning in said if "records" in str(warning.message)]
+    return _Content(data, cut)
+
+
+def _by_bids(path: Path, names: list[str], units: list[str]) -> list[str]:
+    """What the BIDS channel table beside the file adds: bad channels, and where it contradicts the header."""
+    table = bids_channels.beside(path)
+    known = [(name, unit, table[name]) for name, unit in zip(names, units, strict=True) if name in table]
+    bad = [name for name, _, note in known if note.bad]
+    other = [name for name, unit, note in known if note.unit not in ("", "n/a", unit)]
+    notes = [f"marked bad in channels.tsv: {', '.join(bad)}"] if bad else []
+    if other:
+        notes.append(f"channels.tsv gives {len(other)} channels another unit than the header, which is kept")
+    return notes

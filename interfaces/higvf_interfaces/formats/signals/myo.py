@@ -1,0 +1,64 @@
+"""Samples of a Myo armband as scripts save them: eight whole numbers from -128 to 127 a row, and nothing else.
+
+The file has no header, no times and no unit, so it is replayed only at a rate that a person gives (a Myo has 200 Hz).
+"""
+
+from collections.abc import Iterator
+from itertools import islice
+
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.signals.records import SignalRecord, SignalRequest
+from higvf_interfaces.formats.signals.table import SampleTable, table_signals
+from higvf_interfaces.formats.text import TextFile, number
+
+NAME = "myo-csv"
+TITLE = "Myo armband (8 whole numbers a row, no times)"
+_CHANNELS = 8
+_LOOKED_AT = 20  # rows
+
+
+def matches(file: TextFile) -> bool:
+    """Whether the first rows are eight whole numbers of one signed byte each."""
+    head = list(islice(file.lines(), _LOOKED_AT))
+    whole = head[:-1] if len(head) < _LOOKED_AT and not file.complete else head
+    return bool(whole) and all(_is_sample(_cells(file, line)) for line in whole)
+
+
+def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
+    """Reads the eight electrodes, in the device's own units.
+
+    Raises:
+        InputError: no rate is given, or no row is a sample.
+    """
+    if request.rate is None:
+        raise InputError(
+            f"{file.path}: a {TITLE} cannot be replayed without times; give rate=200 (what a Myo armband has) or "
+            "period=0.005"
+        )
+    names = tuple(f"EMG{k}" for k in range(1, _CHANNELS + 1))
+
+    def rows(notes: list[str]) -> Iterator[list[str]]:
+        torn = 0
+        for line in file.lines():
+            row = _cells(file, line)
+            if _is_sample(row):
+                yield row
+            else:
+                torn += 1
+        if torn:
+            notes.append(f"{torn} rows that are not eight signed bytes left out")
+
+    table = SampleTable(
+        file.path, NAME, rows, tuple(range(_CHANNELS)), names, ("",) * _CHANNELS, None, number, None, None, None
+    )
+    return table_signals(table, request)
+
+
+def _cells(file: TextFile, line: str) -> list[str]:
+    return [part.strip() for part in line.split(file.delimiter)]
+
+
+def _is_sample(row: list[str]) -> bool:
+    return len(row) == _CHANNELS and all(
+        len(part) <= 4 and part.removeprefix("-").isdecimal() and -128 <= int(part) <= 127 for part in row
+    )

@@ -1,0 +1,82 @@
+"""Tables of samples as Muse and Lab Streaming Layer tools export them: a time column, channels, perhaps markers.
+
+    timestamps,TP9,AF7,AF8,TP10,Right AUX,Marker0
+
+Every further column whose first row is a number is a channel. The stamps of such tools double and run backwards.
+"""
+
+import math
+from collections.abc import Iterator
+
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.gaze.plain import TIMES, seconds_of
+from higvf_interfaces.formats.records import CommandLog
+from higvf_interfaces.formats.signals.records import SignalRecord, SignalRequest
+from higvf_interfaces.formats.signals.table import SampleTable, table_markers, table_signals
+from higvf_interfaces.formats.text import Column, TextFile, cell, number
+
+NAME = "signal-csv"
+TITLE = "table of samples (timestamps, one column a channel[, Marker0])"
+MARKED_NAME = "signal-csv-markers"
+MARKED_TITLE = "marker column of a table of samples (timestamps,...,Marker0)"
+STAMPS = (*TIMES, "timestamps", "lsl_timestamp", "time_stamp", "lsl time")
+_MARKERS = ("marker0", "marker", "markers", "stim", "trigger", "status", "event")
+_UNMARKED = ("", "0", "0.0")
+_NO_CHANNEL = {"x", "y", "confidence", "valid", "label", "command"}
+_LOOKED_AT = 5  # rows
+
+
+def matches(file: TextFile) -> bool:
+    """Whether there is a time and, beside it, a column of numbers that is no gaze and no label."""
+    return file.find(*STAMPS) is not None and bool(_channels(file)) and not _NO_CHANNEL & _names(file)
+
+
+def matches_marked(file: TextFile) -> bool:
+    """Whether there is a marker column as well, in which nothing is marked at first."""
+    marker = file.find(*_MARKERS)
+    return matches(file) and marker is not None and cell(file.first_rows(1)[0], marker) in _UNMARKED
+
+
+def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
+    """Reads the channels.
+
+    Raises:
+        InputError: no channels, no samples, no times and no rate, or an unknown unit of time.
+    """
+    return table_signals(_table(file, NAME), request)
+
+
+def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
+    """Reads the events of the marker column.
+
+    Raises:
+        InputError: no event, no samples, no times and no rate, or an unknown unit of time.
+    """
+    return table_markers(_table(file, MARKED_NAME), request)
+
+
+def _table(file: TextFile, name: str) -> SampleTable:
+    time, channels = file.find(*STAMPS), _channels(file)
+    if not channels:
+        raise InputError(f"{file.path}: no column of numbers beside the time; has: {file.titles}")
+
+    def rows(notes: list[str]) -> Iterator[list[str]]:
+        return file.rows(notes)
+
+    marker = file.find(*_MARKERS)
+    return SampleTable(
+        file.path, name, rows, tuple(c.place for c in channels), tuple(c.title.strip() for c in channels),
+        tuple(c.unit for c in channels), None if time is None else time.place, seconds_of(file.path, time), None,
+        None if marker is None else marker.place, None,
+    )  # fmt: skip
+
+
+def _channels(file: TextFile) -> list[Column]:
+    rows = file.first_rows(_LOOKED_AT)
+    skipped = {*STAMPS, *_MARKERS}
+    candidates = [c for c in file.columns if c.name not in skipped and c.name]
+    return [c for c in candidates if any(math.isfinite(number(cell(row, c))) for row in rows)]
+
+
+def _names(file: TextFile) -> set[str]:
+    return {column.name for column in file.columns}

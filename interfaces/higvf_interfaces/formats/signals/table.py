@@ -1,0 +1,188 @@
+"""Text tables of samples, read block by block: columns of numbers become chunks of a signal, a column marks events."""
+
+from collections.abc import Callable, Iterator
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.records import CommandLog, Decision
+from higvf_interfaces.formats.signals.records import (
+    CHUNK,
+    SignalChunk,
+    SignalRecord,
+    SignalRequest,
+    unique_names,
+    unused_rate,
+)
+from higvf_interfaces.formats.signals.sample_clock import SampleClock, estimate_rate
+from higvf_interfaces.formats.text import as_label, number, plain
+
+LOWEST_RATE, HIGHEST_RATE = 0.1, 100_000.0  # [Hz]
+_HEAD = 4096  # samples that tell the rate
+_COUNTER = 256  # an OpenBCI Cyton counts its samples modulo this
+
+
+class SampleTable(NamedTuple):
+    """Where a text file keeps what.
+
+    Attributes:
+        path: of the file.
+        format: its name.
+        rows: reads the cells of each row of samples, and notes what it leaves out.
+        channels: column of each channel.
+        names: of the channels as the file has them.
+        units: of the channels.
+        time: column of the stamps; None = the table has none.
+        seconds: what a stamp means [s]; NaN where it is none.
+        counter: column of a sample counter that wraps; None = there is none.
+        marker: column that is 0 or empty but at events; None = there is none.
+        rate: as the file says [Hz]; None = it does not.
+    """
+
+    path: Path
+    format: str
+    rows: Callable[[list[str]], Iterator[list[str]]]
+    channels: tuple[int, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    time: int | None
+    seconds: Callable[[str], float]
+    counter: int | None
+    marker: int | None
+    rate: float | None
+
+
+class _Block(NamedTuple):
+    times: Floats
+    rows: list[list[str]]
+
+
+def table_signals(table: SampleTable, request: SignalRequest) -> SignalRecord:
+    """The channels of a table as a signal.
+
+    Raises:
+        InputError: the table has no channels or samples, or neither it nor the request says when they were taken.
+    """
+    if not table.channels:
+        raise InputError(f"{table.path}: the {table.format} table has no column of a channel")
+    notes: list[str] = []
+    rate, epoch = _timing(table, request.rate, notes)
+
+    def chunks() -> Iterator[SignalChunk]:
+        del notes[:]
+        for block in _blocks(table, rate, request.rate, notes):
+            values = [[_cell(row, column) for column in table.channels] for row in block.rows]
+            yield SignalChunk(block.times, floats(values, -1, len(table.channels)))
+
+    return SignalRecord(unique_names(table.names), table.units, rate, epoch, table.format, notes, chunks)
+
+
+def table_markers(table: SampleTable, request: SignalRequest) -> CommandLog:
+    """The events of the marker column: one decision where it changes to something that is not 0.
+
+    Raises:
+        InputError: there is no marker column or no event in it, or the times are unknown.
+    """
+    notes: list[str] = []
+    rate, epoch = _timing(table, request.rate, [])
+    decisions: list[Decision] = []
+    before = ""
+    for block in _blocks(table, rate, request.rate, notes) if table.marker is not None else ():
+        for time, row in zip(block.times.tolist(), block.rows, strict=True):
+            label = _label(row, table.marker)
+            if label and label != before:
+                decisions.append(Decision(time, label, None))
+            before = label
+    if not decisions:
+        raise InputError(f"{table.path}: no event is marked in this {table.format} table, so it holds no decisions")
+    return CommandLog(tuple(decisions), epoch, table.format, tuple(notes))
+
+
+def _timing(table: SampleTable, given: float | None, notes: list[str]) -> tuple[float, float]:
+    """Rate [Hz] and device time of the first sample [s], from the first block."""
+    head = list(islice(_rows(table, notes), _HEAD))
+    if not head:
+        raise InputError(f"{table.path}: the {table.format} table has no samples")
+    stamps = _stamps(table, head)
+    told = estimate_rate(stamps)
+    rate = (table.rate or told) if np.isfinite(told) else (given or table.rate or told)
+    if not LOWEST_RATE <= rate <= HIGHEST_RATE:
+        raise InputError(
+            f"{table.path}: the samples have no times and the file says no rate; give rate=HZ (or period=SECONDS), "
+            "such as rate=200 for a Myo armband"
+        )
+    return float(rate), float(stamps[0]) if np.isfinite(stamps[0]) else 0.0
+
+
+def _rows(table: SampleTable, notes: list[str]) -> Iterator[list[str]]:
+    """Cells of the rows; where the file cannot be read to its end, its readable part."""
+    readable = False
+    try:
+        for row in table.rows(notes):
+            readable = True
+            yield row
+    except InputError as problem:
+        if not readable:
+            raise
+        notes.append(f"the readable part is used: {problem}")
+
+
+def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[str]) -> Iterator[_Block]:
+    clock = SampleClock(rate)
+    rows = _rows(table, notes)
+    lost, counted, last = 0, table.counter is not None, -1.0
+    doubled = 0
+    while block := list(islice(rows, CHUNK)):
+        steps = np.ones(len(block))
+        if counted:
+            counter = np.array([_cell(row, table.counter) for row in block])
+            steps, counted = _counted(counter, last)
+            last, lost = float(counter[-1]), lost + int(steps.sum()) - len(steps)
+        times = clock.times(_stamps(table, block), steps)
+        advancing = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
+        if not advancing.all():
+            doubled += np.count_nonzero(~advancing)
+            block = [row for row, kept in zip(block, advancing, strict=True) if kept]
+        yield _Block(floats(times[advancing]), block)
+    if table.time is None:
+        how = "the rate given" if given else "the rate that the file says"
+        notes.append(f"no times in the file: indexed at {how}, {rate:g} Hz")
+    else:
+        notes.extend(unused_rate(given, rate))
+    if lost:
+        notes.append(f"{lost} samples were lost by the radio link")
+    if doubled:
+        notes.append(f"{doubled} samples out of order left out")
+    notes.extend(clock.notes())
+
+
+def _stamps(table: SampleTable, rows: list[list[str]]) -> Floats:
+    if table.time is None:
+        return np.full(len(rows), np.nan)
+    place, seconds = table.time, table.seconds
+    return floats([seconds(plain(row[place])) if place < len(row) else np.nan for row in rows])
+
+
+def _counted(counter: Floats, before: float) -> tuple[Floats, bool]:
+    """Sampling periods between the samples by a counter modulo 256, and whether it is such a counter at all."""
+    previous = np.concatenate([[before if before >= 0 else counter[0] - 1], counter[:-1]])
+    with np.errstate(invalid="ignore"):
+        steps = np.mod(counter - previous, _COUNTER)
+    plain = bool(np.mean(steps == 1) > 0.5) and float(np.nanmax(counter)) < _COUNTER
+    return (np.where(steps >= 1, steps, 1.0) if plain else np.ones(len(counter))), plain
+
+
+def _cell(row: list[str], column: int | None) -> float:
+    return number(plain(row[column])) if column is not None and column < len(row) else np.nan
+
+
+def _label(row: list[str], column: int | None) -> str:
+    text = plain(row[column]) if column is not None and column < len(row) else ""
+    value = number(text)
+    if not np.isfinite(value):
+        return text
+    return "" if value == 0 else as_label(value)

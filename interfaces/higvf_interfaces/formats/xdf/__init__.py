@@ -1,0 +1,1 @@
+"""Readers of XDF files (Lab Streaming Layer)."""

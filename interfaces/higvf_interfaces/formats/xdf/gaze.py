@@ -1,0 +1,153 @@
+"""Gaze in XDF files, as LabRecorder writes them from the Lab Streaming Layer. XDF is loaded whole, unlike all others.
+
+The stream is the only one of type Gaze, or the one that `stream=` chooses. All streams of a file keep step: 0 is the
+earliest sample of any. The channels are found by their labels; a stream without metadata is told by `x=` and `y=` (a
+label or a number from 1). A unit of pixels settles the frame.
+"""
+
+import re
+from collections.abc import Iterator
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.records import (
+    BLOCK,
+    BOTTOM_LEFT,
+    EPOCH_FROM,
+    TOP_LEFT,
+    GazeBlock,
+    GazeStream,
+    Wanted,
+    block_of,
+)
+from higvf_interfaces.formats.text import TextFile
+from higvf_interfaces.formats.xdf import file as xdf_file
+from higvf_interfaces.formats.xdf.file import XdfStream, channel_texts, choose, survey
+from higvf_interfaces.formats.xdf.samples import load
+
+NAME = "xdf"
+TITLE = "XDF (LabRecorder) with a gaze stream"
+TYPES = ("gaze", "eyetracking", "eyetracker", "eye tracking")
+_LABELS = (
+    ("norm_pos_x", "norm_pos_y", BOTTOM_LEFT),  # of Pupil Capture's relay
+    ("x", "y", TOP_LEFT),
+    ("gaze_x", "gaze_y", TOP_LEFT),
+    ("pos_x", "pos_y", TOP_LEFT),
+    ("screen_x", "screen_y", TOP_LEFT),
+    ("screenx", "screeny", TOP_LEFT),
+    ("xpos", "ypos", TOP_LEFT),
+)
+_PIXELS = ("px", "pixel", "pixels")
+
+
+matches = xdf_file.matches  # whether one of its streams is gaze, the reader tells
+
+
+def has_gaze(file: TextFile) -> bool:
+    """Whether one of an XDF file's streams is of a type that says gaze.
+
+    Raises:
+        InputError: the file is damaged.
+    """
+    return any(map(_is_gaze, survey(file.path).streams))
+
+
+def _is_gaze(stream: XdfStream) -> bool:
+    return stream.info.type.strip().casefold() in TYPES
+
+
+def stream(file: TextFile, wanted: Wanted) -> GazeStream:
+    """Loads the chosen stream.
+
+    Raises:
+        InputError: no XDF, no stream or several that could be meant, channels that cannot be told, or damage.
+    """
+    found = survey(file.path)
+    meant = found.streams if wanted.stream else [stream for stream in found.streams if _is_gaze(stream)]
+    what = "streams" if wanted.stream else f"streams of type {' or '.join(TYPES)}"
+    chosen = choose(file.path, found.streams, wanted.stream, meant, what)
+    labels, units = described_channels(chosen.header, chosen.info.channels)
+    x, y, origin = point_channels(str(file.path), labels, wanted.x, wanted.y)
+    confidence = labels.index("confidence") if "confidence" in labels else None
+    if chosen.texts:
+        raise InputError(f"{file.path}: stream {chosen.info.name!r} holds texts and no numbers")
+    samples = load(file.path, chosen, found.streams)
+    values = floats(samples.values)
+    start = _first(samples.time) - samples.earliest
+    notes = ["the file is cut off: its readable part is used"] if found.torn else []
+    if start >= EPOCH_FROM:
+        notes.append(
+            f"gaze starts {start:.0f} s behind the earliest stream: perhaps on another clock; shift it by start="
+        )
+    return GazeStream(
+        format=NAME,
+        columns=tuple(labels[place] or f"channel {place + 1}" for place in (x, y, confidence) if place is not None),
+        frame=frame_of(units[x], origin),
+        blocks=_blocks(samples.time, values[:, [x, y]], None if confidence is None else values[:, confidence]),
+        notes=notes,
+        origin=origin,
+        start=start,
+        in_step=True,
+        has_confidence=confidence is not None,
+        streams=tuple(stream.info for stream in found.streams),
+    )
+
+
+def frame_of(unit: str, origin: str) -> str | None:
+    """The frame that a channel's unit and origin tell; None where they do not."""
+    return "screen" if unit in _PIXELS else "scene-unit" if origin == BOTTOM_LEFT else None
+
+
+def described_channels(header: ET.Element, count: int) -> tuple[list[str], list[str]]:
+    """Label and unit of each of `count` channels by a stream's XML header; empty where it does not say."""
+    labels, units = ([text.casefold() for text in channel_texts(header, key, count)] for key in ("label", "unit"))
+    return [re.sub(r"[\s-]+", "_", label) for label in labels], units
+
+
+def point_channels(place: str, labels: list[str], x: str | None, y: str | None) -> tuple[int, int, str]:
+    """Which channels are x and y, by the options `x` and `y` or by the labels, and where 0, 0 is.
+
+    Raises:
+        InputError: they cannot be told, or one option is given alone; the message begins with `place` and lists the
+            channels.
+    """
+    if (x is None) != (y is None):
+        given, missing = ("x", "y") if y is None else ("y", "x")
+        raise InputError(f"{place}: {given}= is given without {missing}=; the channels are: {_listed(labels)}")
+    if x is not None and y is not None:
+        return _place(place, labels, x, "x"), _place(place, labels, y, "y"), TOP_LEFT
+    for left, right, origin in _LABELS:
+        if left in labels and right in labels:
+            return labels.index(left), labels.index(right), origin
+    raise InputError(f"{place}: which channels are gaze? give x= and y= one of: {_listed(labels)}")
+
+
+def _place(where: str, labels: list[str], text: str, option: str) -> int:
+    key = re.sub(r"[\s-]+", "_", text.strip().casefold())
+    if key in labels:
+        return labels.index(key)
+    number = key.removesuffix(".0")
+    if number.isdecimal() and 1 <= int(number[:6]) <= len(labels):
+        return int(number[:6]) - 1
+    raise InputError(f"{where}: {option}={text[:80]} is none of the channels: {_listed(labels)}")
+
+
+def _listed(labels: list[str]) -> str:
+    return ", ".join(f"{place} {label}".rstrip() for place, label in enumerate(labels[:40], start=1))
+
+
+def _first(time: Floats) -> float:
+    """The first finite time (n,) [s]; 0 where there is none."""
+    return float(next(iter(time[np.isfinite(time)]), 0.0))
+
+
+def _blocks(time: Floats, points: Floats, confidence: Floats | None) -> Iterator[GazeBlock]:
+    for first in range(0, len(time), BLOCK):
+        part = slice(first, first + BLOCK)
+        known = points[part]
+        known[~np.isfinite(known)] = np.nan
+        trusted = None if confidence is None else confidence[part]
+        yield block_of(time[part], known, np.ones(len(known), dtype=np.bool_), trusted)

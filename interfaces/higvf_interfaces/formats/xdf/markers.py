@@ -1,0 +1,69 @@
+"""XDF marker streams as decisions: plain labels, spans as "0s" ... "0e", or JSON objects with a label in them."""
+
+import itertools
+import json
+from collections.abc import Sequence
+from typing import cast
+
+import numpy as np
+
+from higvf_console.core.errors import InputError
+from higvf_interfaces.fields import is_number, shown
+from higvf_interfaces.formats.command_log import LABELS
+from higvf_interfaces.formats.records import CommandLog, Decision
+from higvf_interfaces.formats.signals.records import SignalRequest
+from higvf_interfaces.formats.text import TextFile, as_label
+from higvf_interfaces.formats.xdf import file as xdf_file
+from higvf_interfaces.formats.xdf.samples import cut_off, load
+
+NAME = "xdf-markers"
+TITLE = "XDF marker stream (Lab Streaming Layer)"
+matches = xdf_file.matches
+
+
+def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
+    """Reads the chosen marker stream.
+
+    Raises:
+        InputError: not an XDF file, no or several marker streams fit, or the stream is empty.
+    """
+    streams = xdf_file.survey(file.path).streams
+    marks = [stream for stream in streams if stream.marks]
+    stream = xdf_file.choose(file.path, streams, request.stream, marks, "event streams", request.stream_option)
+    samples = load(file.path, stream, streams)
+    notes = cut_off(stream, len(samples.time))
+    timed = [
+        (float(time), sample)
+        for time, sample in zip(samples.time - samples.earliest, samples.values, strict=True)
+        if np.isfinite(time)
+    ]  # fmt: skip
+    decisions = [decision for time, sample in timed if (decision := decision_of(time, label_of(sample)))]
+    if not decisions:
+        raise InputError(f"{file.path}: the marker stream {stream.info.name} holds no label")
+    if any(later.time < earlier.time for earlier, later in itertools.pairwise(decisions)):
+        notes.append("entries out of order: sorted by time")
+        decisions.sort(key=lambda decision: decision.time)
+    return CommandLog(tuple(decisions), samples.earliest, NAME, tuple(notes))
+
+
+def decision_of(time: float, text: str) -> Decision | None:
+    """What a marker says; one whose confidence is none of 0 to 1 keeps its label and loses that."""
+    try:
+        content: object = json.loads(text) if text.startswith("{") else None
+    except (ValueError, RecursionError):
+        content = None
+    if not isinstance(content, dict):
+        return Decision(time, text, None) if text else None
+    fields = cast(dict[str, object], content)
+    label = next((fields[key] for key in LABELS if key in fields), None)
+    trust = fields.get("confidence", fields.get("probability"))
+    confidence = float(trust) if is_number(trust) and 0 <= trust <= 1 else None
+    return Decision(time, known, confidence) if (known := as_label(label)) else None
+
+
+def label_of(sample: object) -> str:
+    """A marker as one text; shown shortened where it is none."""
+    value = cast(Sequence[object], sample)[0] if isinstance(sample, list | np.ndarray) and len(sample) else sample
+    if isinstance(value, float | np.floating):
+        return as_label(float(value))
+    return as_label(value) if isinstance(value, str) else shown(value)

@@ -1,0 +1,49 @@
+"""XDF streams of samples (EEG, EMG, ...) as signals."""
+
+from collections.abc import Iterator
+
+from higvf_console.core.arrays import floats
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.signals.records import (
+    SignalChunk,
+    SignalRecord,
+    SignalRequest,
+    sliced,
+    unique_names,
+    unused_rate,
+)
+from higvf_interfaces.formats.signals.sample_clock import estimate_rate
+from higvf_interfaces.formats.text import TextFile
+from higvf_interfaces.formats.xdf import file as xdf_file
+from higvf_interfaces.formats.xdf.samples import cut_off, load
+
+NAME = "xdf-signals"
+TITLE = "XDF stream of samples (Lab Streaming Layer)"
+matches = xdf_file.matches
+
+
+def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
+    """Reads the chosen stream of numbers.
+
+    Raises:
+        InputError: not an XDF file, no or several streams of samples fit, or the stream is empty.
+    """
+    streams = xdf_file.survey(file.path).streams
+    signals = [stream for stream in streams if not stream.marks]
+    stream = xdf_file.choose(file.path, streams, request.stream, signals, "signal streams", request.stream_option)
+    samples = load(file.path, stream, streams)
+    times, values = samples.time - samples.earliest, floats(samples.values)
+    rate = estimate_rate(times)
+    if not len(times) or not rate > 0:
+        raise InputError(f"{file.path}: the stream {stream.info.name} has too few samples ({len(times)})")
+
+    def chunks() -> Iterator[SignalChunk]:
+        return sliced(times, values)
+
+    names, units = (xdf_file.channel_texts(stream.header, key, stream.info.channels) for key in ("label", "unit"))
+    notes = [*cut_off(stream, len(times)), *unused_rate(request.rate, rate)]
+    return SignalRecord(unique_names(names), tuple(map(_unit, units)), rate, samples.earliest, NAME, notes, chunks)
+
+
+def _unit(text: str) -> str:
+    return {"microvolts": "uV", "microvolt": "uV", "µv": "uV", "volts": "V"}.get(text.casefold(), text)

@@ -1,0 +1,1 @@
+"""Gaze as operator input: recordings, fixations, calibration, attention."""

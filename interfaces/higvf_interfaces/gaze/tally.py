@@ -1,0 +1,109 @@
+"""What the operator has looked at since the run started: tallies that each control period adds a little to."""
+
+import math
+from collections import deque
+
+import numpy as np
+
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.interface import NO_TARGETS, Targets
+from higvf_console.core.reports import AttentionReport
+from higvf_console.core.viewport import Arena
+from higvf_interfaces.gaze.attention import ELSEWHERE, Transitions, looked_at
+from higvf_interfaces.gaze.fixations import Fixation
+from higvf_interfaces.gaze.heat_map import counts
+
+HEAT_PX = 480  # width of the picture whose cells are counted: 120 columns
+_REMEMBERED = 64  # positions of the targets, of the last seconds
+_REMEMBER_EVERY = 0.1  # [s]
+
+
+class GazeTally:
+    """Time of gaze by place, and of fixations by fire and robot.
+
+    A fixation goes to the target whose border is nearest to its centroid, within one degree of visual angle, by where
+    the targets were in the middle of it.
+    """
+
+    def __init__(self, arena: Arena) -> None:
+        """Starts at nothing.
+
+        Args:
+            arena: the ground that the heat map covers.
+        """
+        self._arena = arena
+        self._heat = counts(floats([], 0, 2), arena, HEAT_PX)
+        self._points: list[Floats] = []  # seen since the last report, not in the heat map yet
+        self._spans: list[float] = []
+        self._before: float | None = None
+        self._seen = 0.0
+        self._targets: deque[tuple[float, Targets]] = deque([(-np.inf, NO_TARGETS)], maxlen=_REMEMBERED)
+        self._fixations, self._fixated = 0, 0.0
+        self._transitions = Transitions()
+        self._fires, self._robots, self._elsewhere = floats([]), floats([]), 0.0
+        self._degree = 0.0
+
+    def look(self, time: float, point: Floats | None, targets: Targets) -> None:
+        """Gaze has been at a ground point since the last call.
+
+        Args:
+            time: of the session [s].
+            point: (2,) [m]; None = it is not seen.
+            targets: what there is to look at now.
+        """
+        span = 0.0 if self._before is None else time - self._before
+        self._before = time
+        if point is not None:
+            self._seen += span
+            self._points.append(point)
+            self._spans.append(span)
+        if time - self._targets[-1][0] >= _REMEMBER_EVERY:
+            self._targets.append((time, targets))
+
+    def fixate(self, fixation: Fixation, degree: float) -> None:
+        """A fixation has ended; its point is on the ground, where one degree of visual angle is `degree` [m]."""
+        middle = (fixation.start + fixation.end) / 2
+        _, targets = min(self._targets, key=lambda remembered: abs(remembered[0] - middle))
+        fires, robots = len(targets.fires), len(targets.robots)
+        places = np.concatenate([targets.fires, targets.robots])
+        reach = np.concatenate([targets.fire_radius, np.zeros(robots)]) + degree
+        at = int(looked_at(floats(fixation.point, 1, 2), places, reach)[0])
+        length = fixation.end - fixation.start
+        self._fires, self._robots = _sized(self._fires, fires), _sized(self._robots, robots)
+        if at == ELSEWHERE:
+            self._elsewhere += length
+        elif at < fires:
+            self._fires[at] += length
+        else:
+            self._robots[at - fires] += length
+        self._fixations += 1
+        self._fixated += length
+        self._transitions.add(at if at < fires else fires - at - 2)  # a fire that is added renames no robot
+        self._degree = degree
+
+    def report(self) -> AttentionReport | None:
+        """All so far; None before gaze was seen."""
+        if not self._points and not self._seen:
+            return None
+        if self._points:
+            self._heat = self._heat + counts(floats(self._points, -1, 2), self._arena, HEAT_PX, floats(self._spans))
+            self._points, self._spans = [], []
+        _, targets = self._targets[-1]
+        return AttentionReport(
+            heat=self._heat,
+            extent=self._arena,
+            degree=self._degree,
+            fires=_sized(self._fires, len(targets.fires)),
+            robots=_sized(self._robots, len(targets.robots)),
+            elsewhere=self._elsewhere,
+            fixation_rate=self._fixations / self._seen if self._seen else 0.0,
+            fixation_duration=self._fixated / self._fixations if self._fixations else math.nan,
+            transition_entropy=self._transitions.entropy,
+        )
+
+
+def _sized(spent: Floats, count: int) -> Floats:
+    """A copy of the times for `count` targets: more start at 0, fewer are cut."""
+    kept = np.zeros(count)
+    kept[: len(spent)] = spent[:count]
+    return kept

@@ -1,0 +1,81 @@
+"""Describes a log of decoded commands: its labels, how often and how sure, and the actions that they would become."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from higvf_interfaces.decisions.actions import ACTIONS
+from higvf_interfaces.decisions.bci import CLASSES
+from higvf_interfaces.decisions.emg import GESTURES
+from higvf_interfaces.decisions.options import signal_request
+from higvf_interfaces.formats.records import Decision
+from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, read_decisions
+from higvf_interfaces.inspect.describing import Request, description, write_picture
+
+_CHANNELS: tuple[tuple[str, Mapping[str, str]], ...] = (("emg", GESTURES), ("bci", CLASSES))
+_SHOWN = 30  # labels
+_UNKNOWN = "unknown"
+_ROW, _LEFT, _WIDTH = 22, 150, 900  # [px]
+_INK, _PAPER = (40, 60, 110), 255
+
+
+def knows(request: Request) -> bool:
+    """Whether it is a log of labels, or is said to be."""
+    names = [known.name for known in DECISION_FORMATS]
+    if request.format is not None:
+        return request.format in names
+    return any(known.matches(request.file) for known in DECISION_FORMATS)
+
+
+def describe(request: Request) -> Mapping[str, object]:
+    """Reads the log.
+
+    Raises:
+        InputError: it has no times or no labels.
+    """
+    log = read_decisions(request.spec.source, signal_request(request.options))
+    labels = Counter(decision.label for decision in log.decisions)
+    sure = [decision.confidence for decision in log.decisions if decision.confidence is not None]
+    if request.plot is not None:
+        write_picture(request.plot, timeline(log.decisions))
+    unknown = [
+        label for label in labels if all(_actions(labels, known).get(label) == _UNKNOWN for _, known in _CHANNELS)
+    ]
+    hint = (f"labels that no channel knows: {', '.join(unknown[:_SHOWN])}; name them in the scenario's inputs",)
+    return description(
+        format_name=log.format,
+        kind="commands",
+        samples=len(log.decisions),
+        duration=log.decisions[-1].time - log.decisions[0].time,
+        warnings=(*log.notes, *(hint if unknown else ())),
+        labels=dict(labels.most_common(_SHOWN)),
+        confidence={"known": len(sure), "mean": round(float(np.mean(sure)), 3) if sure else None},
+        becomes={channel: _actions(labels, actions) for channel, actions in _CHANNELS},
+    )
+
+
+def timeline(decisions: Sequence[Decision]) -> NDArray[np.uint8]:
+    """A picture (height, width, 3): a row for each label, a tick for each decision."""
+    labels = [label for label, _ in Counter(decision.label for decision in decisions).most_common(_SHOWN)]
+    picture = np.full((_ROW * (len(labels) + 1), _WIDTH, 3), _PAPER, dtype=np.uint8)
+    begin, length = decisions[0].time, max(decisions[-1].time - decisions[0].time, 1e-9)
+    for row, label in enumerate(labels):
+        low = _ROW * (row + 1) - 6
+        ascii_label = label[:20].encode("ascii", "replace").decode()
+        cv2.putText(picture, ascii_label, (4, low), cv2.FONT_HERSHEY_SIMPLEX, 0.45, _INK, 1, cv2.LINE_AA)
+        for decision in decisions:
+            if decision.label == label:
+                x = _LEFT + round((_WIDTH - _LEFT - 8) * (decision.time - begin) / length)
+                cv2.line(picture, (x, low - 12), (x, low), _INK, 1)
+    caption = f"{begin:.1f} s to {begin + length:.1f} s"
+    cv2.putText(picture, caption, (_LEFT, _ROW * len(labels) + 14), cv2.FONT_HERSHEY_SIMPLEX, 0.4, _INK, 1, cv2.LINE_AA)
+    return picture
+
+
+def _actions(labels: Counter[str], defaults: Mapping[str, str]) -> Mapping[str, str]:
+    """What a channel makes of the labels unless the scenario says otherwise."""
+    known = {**{action: action for action in ACTIONS}, **{name.casefold(): action for name, action in defaults.items()}}
+    return {label: known.get(label.strip().casefold(), _UNKNOWN) for label, _ in labels.most_common(_SHOWN)}

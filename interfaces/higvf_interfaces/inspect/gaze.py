@@ -1,0 +1,132 @@
+"""Describes a gaze recording in one pass and bounded memory, and tells the steps from its samples to a path."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from higvf_interfaces.formats.reading import GAZE_FORMATS, GazeFile, choose_format
+from higvf_interfaces.formats.records import GazeBlock, Wanted
+from higvf_interfaces.formats.xdf import gaze as gaze_xdf
+from higvf_interfaces.gaze.becoming import Becoming
+from higvf_interfaces.gaze.pieces import Pixels, classify_blocks
+from higvf_interfaces.gaze.screens import UnusableError
+from higvf_interfaces.gaze.source import GazeSource
+from higvf_interfaces.inspect.describing import Request, description, write_picture
+
+
+def knows(request: Request) -> bool:
+    """Whether it is gaze, or is said to be; an XDF file only where a stream is."""
+    options = request.options
+    if request.format is not None:
+        return request.format in [known.name for known in GAZE_FORMATS]
+    if gaze_xdf.matches(request.file):
+        return options.has("x") or gaze_xdf.has_gaze(request.file)
+    return any(known.matches(request.file) for known in GAZE_FORMATS)
+
+
+def describe(request: Request) -> Mapping[str, object]:
+    """Reads the recording through.
+
+    Raises:
+        InputError: it cannot be read, or an option is wrong. Where only the frame is unknown, or nothing in it can be
+            used, what is known is told and the reason is among the warnings.
+    """
+    tally = Tally()
+    try:
+        source = GazeSource(request.spec, request.options)
+    except UnusableError as problem:
+        return _unusable(request, tally, str(problem))
+    becoming = Becoming(source.screen, source.px_per_deg, request.spec.arena)
+    for piece in classify_blocks(_counted(source, tally), source.px_per_deg, source.method):
+        becoming.add(piece)
+    becoming.finish()
+    if request.plot is not None:
+        write_picture(request.plot, becoming.picture())
+    recorded = {"recorded": tally.samples, "valid": tally.valid, "trusted and on the screen": tally.usable}
+    told: dict[str, object] = {"steps": {**recorded, **becoming.steps()}} if request.steps else {}
+    stream = source.file.stream
+    return description(
+        format_name=stream.format,
+        kind="gaze",
+        streams=stream.streams,
+        columns=stream.columns,
+        samples=tally.samples,
+        duration=tally.duration,
+        rate=tally.rate,
+        frame=source.screen.frame,
+        origin=source.screen.origin,
+        valid_share=tally.valid / max(tally.samples, 1),
+        gaps=becoming.gaps,
+        blinks=becoming.blinks,
+        screen_px=[source.screen.shown.width_px, source.screen.shown.height_px],
+        epoch_s=source.file.epoch,
+        becomes=becoming.summary,
+        **told,
+        warnings=source.notes,
+    )
+
+
+class Tally:
+    """What of a recording can be counted without knowing where its screen is."""
+
+    def __init__(self) -> None:
+        """Starts at nothing."""
+        self.samples = self.valid = self.usable = 0
+        self.first: float | None = None
+        self.last = 0.0
+        self._steps: list[float] = []
+
+    def add(self, block: GazeBlock) -> None:
+        """Counts a block."""
+        self.samples += len(block.time)
+        self.valid += int(np.count_nonzero(block.valid))
+        self.first = float(block.time[0]) if self.first is None else self.first
+        self.last = float(block.time[-1])
+        if len(block.time) > 1:
+            self._steps.append(float(np.median(np.diff(block.time))))
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last sample [s]."""
+        return 0.0 if self.first is None else self.last - self.first
+
+    @property
+    def rate(self) -> float | None:
+        """Samples a second [Hz], by the usual step between them."""
+        return 1 / float(np.median(self._steps)) if self._steps else None
+
+
+def _counted(source: GazeSource, tally: Tally) -> Iterator[Pixels]:
+    """The recording's usable samples, counted on their way."""
+    for block, pixels in source.blocks():
+        tally.add(block)
+        tally.usable += int(np.count_nonzero(pixels.valid))
+        yield pixels
+
+
+def _unusable(request: Request, tally: Tally, reason: str) -> Mapping[str, object]:
+    """What is known of a recording whose samples cannot be used as they are."""
+    options = request.options
+    wanted = Wanted(*(str(options.values[key]) if options.has(key) else None for key in ("stream", "x", "y")))
+    gaze = GazeFile(
+        request.file.path, choose_format(request.file, request.format, GAZE_FORMATS).stream(request.file, wanted)
+    )
+    for block in gaze.blocks():
+        tally.add(block)
+    picture = ("no picture: it would need the frame",) if request.plot is not None else ()
+    return description(
+        format_name=gaze.stream.format,
+        kind="gaze",
+        streams=gaze.stream.streams,
+        columns=gaze.stream.columns,
+        samples=tally.samples,
+        duration=tally.duration,
+        rate=tally.rate,
+        frame=gaze.stream.frame,
+        origin=gaze.stream.origin,
+        valid_share=tally.valid / max(tally.samples, 1),
+        screen_px=gaze.stream.screen and list(gaze.stream.screen),
+        epoch_s=gaze.epoch,
+        becomes={},
+        warnings=(f"cannot be used as it is: {reason}", *picture, *gaze.notes),
+    )

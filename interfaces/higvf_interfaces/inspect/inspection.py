@@ -1,0 +1,83 @@
+"""Says what a file is: format, streams, columns, rate, validity, repairs, and what it would become as operator input.
+
+The console finds `inspect` by the entry-point group `higvf_console.inspectors`. Each kind of file describes itself: a
+`Kind` is one entry of `KINDS`, the first that knows the file is asked.
+"""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import InputSpec
+from higvf_interfaces.decisions import interface as decisions
+from higvf_interfaces.decisions.debouncer import Evidence
+from higvf_interfaces.decisions.interpretation import Interpreter
+from higvf_interfaces.decisions.options import named_decoder, signal_request
+from higvf_interfaces.emulation import error_model
+from higvf_interfaces.fields import Fields, option_fields
+from higvf_interfaces.formats.reading import GAZE_FORMATS, unknown_format
+from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, SIGNAL_FORMATS
+from higvf_interfaces.formats.text import look
+from higvf_interfaces.gaze import interface as gaze
+from higvf_interfaces.inspect import commands as inspect_commands
+from higvf_interfaces.inspect import gaze as inspect_gaze
+from higvf_interfaces.inspect import signals as inspect_signals
+from higvf_interfaces.inspect import streams as inspect_streams
+from higvf_interfaces.inspect.describing import Request
+from higvf_interfaces.live import lsl
+
+OPTIONS = tuple(dict.fromkeys(key for key in (*gaze.OPTIONS, *decisions.OPTIONS) if key not in lsl.OPTIONS))
+
+
+class Kind(NamedTuple):
+    """A kind of file: its name, how to know one, how to describe it, and what refuses wrong options of its channel."""
+
+    name: str
+    knows: Callable[[Request], bool]
+    describe: Callable[[Request], Mapping[str, object]]
+    check: Callable[[Fields], object]
+
+
+def _deciding(options: Fields) -> None:
+    Interpreter({}, options, Evidence())
+    error_model(options)
+
+
+KINDS: tuple[Kind, ...] = (
+    Kind("gaze", inspect_gaze.knows, inspect_gaze.describe, gaze.manner),
+    Kind("signals", inspect_signals.knows, inspect_signals.describe, _deciding),
+    Kind("commands", inspect_commands.knows, inspect_commands.describe, _deciding),
+    Kind("streams", inspect_streams.knows, inspect_streams.describe, signal_request),
+)
+
+
+def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> Mapping[str, object]:
+    """Describes the file `spec.source`; entry point of the group `higvf_console.inspectors`.
+
+    Args:
+        spec: the file, the options of the channel that it is for, and the arena that it would steer in.
+        plot: where a small picture (PNG) goes; None = none.
+        steps: whether the steps from samples to a path are told, too.
+
+    Returns:
+        Plain values: format, kind, streams, columns, samples, duration_s, rate_hz, frame, origin, valid_share, gaps,
+        warnings, what it becomes, and what else its kind has to say.
+
+    Raises:
+        InputError: the file is of no known kind, or cannot be read, or an option is wrong; the message gives the way
+            out.
+    """
+    request = Request(spec, look(spec.source), option_fields(spec, OPTIONS), plot, steps)
+    named_decoder(request.options)
+    text = bool(request.file.head) or request.format is not None
+    for kind in KINDS if text else KINDS[:1]:  # of a folder, only gaze can be told
+        if kind.knows(request):
+            kind.check(request.options)
+            return kind.describe(request)
+    sought = [(known.name, known.title) for known in (*GAZE_FORMATS, *SIGNAL_FORMATS, *DECISION_FORMATS)]
+    if request.options.has("format"):
+        raise InputError(
+            f"format: {request.options.text('format')!r} is not one of {', '.join(name for name, _ in sought)}"
+        )
+    raise unknown_format(request.file, sought)

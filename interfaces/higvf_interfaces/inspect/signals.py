@@ -1,0 +1,83 @@
+"""Describes raw signals of an EMG or BCI in one pass: channels, rate, what is there, and the markers beside them."""
+
+from collections import Counter
+from collections.abc import Mapping
+
+import numpy as np
+
+from higvf_console.core.errors import InputError
+from higvf_interfaces.decisions.options import signal_request
+from higvf_interfaces.formats import command_log
+from higvf_interfaces.formats.gaze.plain import TIMES
+from higvf_interfaces.formats.reading import choose_format
+from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, SIGNAL_FORMATS, read_decisions
+from higvf_interfaces.formats.signals.records import SignalRecord, pick_channels
+from higvf_interfaces.formats.xdf.file import survey
+from higvf_interfaces.inspect import streams as inspect_streams
+from higvf_interfaces.inspect.describing import Request, description
+
+_LONGEST_GAP = 0.1  # between samples; a longer one is told [s]
+_SHOWN = 30  # labels
+
+
+def knows(request: Request) -> bool:
+    """Whether it is a recording of raw samples, or is said to be; what a channel plays as a log of labels is none."""
+    if request.format is not None:
+        return request.format in [known.name for known in SIGNAL_FORMATS]
+    played = next((known.name for known in DECISION_FORMATS if known.matches(request.file)), None)
+    is_log = played == command_log.CSV_NAME and request.file.find(*TIMES) is not None
+    return not is_log and any(known.matches(request.file) for known in SIGNAL_FORMATS)
+
+
+def describe(request: Request) -> Mapping[str, object]:
+    """Reads the recording through.
+
+    Raises:
+        InputError: it has no samples or no times, or its stream or channel is not there.
+    """
+    wanted = signal_request(request.options)
+    known = choose_format(request.file, request.format, SIGNAL_FORMATS)
+    try:
+        record = pick_channels(known.read(request.file, wanted), wanted.channels, str(request.file.path))
+    except InputError as refusal:
+        if inspect_streams.knows(request):
+            return inspect_streams.describe(request, str(refusal))
+        raise
+    samples, finite, first, last, gaps = 0, 0, None, 0.0, [0.0]
+    for chunk in record.chunks():
+        first = float(chunk.times[0]) if first is None else first
+        steps = np.diff(chunk.times, prepend=last if samples else first)
+        gaps += steps[steps > _LONGEST_GAP].tolist()
+        samples, last = samples + len(chunk.times), float(chunk.times[-1])
+        finite += int(np.count_nonzero(np.isfinite(chunk.values).all(axis=1)))
+    picture = ("no picture: there is none of raw signals",) if request.plot is not None else ()
+    return description(
+        format_name=record.format,
+        kind="signals",
+        streams=[stream.info for stream in survey(request.file.path).streams] if inspect_streams.knows(request) else [],
+        columns=_titled(record),
+        samples=samples,
+        duration=0.0 if first is None else last - first,
+        rate=record.rate,
+        valid_share=finite / max(samples, 1),
+        gaps={"count": len(gaps) - 1, "longest_s": round(max(gaps), 3), "total_s": round(sum(gaps), 3)},
+        epoch_s=record.epoch,
+        labels=_labels(request),
+        becomes={"commands": "by a decoder: decoder=lda or decoder=ssvep"},
+        warnings=(*record.notes, *picture),
+    )
+
+
+def _titled(record: SignalRecord) -> list[str]:
+    return [f"{name} [{unit}]" if unit else name for name, unit in zip(record.names, record.units, strict=True)]
+
+
+def _labels(request: Request) -> Mapping[str, int]:
+    """How often each marker in the same file comes; empty where it has none that can be read."""
+    if not any(known.matches(request.file) for known in DECISION_FORMATS):
+        return {}
+    try:
+        log = read_decisions(request.spec.source)
+    except InputError:
+        return {}
+    return dict(Counter(decision.label for decision in log.decisions).most_common(_SHOWN))

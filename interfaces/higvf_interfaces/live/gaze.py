@@ -1,0 +1,132 @@
+"""Gaze from a live stream, in the terms in which a recording is played: fixations are found as the samples come.
+
+A fixation is handed out when later samples can no longer change it, some 0.3 s behind its end; what there is of the one
+that lasts when the clutch opens is handed out at once.
+"""
+
+import math
+
+import numpy as np
+
+from higvf_console.core.arrays import Floats, bools, floats
+from higvf_console.core.interface import InputSpec
+from higvf_interfaces.decisions.options import word
+from higvf_interfaces.fields import Fields
+from higvf_interfaces.formats.records import GazeStream
+from higvf_interfaces.formats.xdf.gaze import described_channels, frame_of, point_channels
+from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, THRESHOLDS, Classified, Fixation, fixations_of
+from higvf_interfaces.gaze.pieces import NO_PIXELS, PieceMaker, Pixels
+from higvf_interfaces.gaze.screens import choose_screen, on_screen, to_pixels
+from higvf_interfaces.live.lsl import WITHIN, LslReader, Wish, wish_of
+
+GAZE = Wish(type="Gaze")
+
+
+class LiveGaze:
+    """A live gaze stream: source and playback in one.
+
+    Attributes:
+        reader: the stream.
+        screen: the tracker's screen and what lies under it.
+        px_per_deg: pixels in one degree of visual angle.
+        started: whether any sample has come.
+        seen: whether the newest sample saw the eye.
+        point: the newest sample (2,) [px]; NaN where it saw nothing.
+        ended: never.
+        first_time: session time of the first sample [s]; 0 before.
+        newest: the samples that the last call of `advance` took in, on the clock of the stream.
+    """
+
+    ended = False
+    first_time = 0.0
+
+    def __init__(self, spec: InputSpec, options: Fields) -> None:
+        """Finds the stream.
+
+        Raises:
+            InputError: no stream fits or several do, its channels cannot be told, or an option cannot be used.
+        """
+        self.px_per_deg = options.number("px_per_deg", PX_PER_DEG, 1.0, 1000.0, "px/deg")
+        self._method = options.choice("method", IVT, METHODS)
+        self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
+        within = options.number("within", WITHIN, 0.1, 3600.0, "s")
+        self.reader = LslReader(wish_of(options, GAZE), options.place, within)
+        try:
+            labels, units = described_channels(self.reader.header, self.reader.channels)
+            x, y = (word(options, key) if options.has(key) else None for key in ("x", "y"))
+            self._x, self._y, origin = point_channels(options.place, labels, x, y)
+            self._confidence = labels.index("confidence") if "confidence" in labels else None
+            columns = (labels[self._x], labels[self._y])
+            stream = GazeStream("lsl", columns, frame_of(units[self._x], origin), iter(()), [], origin)
+            self.screen = choose_screen(stream, options, spec.arena)
+        except Exception:
+            self.reader.close()
+            raise
+        self._restart()
+
+    @property
+    def format(self) -> str:
+        """Name of the format."""
+        return "lsl"
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The stream, and what had to be assumed."""
+        return (*self.reader.notes, *self.screen.notes)
+
+    @property
+    def time(self) -> float:
+        """Session time of the newest sample [s]."""
+        return min(self._now, self._now - (self.reader.now - self._latest))
+
+    def advance(self, now: float) -> tuple[bool, list[Fixation]]:
+        """Takes in what has come by session time `now` [s].
+
+        Returns:
+            Whether there are new samples, and the fixations that have ended, in session time.
+        """
+        if now < self._now:
+            self._restart()
+        self._now = now
+        samples = [sample for sample in self.reader.take() if sample.time > self._latest]
+        if not samples:
+            self.newest = NO_PIXELS
+            return False, []
+        times = floats([sample.time for sample in samples])
+        kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
+        values = floats([sample.values for sample in samples], -1, self.reader.channels)[kept]
+        points = to_pixels(floats(values[:, [self._x, self._y]]), self.screen)
+        valid = np.isfinite(points).all(axis=1) & on_screen(points, self.screen)
+        if self._confidence is not None:
+            valid &= ~(values[:, self._confidence] < self._trusted_from)
+        points[~valid] = np.nan
+        self._latest, self.started = float(times[kept][-1]), True
+        self.point, self.seen = points[-1], bool(valid[-1])
+        self.newest = Pixels(floats(times[kept]), points, bools(valid))
+        piece = self._maker.push(self.newest)
+        return True, self._fixations(piece) if piece is not None else []
+
+    def unfinished(self) -> list[Fixation]:
+        """The fixations that have not been handed out, the lasting one included if it is long enough."""
+        rest = self._maker.rest()
+        if rest is None:
+            return []
+        self._maker = PieceMaker(self.px_per_deg, self._method)
+        return [found for found in self._fixations(rest) if found.end - found.start >= THRESHOLDS.shortest]
+
+    def _fixations(self, piece: Classified) -> list[Fixation]:
+        """The fixations of a piece, in session time."""
+        shift = self._now - self.reader.now
+        return [rest._replace(start=rest.start + shift, end=rest.end + shift) for rest in fixations_of(piece)]
+
+    def close(self) -> None:
+        """Ends the reading; may be called twice."""
+        self.reader.close()
+
+    def _restart(self) -> None:
+        """Starts like new, because the run has; the device goes on."""
+        self._maker = PieceMaker(self.px_per_deg, self._method)
+        self._now = self._latest = -math.inf
+        self.started = self.seen = False
+        self.point: Floats = np.full(2, np.nan)
+        self.newest = NO_PIXELS

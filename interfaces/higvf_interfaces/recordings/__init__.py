@@ -1,0 +1,1 @@
+"""Synthetic recordings: `python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml`."""

@@ -1,0 +1,7 @@
+"""`python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml` makes sample recordings from a plan."""
+
+import sys
+
+from higvf_interfaces.recordings.plan import main
+
+sys.exit(main())

@@ -1,0 +1,135 @@
+"""Makes sample recordings from a plan: `python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml`.
+
+The plan says what an operator would look at and what the decoders would say; the files come out in the formats that
+the adapters read, the same bytes each time. Its keys are described in interfaces/README.md.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import cast
+
+from higvf_console.core.errors import HigvfError, InputError
+from higvf_console.core.viewport import Arena, fit
+from higvf_interfaces.fields import Fields, is_number, shown
+from higvf_interfaces.formats import command_log
+from higvf_interfaces.formats.gaze import plain as gaze_csv
+from higvf_interfaces.formats.gaze import tobii_prolab
+from higvf_interfaces.formats.records import Decision
+from higvf_interfaces.gaze.fixations import PX_PER_DEG
+from higvf_interfaces.recordings.files import write_command_csv, write_command_jsonl, write_gaze_csv, write_gaze_tsv
+from higvf_interfaces.recordings.gaze import MARGIN, DrawnByEye, synthetic_gaze
+from higvf_interfaces.yaml_files import read_yaml
+
+_PLAN = ("seed", "duration_s", "arena_m", "screen_px", "rate_hz", "px_per_deg", "gaze", "commands")
+_GAZE = ("file", "format", "decimal_comma", "strokes")
+_STROKE = ("from_s", "to_s", "points_m")
+_COMMANDS = ("file", "format", "labels")
+_LONGEST = 36_000.0  # [s]
+
+
+def make_recordings(plan: Path) -> dict[str, str]:
+    """File names and contents that a plan asks for.
+
+    Raises:
+        InputError: the plan cannot be used; the message gives place, value and known keys.
+    """
+    content = read_yaml(plan, InputError)
+    if not isinstance(content, dict):
+        raise InputError(f"{plan}: a plan is a mapping with the keys {', '.join(_PLAN)}")
+    fields = Fields(cast(dict[str, object], content), _PLAN, str(plan))
+    files: dict[str, str] = {}
+    if fields.has("gaze"):
+        gaze = Fields(fields.mapping("gaze"), _GAZE, f"{plan}: gaze")
+        files[_file_name(gaze)] = _gaze_text(fields, gaze)
+    for number, item in enumerate(fields.items("commands"), start=1):
+        log = _section(item, _COMMANDS, f"{plan}: commands {number}")
+        files[_file_name(log)] = _command_text(log)
+    return files
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command; returns its exit code."""
+    parser = argparse.ArgumentParser(prog="python -m higvf_interfaces.recordings", description=__doc__)
+    parser.add_argument("out_dir", type=Path, help="folder that receives the recordings")
+    parser.add_argument("--plan", type=Path, required=True, help="YAML plan of strokes and labels")
+    given = parser.parse_args(arguments)
+    try:
+        files = make_recordings(given.plan)
+        given.out_dir.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            (given.out_dir / name).write_text(text, encoding="utf-8", newline="")
+            print(given.out_dir / name)
+    except (HigvfError, OSError) as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    return 0
+
+
+def _gaze_text(plan: Fields, gaze: Fields) -> str:
+    arena, screen = Arena(*plan.numbers("arena_m", 4)), plan.numbers("screen_px", 2)
+    if arena.width <= 0 or arena.height <= 0:
+        plan.fail(f"arena_m: {list(arena)!r} is not [x_min, y_min, x_max, y_max]")
+    if min(screen) < 1:
+        plan.fail(f"screen_px: {screen!r} is not [width, height]")
+    duration = plan.number("duration_s", None, 1.0, _LONGEST, "s")
+    samples = synthetic_gaze(
+        _strokes(gaze, duration),
+        duration,
+        fit(arena, screen[0], screen[1]),
+        seed=plan.whole("seed", 0),
+        rate=plan.number("rate_hz", 120.0, 30.0, 2000.0, "Hz"),
+        px_per_deg=plan.number("px_per_deg", PX_PER_DEG, 1.0, 1000.0, "px/deg"),
+    )
+    if gaze.choice("format", tobii_prolab.NAME, (tobii_prolab.NAME, gaze_csv.NAME)) == gaze_csv.NAME:
+        return write_gaze_csv(samples)
+    return write_gaze_tsv(samples, (screen[0], screen[1]), decimal_comma=gaze.flag("decimal_comma", False))
+
+
+def _strokes(gaze: Fields, duration: float) -> list[DrawnByEye]:
+    strokes: list[DrawnByEye] = []
+    free_from = 0.0
+    for number, item in enumerate(gaze.items("strokes"), start=1):
+        fields = _section(item, _STROKE, f"{gaze.place}: stroke {number}")
+        start = fields.number("from_s", None, free_from, duration, "s")
+        end = fields.number("to_s", None, start + 1.0, duration, "s")
+        points = fields.points("points_m")
+        if len(points) < 2:
+            fields.fail("points_m: a stroke needs two points or more")
+        strokes.append(DrawnByEye(start, end, points))
+        free_from = end + 2 * MARGIN
+    return strokes
+
+
+def _command_text(log: Fields) -> str:
+    decisions = [_decision(item, f"{log.place}: label {n}") for n, item in enumerate(log.items("labels"), start=1)]
+    usual = command_log.JSON_NAME if _file_name(log).endswith(".jsonl") else command_log.CSV_NAME
+    chosen = log.choice("format", usual, (command_log.CSV_NAME, command_log.JSON_NAME))
+    return write_command_jsonl(decisions) if chosen == command_log.JSON_NAME else write_command_csv(decisions)
+
+
+def _decision(item: object, place: str) -> Decision:
+    parts = cast(list[object], item) if isinstance(item, list) else []
+    match parts:
+        case [time, str() as label] if is_number(time):
+            return Decision(float(time), label, None)
+        case [time, str() as label, trust] if is_number(time) and is_number(trust) and 0 <= trust <= 1:
+            return Decision(float(time), label, float(trust))
+        case _:
+            raise InputError(
+                f"{place}: {shown(item)} is not [seconds, label] or [seconds, label, confidence from 0 to 1]"
+            )
+
+
+def _section(item: object, known: Sequence[str], place: str) -> Fields:
+    if not isinstance(item, dict):
+        raise InputError(f"{place}: {shown(item)} is not a mapping with the keys {', '.join(known)}")
+    return Fields(cast(dict[str, object], item), known, place)
+
+
+def _file_name(fields: Fields) -> str:
+    name = fields.text("file")
+    if Path(name).name != name:
+        fields.fail(f"file: {shown(name)} is not a plain file name")
+    return name

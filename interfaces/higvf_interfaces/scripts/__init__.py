@@ -1,0 +1,1 @@
+"""Scripts of operator actions as an interface."""

@@ -1,0 +1,164 @@
+"""The YAML script of operator actions, read strictly: each entry has one trigger, and one action or one fault.
+
+- at_s: 12.0                        - when: {extinguished: 1}
+  do: pick                            after_s: 0.5
+  robot: 2                            do: stroke
+- at_s: 20                              points_m: [[300, 200], [500, 260], [700, 240]]
+  fault: {channel: gaze, kind: freeze, for_s: 3}
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple, cast
+
+from higvf_console.core.arrays import Floats
+from higvf_console.core.commands import Clutch, FaultKind, InjectFault, OperatorCommand, Pick, StrokeEnd, StrokeUse
+from higvf_console.core.errors import ScriptError
+from higvf_interfaces.decisions.actions import PLAIN
+from higvf_interfaces.fields import Fields, shown
+from higvf_interfaces.scripts import edits as script_edits
+from higvf_interfaces.yaml_files import read_yaml
+
+EVENTS = ("extinguished", "extinguished_count")
+DETAILS: dict[str, tuple[str, ...]] = {
+    "stroke": ("points_m", "robot", "smoothing_m", "over_s", "preview", "use", "ending", "pace", "duration_s"),
+    "pick": ("robot",),
+    "clutch": ("closed",),
+    **dict.fromkeys(PLAIN, ()),
+    **{name: action.keys for name, action in script_edits.ACTIONS.items()},
+}
+FAULT = ("channel", "kind", "for_s", "by_s")
+_TRIGGER = ("at_s", "when", "after_s", "do", "fault")
+_LONGEST = 1e6  # [s]
+
+
+class Trigger(NamedTuple):
+    """When an entry fires.
+
+    Attributes:
+        at: session time [s]; None where an event decides.
+        extinguished: fire index that must be out; None where it does not matter.
+        fires_out: fires that must be out; 0 where it does not matter.
+        after: delay behind the event [s].
+    """
+
+    at: float | None
+    extinguished: int | None
+    fires_out: int
+    after: float
+
+    def met(self, now: float, extinguished: Sequence[int]) -> float | None:
+        """Session time from which the trigger holds, or None while it does not; `now` for an event."""
+        if self.at is not None:
+            return self.at
+        burning = self.extinguished is not None and self.extinguished not in extinguished
+        return None if burning or len(extinguished) < self.fires_out else now
+
+
+class Stroke(NamedTuple):
+    """A stroke to draw.
+
+    Attributes:
+        points: (n, 2) [m].
+        duration: over which the points arrive [s].
+        end: what it then becomes.
+    """
+
+    points: Floats
+    duration: float
+    end: StrokeEnd
+
+
+class Entry(NamedTuple):
+    """One line of a script: where it stands, when it fires, what it does."""
+
+    place: str
+    trigger: Trigger
+    action: Stroke | OperatorCommand
+
+
+def read_script(path: Path) -> tuple[Entry, ...]:
+    """Reads a script.
+
+    Raises:
+        ScriptError: with file, entry number, key, value and the known keys.
+    """
+    content = read_yaml(path, ScriptError)
+    if not isinstance(content, list) or not content:
+        raise ScriptError(f"{path}: a script is a list of entries, each with do: and at_s: or when:")
+    return tuple(
+        _entry(entry, f"{path}, entry {number}") for number, entry in enumerate(cast(list[object], content), start=1)
+    )
+
+
+def _entry(entry: object, place: str) -> Entry:
+    if not isinstance(entry, dict):
+        raise ScriptError(f"{place}: {shown(entry)} is not an entry with do: and at_s: or when:")
+    values = cast(dict[str, object], entry)
+    if "fault" in values and "do" not in values:
+        fields = Fields(values, _TRIGGER, place, ScriptError)
+        return Entry(place, _trigger(fields), _fault(fields))
+    action = values.get("do")
+    if not isinstance(action, str) or action not in DETAILS:
+        raise ScriptError(f"{place}: do: {shown(action)} is not an action; known actions: {', '.join(DETAILS)}")
+    fields = Fields(values, (*_TRIGGER[:-1], *DETAILS[action]), place, ScriptError)
+    return Entry(place, _trigger(fields), _action(action, fields))
+
+
+def _trigger(fields: Fields) -> Trigger:
+    if fields.has("at_s") == fields.has("when"):
+        fields.fail("give either at_s: SECONDS or when: {EVENT: NUMBER}")
+    if fields.has("at_s"):
+        if fields.has("after_s"):
+            fields.fail("after_s goes with when:, not with at_s:")
+        return Trigger(fields.number("at_s", None, 0.0, _LONGEST, "s"), None, 0, 0.0)
+    event = Fields(fields.mapping("when"), EVENTS, f"{fields.place}: when", ScriptError)
+    if len(event.values) != 1:
+        fields.fail(f"when: give one event, one of {', '.join(EVENTS)}")
+    after = fields.number("after_s", 0.0, 0.0, _LONGEST, "s")
+    if event.has("extinguished"):
+        return Trigger(None, event.whole("extinguished", 1) - 1, 0, after)
+    return Trigger(None, None, event.whole("extinguished_count", 1), after)
+
+
+def _fault(fields: Fields) -> InjectFault:
+    fault = Fields(fields.mapping("fault"), FAULT, f"{fields.place}: fault", ScriptError)
+    channel = fault.values.get("channel")
+    if not isinstance(channel, str) or not channel:
+        fault.fail(f"channel: {shown(channel)} is not the name of an input")
+    return InjectFault(
+        channel=channel,
+        kind=fault.choice("kind", FaultKind.FREEZE, tuple(FaultKind)),
+        seconds=fault.number("for_s", None, 0.001, 3600.0, "s"),
+        delay=fault.number("by_s", 0.5, 0.0, 3600.0, "s"),
+    )
+
+
+def _action(action: str, fields: Fields) -> Stroke | OperatorCommand:
+    match action:
+        case "stroke":
+            return Stroke(
+                points=fields.points("points_m"),
+                duration=fields.number("over_s", 0.0, 0.0, _LONGEST, "s"),
+                end=_stroke_end(fields),
+            )
+        case "pick":
+            return Pick(fields.whole("robot", 1) - 1)
+        case "clutch":
+            return Clutch(fields.flag("closed"))
+        case _ if action in script_edits.ACTIONS:
+            return script_edits.ACTIONS[action].command(fields)
+        case _:
+            return PLAIN[action]()
+
+
+def _stroke_end(fields: Fields) -> StrokeEnd:
+    return StrokeEnd(
+        smoothing=fields.number("smoothing_m", None, 0.0, 1e6, "m") if fields.has("smoothing_m") else None,
+        robot=fields.whole("robot", 1) - 1 if fields.has("robot") else None,
+        preview=fields.flag("preview", False),
+        use=fields.choice("use", StrokeUse.PATH, tuple(StrokeUse)),
+        ending=fields.choice("ending", script_edits.ENDINGS[0], script_edits.ENDINGS),
+        pace=script_edits.pace(fields),
+        duration=script_edits.duration(fields),
+    )

@@ -1,0 +1,128 @@
+"""A script of operator actions as an interface: the way to repeat a run, and to test adapter and controller alike."""
+
+import math
+
+import numpy as np
+
+from higvf_console.core.arrays import floats
+from higvf_console.core.commands import OperatorCommand, Pick, Prioritise, ResetRun, StrokeBegin, StrokePoints
+from higvf_console.core.edits import AddThing, Thing
+from higvf_console.core.errors import ScriptError
+from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
+from higvf_interfaces.emulation import DELAYS, EmulatedInterface, error_model
+from higvf_interfaces.fields import option_fields
+from higvf_interfaces.paths import named
+from higvf_interfaces.scripts.file import Entry, Stroke, read_script
+from higvf_interfaces.streams import CLOCK_GRAIN, Stamp
+
+
+class ScriptPlayer:
+    """Plays a script on the session clock: each entry fires once in a run, in file order where times agree."""
+
+    def __init__(self, name: str, entries: tuple[Entry, ...]) -> None:
+        """Starts with no entry fired."""
+        self._name = name
+        self._entries = entries
+        self._stamp = Stamp(name)
+        self._now = -math.inf
+        self._resets: set[int] = set()
+        self._forget()
+
+    @property
+    def name(self) -> str:
+        """Channel name, shown in the status line."""
+        return self._name
+
+    def poll(self, context: OperatorContext) -> list[OperatorCommand]:
+        """Commands that have fallen due, in order of time."""
+        if context.time < self._now:
+            self._forget()
+        self._now = context.time
+        given: list[OperatorCommand] = []
+        for due, index in self._due(context):
+            given += self._drawn_until(due, context)
+            given += self._fire(index, due, context)
+        return given + self._drawn_until(self._now + CLOCK_GRAIN, context)
+
+    def health(self, now: float) -> ChannelHealth:  # noqa: ARG002 - a script cannot fall silent
+        """How many entries have fired; ended after the last."""
+        detail = f"{len(self._fired)} of {len(self._entries)} actions done"
+        done = len(self._fired) == len(self._entries) and not self._growing
+        return ChannelHealth(ChannelState.ENDED if done else ChannelState.LIVE, detail)
+
+    def close(self) -> None:
+        """Has nothing to let go of: the file was closed after reading."""
+
+    def _forget(self) -> None:
+        """Starts like new, because the run has; a restart that the script itself gave is not given again."""
+        self._fired: set[int] = set(self._resets)
+        self._event_times: dict[int, float] = {}
+        self._growing: list[tuple[float, OperatorCommand]] = []
+
+    def _due(self, context: OperatorContext) -> list[tuple[float, int]]:
+        """(time, entry) of what fires now, in order."""
+        due: list[tuple[float, int]] = []
+        for index, entry in enumerate(self._entries):
+            if index in self._fired:
+                continue
+            if index not in self._event_times:
+                met = entry.trigger.met(self._now, context.extinguished)
+                if met is None:
+                    continue
+                self._event_times[index] = met + entry.trigger.after
+            if self._event_times[index] <= self._now + CLOCK_GRAIN:
+                due.append((self._event_times[index], index))
+        return sorted(due)
+
+    def _fire(self, index: int, due: float, context: OperatorContext) -> list[OperatorCommand]:
+        self._fired.add(index)
+        action = self._entries[index].action
+        if isinstance(action, ResetRun):
+            self._resets.add(index)
+        if not isinstance(action, Stroke):
+            return [self._stamp(action, due, context)]
+        self._growing = _schedule(action, due)
+        return self._drawn_until(due, context)
+
+    def _drawn_until(self, time: float, context: OperatorContext) -> list[OperatorCommand]:
+        """What the growing stroke has given by `time`; a new stroke takes the place of an unfinished one."""
+        ready = [item for item in self._growing if item[0] <= time]
+        self._growing = self._growing[len(ready) :]
+        return [self._stamp(command, due, context) for due, command in ready]
+
+
+def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
+    """Entry point `script`; its options are those of an emulated link, `emulation.DELAYS`.
+
+    Raises:
+        ScriptError: the script cannot be used, or names a robot that the team does not have.
+        InputError: an option cannot be used.
+    """
+    errors = error_model(option_fields(spec, DELAYS))
+    entries = read_script(named(spec.source))
+    added = sum(isinstance(entry.action, AddThing) and entry.action.thing == Thing.ROBOT for entry in entries)
+    for entry in entries:
+        robot = _robot(entry.action)
+        if robot is not None and spec.robots is not None and robot >= spec.robots + added:
+            raise ScriptError(f"{entry.place}: robot: there is no robot {robot + 1}; give 1 to {spec.robots + added}")
+    player = ScriptPlayer(spec.channel, entries)
+    return player if errors is None else EmulatedInterface(player, errors)
+
+
+def _robot(action: Stroke | OperatorCommand) -> int | None:
+    """Index of the robot that an action is for, where it names one."""
+    if isinstance(action, Stroke):
+        return action.end.robot
+    return action.robot if isinstance(action, Pick | Prioritise) else None
+
+
+def _schedule(stroke: Stroke, start: float) -> list[tuple[float, OperatorCommand]]:
+    """A stroke's commands and their times, the points evenly over its duration."""
+    end = start + stroke.duration
+    begin = (start, StrokeBegin())
+    close = (end, stroke.end)
+    if stroke.duration == 0:
+        return [begin, (start, StrokePoints(stroke.points)), close]
+    times = np.linspace(start, end, len(stroke.points))
+    points = zip(times.tolist(), stroke.points, strict=True)
+    return [begin, *((time, StrokePoints(floats(point, 1, 2))) for time, point in points), close]

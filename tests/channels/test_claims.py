@@ -1,0 +1,95 @@
+"""Whose path, clutch and priorities are in force, whatever was confirmed, taken back or renumbered since."""
+
+import pytest
+
+from higvf_console.channels.claims import Claims, claimed
+from higvf_console.core.arrays import floats
+from higvf_console.core.commands import (
+    BendPath,
+    ClearPath,
+    Clutch,
+    Confirm,
+    LoadScenario,
+    NextTask,
+    OperatorCommand,
+    Pick,
+    Prioritise,
+    Redo,
+    StrokeBegin,
+    StrokeEnd,
+    StrokePoints,
+    StrokeUse,
+    TakeUpPath,
+    Undo,
+)
+from higvf_console.core.edits import DeleteThing, Edit
+from higvf_console.runtime.history import rows_before
+from higvf_console.runtime.run import Run
+from tests.teams import stroke
+from tests.world.editing.deeds import SCENE, edited_run
+
+WAY = [(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)]
+WAITS = [*stroke(WAY)[:2], StrokeEnd(preview=True)]
+WITH_PATH = SCENE + "path: {circle: {at_m: [700, 300], radius_m: 100}}\n"
+CIRCLE = floats([[450.0, 200.0], [550.0, 200.0], [550.0, 300.0], [450.0, 300.0]])
+
+
+def told(run: Run, *said: tuple[str, list[OperatorCommand] | OperatorCommand]) -> Claims:
+    """What the channels have a claim to, after each has given its commands."""
+    claims = Claims()
+    for channel, commands in said:
+        for command in commands if isinstance(commands, list) else [commands]:
+            before, history = run.state, run.history
+            run.apply(command)
+            new = run.history is not history and isinstance(command, Edit | Undo | Redo)
+            rows = rows_before(run.history, undone=isinstance(command, Undo)) if new else None
+            claims = claimed(claims, channel, command, before, run.state, rows)
+    return claims
+
+
+@pytest.mark.parametrize(
+    ("said", "path"),
+    [
+        ([("gaze", stroke(WAY))], "gaze"),
+        ([("gaze", WAITS)], ""),
+        ([("gaze", WAITS), ("emg", Confirm())], "gaze"),
+        ([("gaze", stroke(WAY)), ("mouse", WAITS), ("mouse", Confirm())], "mouse"),
+        ([("gaze", stroke(WAY)), ("mouse", ClearPath())], ""),
+        ([("gaze", stroke(WAY)), ("mouse", ClearPath()), ("mouse", Undo())], "mouse"),
+        ([("gaze", stroke(WAY)), ("mouse", NextTask()), ("mouse", TakeUpPath(0))], "mouse"),
+        ([("gaze", stroke(WAY)), ("mouse", BendPath(floats([500, 450]), floats([500, 500])))], "mouse"),
+        ([("gaze", stroke(WAY)), ("mouse", Pick(2))], "gaze"),
+        ([("mouse", LoadScenario(text=WITH_PATH, name="path.yaml"))], ""),
+        ([("gaze", stroke(WAY)), ("mouse", LoadScenario(text="version: 9", name="refused.yaml"))], "gaze"),
+    ],
+)
+def test_a_path_is_the_channel_s_that_gave_it_its_course(
+    said: list[tuple[str, list[OperatorCommand] | OperatorCommand]], path: str
+) -> None:
+    assert told(edited_run(), *said).path == path
+
+
+def test_a_clutch_is_the_channel_s_that_closed_it() -> None:
+    run = edited_run()
+    assert told(run, ("emg", Clutch(closed=True)), ("gaze", Pick(1))).clutch == "emg"
+    assert told(run, ("emg", Clutch(closed=True)), ("emg", Clutch(closed=False))).clutch == ""
+
+
+def test_priorities_stay_those_of_their_channel_when_rows_are_renumbered_and_come_back() -> None:
+    run = edited_run()
+    claims = told(
+        run, ("gaze", Prioritise(fires=(1,), robot=2)), ("mouse", DeleteThing("fire", 0)),
+        ("mouse", DeleteThing("robot", 0)), ("mouse", Undo()),
+    )  # fmt: skip
+    assert claims.priorities == {(2.0, 0.0, 8.0): "gaze"}
+    assert (claims.robots("gaze"), claims.robots("mouse")) == ([2], [])
+
+
+def test_a_priority_that_another_channel_gives_again_is_that_channel_s() -> None:
+    run = edited_run()
+    again = told(run, ("gaze", Prioritise((0,), 1)), ("bci", Prioritise((0,), 1)))
+    assert (again.robots("gaze"), again.robots("bci")) == ([], [1])
+    run = edited_run()
+    circled: list[OperatorCommand] = [StrokeBegin(), StrokePoints(CIRCLE), StrokeEnd(use=StrokeUse.PRIORITY)]
+    mixed = told(run, ("gaze", Prioritise((0,), 0)), ("gaze", Prioritise((0,), 1)), ("mouse", circled))
+    assert (mixed.robots("gaze"), mixed.robots("mouse")) == ([1], [0])

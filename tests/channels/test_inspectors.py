@@ -1,0 +1,100 @@
+"""Inspectors are found by entry point; what they tell is written as text or as JSON."""
+
+import json
+from collections.abc import Mapping
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from higvf_console.channels import inspection
+from higvf_console.cli.main import main as cli
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import InputSpec
+
+TOLD: Mapping[str, object] = {
+    "format": "horoscope", "samples": 3, "rate_hz": 0.5, "frame": None, "gaps": {"count": 2, "lost": {}},
+    "streams": [{"name": "moon"}, {"name": "sun"}], "warnings": ["nothing is certain"],
+}  # fmt: skip
+
+
+def tells(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:
+    return {**TOLD, "source": spec.source, "plot": str(plot), "steps": steps, "options": dict(spec.options)}
+
+
+def knows_nothing(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:  # noqa: ARG001
+    raise InputError(f"{spec.source}: no idea")
+
+
+@pytest.fixture
+def installed(monkeypatch: pytest.MonkeyPatch) -> list[SimpleNamespace]:
+    """What stands in the place of the installed inspectors."""
+    points: list[SimpleNamespace] = []
+
+    def found(group: str) -> list[SimpleNamespace]:
+        assert group == inspection.GROUP
+        return points
+
+    monkeypatch.setattr(inspection, "entry_points", found)
+    return points
+
+
+def point(name: str, inspector: inspection.Inspector) -> SimpleNamespace:
+    return SimpleNamespace(name=name, load=lambda: inspector)
+
+
+def test_the_first_inspector_that_knows_the_file_is_heard(installed: list[SimpleNamespace]) -> None:
+    installed += [point("b", tells), point("a", knows_nothing)]
+    assert inspection.inspect(InputSpec("inspect", "f"))["format"] == "horoscope"
+
+
+def test_a_file_that_nobody_knows_is_refused_with_each_reason(installed: list[SimpleNamespace]) -> None:
+    installed += [point("a", knows_nothing), point("b", knows_nothing)]
+    with pytest.raises(InputError, match="f: no idea; f: no idea"):
+        inspection.inspect(InputSpec("inspect", "f"))
+
+
+def test_without_an_inspector_the_way_out_is_said(installed: list[SimpleNamespace]) -> None:
+    assert not installed
+    with pytest.raises(InputError, match=r"no inspector is installed .*install the package again"):
+        inspection.inspect(InputSpec("inspect", "f"))
+
+
+def test_text_has_a_line_for_what_there_is_and_warnings_last() -> None:
+    lines = inspection.as_text(TOLD).splitlines()
+    assert lines == [
+        "format: horoscope", "samples: 3", "rate hz: 0.5", "gaps:", "  count: 2",
+        "streams: name moon, name sun", "Warning: nothing is certain",
+    ]  # fmt: skip
+
+
+def test_json_keeps_every_key_and_knows_no_nan() -> None:
+    assert json.loads(inspection.as_json({**TOLD, "rate_hz": float("nan")})) == {**TOLD, "rate_hz": None}
+
+
+def test_the_command_takes_options_behind_the_file(
+    installed: list[SimpleNamespace], capsys: pytest.CaptureFixture[str]
+) -> None:
+    installed.append(point("a", tells))
+    assert cli.main(["inspect", "look.csv:frame=screen,stream=2", "--json", "--steps", "--plot", "p.png"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["source"], told["options"]) == ("look.csv", {"frame": "screen", "stream": "2"})
+    assert (told["plot"], told["steps"]) == ("p.png", True)
+    assert cli.main(["inspect", "look.csv"]) == 0
+    assert capsys.readouterr().out.startswith("format: horoscope\n")
+
+
+def test_a_refusal_is_one_line_and_status_2(
+    installed: list[SimpleNamespace], capsys: pytest.CaptureFixture[str]
+) -> None:
+    installed.append(point("a", knows_nothing))
+    assert cli.main(["inspect", "look.csv"]) == 2
+    assert capsys.readouterr().err == "higvf: look.csv: no idea\n"
+
+
+def test_the_project_names_its_own_inspector() -> None:
+    text = (Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8")
+    (line,) = [line for line in text.splitlines() if line.startswith("recordings = ")]
+    named = EntryPoint("recordings", line.split('"')[1], inspection.GROUP)
+    assert callable(named.load())

@@ -1,0 +1,98 @@
+"""Logs of decoded labels read the same as a table and as JSON lines."""
+
+from collections.abc import Callable
+
+import pytest
+
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import InputSpec
+from higvf_interfaces.formats.signals.reading import read_decisions
+from higvf_interfaces.formats.signals.records import SignalRequest
+from higvf_interfaces.inspect.inspection import inspect
+
+Write = Callable[..., str]
+
+
+def test_a_table_is_read_and_a_missing_confidence_is_none(write: Write) -> None:
+    log = read_decisions(write('time,label,confidence\n1.5,fist,0.9\n2,"a, b",\n3.5,open\n'))
+    assert log.format == "command-csv"
+    assert log.decisions == ((1.5, "fist", 0.9), (2.0, "a, b", None), (3.5, "open", None))
+
+
+def test_a_table_without_a_confidence_column_is_read(write: Write) -> None:
+    assert read_decisions(write("time,label\n1,fist\n")).decisions == ((1.0, "fist", None),)
+
+
+def test_json_lines_are_read_whatever_the_file_is_called(write: Write) -> None:
+    text = '{"time": 1.5, "label": "fist", "confidence": 0.9}\n\n{"label": "open", "time": 2}\n'
+    log = read_decisions(write(text, "log.csv"))
+    assert log.format == "command-jsonl"
+    assert log.decisions == ((1.5, "fist", 0.9), (2.0, "open", None))
+
+
+def test_a_torn_json_line_is_left_out_and_said(write: Write) -> None:
+    log = read_decisions(write('{"time": 1, "label": "fist"}\n{"time": 2, "la'))
+    assert len(log.decisions) == 1
+    assert log.notes == ("1 lines that are not JSON objects left out, the first is line 2",)
+
+
+def test_a_torn_row_is_left_out_and_said(write: Write) -> None:
+    log = read_decisions(write("time,label,confidence\n1,fist,0.9\n2,op"))
+    assert len(log.decisions) == 1
+    assert log.notes == ("the last row is torn: left out",)
+
+
+def test_entries_out_of_order_are_sorted_and_said(write: Write) -> None:
+    log = read_decisions(write("time,label\n2,b\n1,a\n"))
+    assert [decision.label for decision in log.decisions] == ["a", "b"]
+    assert log.notes == ("entries out of order: sorted by time",)
+
+
+def test_milliseconds_and_epochs_become_session_seconds(write: Write) -> None:
+    assert read_decisions(write("time [ms],label\n1500,a\n")).decisions[0].time == 1.5
+    log = read_decisions(write('{"time": 1700000000.25, "label": "a"}\n{"time": 1700000001.25, "label": "b"}\n'))
+    assert [decision.time for decision in log.decisions] == [0, 1]
+    assert log.epoch == 1_700_000_000.25
+    assert "epoch" in log.notes[0]
+
+
+@pytest.mark.parametrize("confidence", ["87", "-0.1", "high"])
+def test_a_confidence_that_is_none_is_refused_with_its_row(write: Write, confidence: str) -> None:
+    with pytest.raises(InputError, match=rf"row 2: confidence '{confidence}' is not a number from 0 to 1"):
+        read_decisions(write(f"time,label,confidence\n1,a,1.0\n2,b,{confidence}\n"))
+    lines = (
+        f'{{"time": 1, "label": "a", "confidence": "1.0"}}\n\n{{"time": 2, "label": "b", "confidence": "{confidence}"}}'
+    )
+    with pytest.raises(InputError, match=rf"line 3: confidence '{confidence}' is not a number from 0 to 1"):
+        read_decisions(write(lines))
+
+
+def test_lines_are_counted_as_an_editor_does(write: Write) -> None:
+    log = read_decisions(write('\n{"time": 1, "label": "a"}\n\n{"time": 2'))
+    assert log.notes == ("1 lines that are not JSON objects left out, the first is line 4",)
+
+
+def test_a_recording_of_the_console_is_referred_to_its_replay(write: Write) -> None:
+    file = write('{"recording": 1, "seed": 0}\n{"time": 0.02, "command": {"kind": "stop"}}\n', "run.jsonl")
+    with pytest.raises(InputError, match=r"is a recording of this console; play it by: higvf replay .*run\.jsonl"):
+        read_decisions(file)
+    with pytest.raises(InputError, match="higvf replay"):
+        inspect(InputSpec("file", file))
+
+
+def test_a_log_with_a_further_column_of_numbers_is_inspected_as_what_it_plays_as(write: Write) -> None:
+    told = inspect(InputSpec("file", write("time,event,trial\n1,fist,1\n2.5,open,2\n")))
+    assert (told["kind"], told["labels"]) == ("commands", {"fist": 1, "open": 1})
+    marked = "timestamps,C3,marker\n" + "".join(f"{k / 100},{k % 5},{k % 50 == 0:d}\n" for k in range(200))
+    assert inspect(InputSpec("file", write(marked)))["kind"] == "signals"
+
+
+def test_a_log_without_times_or_labels_is_refused(write: Write) -> None:
+    with pytest.raises(InputError, match="no entry has a time"):
+        read_decisions(write("time,label\n,fist\n"))
+    with pytest.raises(InputError, match="no entry has both a time and a label"):
+        read_decisions(write("time,label\n1,\n"))
+    with pytest.raises(InputError, match=r"no label column .*; has: time, what"):
+        read_decisions(write("time,what\n1,fist\n"), SignalRequest(format="command-csv"))
+    with pytest.raises(InputError, match=r"not a known format .*command-jsonl.*command-csv"):
+        read_decisions(write("time,what\n1,fist\n"))

@@ -1,0 +1,124 @@
+"""A calibration is made by looking: five rests of the eye, and nothing but rests."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from higvf_console.core.arrays import Floats, bools, floats
+from higvf_console.core.viewport import Arena, fit
+from higvf_interfaces.gaze.calibration import Calibration, read_calibration, targets, to_arena
+from higvf_interfaces.gaze.capture import COUNT, REST, TRAVEL, Capture
+from higvf_interfaces.gaze.pieces import Pixels
+from tests.browser import wait_until
+
+ARENA = Arena(0.0, 0.0, 1200.0, 700.0)
+SCREEN = (1920.0, 1080.0)
+RATE = 60
+LOOKED = fit(ARENA, *SCREEN).to_screen(targets(ARENA, COUNT)) + np.array([[30.0, -20.0]])  # the tracker is off
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def samples(points: Floats, start: float, *, noise: float = 3.0, seed: int = 1) -> Iterator[Pixels]:
+    """Gaze in blocks of five samples."""
+    noisy = points + np.random.default_rng(seed).normal(0, noise, points.shape)
+    time = start + np.arange(len(points)) / RATE
+    for first in range(0, len(points), 5):
+        part = slice(first, first + 5)
+        yield Pixels(floats(time[part]), floats(noisy[part]), bools(np.isfinite(noisy[part]).all(axis=1)))
+
+
+def rest(point: Floats, seconds: float) -> Floats:
+    return floats(np.tile(point, (round(seconds * RATE), 1)))
+
+
+def look_round(capture: Capture, points: Floats) -> Calibration | None:
+    """Rests on each point until the next target is shown."""
+    clock = 0.0
+    for number, point in enumerate(points, start=1):
+        for block in samples(rest(point, 4.0), clock):
+            clock = float(block.time[-1]) + 1 / RATE
+            made = capture.take(block)
+            if made is not None:
+                return made
+            if capture.report().number != number:
+                break
+    return None
+
+
+def test_resting_on_every_target_makes_a_map_that_is_stored_and_read_back() -> None:
+    capture = Capture(ARENA, SCREEN, 38.0)
+    capture.begin()
+    made = look_round(capture, floats(LOOKED))
+    assert made is not None
+    assert made.residual < 3.0
+    np.testing.assert_allclose(to_arena(made, floats(LOOKED)), targets(ARENA, COUNT), atol=3.0)
+    wait_until(lambda: "; written to" in capture.report().outcome)
+    assert capture.report().target is None
+    again = read_calibration(Path(made.file))
+    np.testing.assert_allclose(again.homography, made.homography, rtol=1e-6)
+    assert (again.screen, again.made) == (SCREEN, made.made)
+
+
+def test_a_target_waits_for_the_eye_to_travel_and_to_rest() -> None:
+    capture = Capture(ARENA, SCREEN, 38.0)
+    capture.begin()
+    shares = [(float(block.time[-1]), capture.report().progress) for block in samples(rest(floats(LOOKED[0]), 3.0), 5.0)
+              if capture.take(block) is None and capture.report().number == 1]  # fmt: skip
+    assert all(share == 0.0 for time, share in shares if time < 5.0 + TRAVEL)
+    assert shares[-1][0] == pytest.approx(5.0 + TRAVEL + REST, abs=0.2)
+    assert [share for _, share in shares] == sorted(share for _, share in shares)
+
+
+def test_a_glance_away_begins_the_rest_anew_and_a_blink_does_not() -> None:
+    def needed(between: Floats) -> float:
+        capture = Capture(ARENA, SCREEN, 38.0)
+        capture.begin()
+        gaze = floats(np.concatenate([rest(floats(LOOKED[0]), TRAVEL + 0.5), between, rest(floats(LOOKED[0]), 3.0)]))
+        for block in samples(gaze, 0.0):
+            capture.take(block)
+            if capture.report().number == 2:
+                return float(block.time[-1])
+        raise AssertionError("the second target never came")
+
+    blink, glance = rest(floats([np.nan, np.nan]), 0.2), rest(floats([960, 540]), 0.2)
+    assert needed(blink) < TRAVEL + REST + 0.2
+    assert needed(glance) > TRAVEL + 0.5 + 0.2 + REST - 0.1
+
+
+def test_escape_gives_it_up_and_leaves_no_file(tmp_path: Path) -> None:
+    capture = Capture(ARENA, SCREEN, 38.0)
+    capture.begin()
+    for block in samples(rest(floats(LOOKED[0]), 1.2), 0.0):
+        capture.take(block)
+    assert capture.report().target is not None
+    capture.cancel()
+    capture.take(next(samples(rest(floats(LOOKED[0]), 0.1), 2.0)))
+    assert capture.report().target is None
+    assert "Given up" in capture.report().outcome
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_eyes_that_never_leave_one_place_make_no_map() -> None:
+    capture = Capture(ARENA, SCREEN, 38.0)
+    capture.begin()
+    assert look_round(capture, floats([[960, 540]] * COUNT)) is None
+    assert capture.report().outcome.startswith("Failed: calibration:")
+
+
+def test_a_file_that_cannot_be_written_is_said_and_the_map_is_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def elsewhere(path: Path) -> Path:
+        return tmp_path / "gone" / path
+
+    monkeypatch.setattr(Path, "absolute", elsewhere)
+    capture = Capture(ARENA, SCREEN, 38.0)
+    capture.begin()
+    assert look_round(capture, floats(LOOKED)) is not None
+    wait_until(lambda: "not written" in capture.report().outcome)

@@ -1,0 +1,15 @@
+"""The suite of live streams counts what it pushed, and its table says what its JSON says."""
+
+import pytest
+
+from higvf_console.lab.bench import lsl as bench_lsl
+
+
+def test_every_push_becomes_a_command_and_the_table_tells() -> None:
+    pytest.importorskip("pylsl")
+    figures = bench_lsl.run(pushes=10, hour_s=10.0)
+    assert [taken["count"] for taken in figures["latency_ms"].values()] == [10, 10]
+    assert figures["hour"]["samples"] == 1200
+    text = bench_lsl.table(figures)
+    assert "polled each tick" in text
+    assert "1200 samples" in text

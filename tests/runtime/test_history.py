@@ -1,0 +1,285 @@
+"""An undo takes one deed out of the present; time does not run back, and nobody is set in motion after a STOP."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from higvf_console.core.arrays import floats
+from higvf_console.core.commands import (
+    AskReset,
+    ClearPath,
+    Clutch,
+    LoadScenario,
+    OperatorCommand,
+    Pause,
+    Pick,
+    Prioritise,
+    ProposePick,
+    Redo,
+    ResetRun,
+    ResetStop,
+    Resume,
+    ShapePath,
+    Stop,
+    StrokeBegin,
+    StrokeEnd,
+    StrokePoints,
+    Undo,
+)
+from higvf_console.core.edits import AddThing, ChangeThing, DeleteThing, MoveThing, SetParameters
+from higvf_console.core.state import NOBODY, PathKind, PathStatus
+from higvf_console.runtime.history import KEPT
+from tests.teams import stroke
+from tests.world.editing.deeds import GIVEN, HAIR, SCENE, assert_same, edited_run, give, go, refused, shortfalls
+
+WAY = stroke([(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)])
+
+
+def test_without_a_deed_there_is_nothing_to_undo_or_redo() -> None:
+    run = edited_run()
+    assert run.apply(Undo())[0].text == "Not done: there is nothing to undo."
+    assert run.apply(Redo())[0].text == "Not done: there is nothing to do again."
+
+
+def test_robots_that_a_deed_did_not_move_stay_where_they_have_come_to() -> None:
+    run = edited_run(ticks=10)
+    started = run.state.motion.position[1].copy()
+    give(run, MoveThing("robot", 1, floats([200.0, 600.0])))
+    go(run)
+    came_to = run.state.motion.position.copy()
+    give(run, Undo())
+    assert run.state.motion.position[[0, 2, 3]].tobytes() == came_to[[0, 2, 3]].tobytes()
+    assert np.hypot(*(run.state.motion.position[1] - started)) < 60.0
+    assert run.state.motion.tick == 70
+
+
+def test_a_fire_keeps_what_it_has_grown_and_a_deleted_one_comes_back_as_it_was() -> None:
+    run = edited_run(ticks=10)
+    give(run, MoveThing("fire", 1, floats([1000.0, 100.0])), DeleteThing("fire", 0))
+    then = run.history.done[-1].before.state.motion.fire_radius[0]
+    go(run)
+    grown = run.state.motion.fire_radius[0]
+    give(run, Undo(), Undo())
+    assert run.state.motion.fire_radius.tolist() == [then, grown]
+    assert run.setup.world.fire_position[1].tolist() == [900.0, 600.0]
+
+
+def test_a_robot_that_was_deleted_comes_back_where_it_was_or_as_near_as_is_safe() -> None:
+    run = edited_run(ticks=10)
+    place = run.state.motion.position[2].copy()
+    give(run, DeleteThing("robot", 2))
+    assert len(run.state.motion.position) == 3
+    give(run, MoveThing("robot", 0, place))
+    give(run, Undo(), Undo())
+    assert run.state.motion.position[2].tolist() == place.tolist()
+    give(run, Redo())
+    go(run, 5)
+    give(run, Undo())
+    assert np.hypot(*(run.state.motion.position[2] - place)) < 40.0
+
+
+def test_robots_that_stand_where_a_body_comes_back_are_set_aside_and_that_is_said() -> None:
+    run = edited_run()
+    give(run, DeleteThing("circle", 1))
+    driven = run.state.motion.position + floats([-50.0, 100.0])
+    run.state = run.state._replace(motion=run.state.motion._replace(position=driven))
+    (event,) = give(run, Undo())
+    assert event.text == "Undone: Circle 2 is deleted. Robots 1, 2, 3 were in the way and are set aside."
+    assert len(run.setup.world.circles) == 2
+    moved = np.hypot(*(run.state.motion.position - driven).T)
+    assert moved[3] == 0.0
+    assert ((moved[:3] > 0.0) & (moved[:3] < 60.0)).all()
+    assert shortfalls(run).max() < HAIR
+    give(run, Redo(), Undo())
+    assert len(run.setup.world.circles) == 2
+
+
+def test_what_is_new_takes_the_place_of_what_was_undone() -> None:
+    run = edited_run()
+    give(run, Pick(1), Pick(2), Undo(), Pick(3))
+    assert [entry.undone for entry in run.history.entries()] == [False, False]
+    assert refused(run.apply(Redo()))
+
+
+def test_the_history_says_what_was_done_and_when() -> None:
+    run = edited_run(ticks=50)
+    give(run, Pick(1), ChangeThing("fire", 0, "growth", 2.0), Undo())
+    assert [(entry.time, entry.text, entry.undone) for entry in run.history.entries()] == [
+        (1.0, "Robot 2 feels the human intention.", False),
+        (1.0, "Fire 1 has growth 2 m/s.", True),
+    ]
+
+
+def test_only_so_many_deeds_are_kept() -> None:
+    run = edited_run()
+    for robot in range(KEPT + 5):
+        run.apply(Pick(robot % 2 + 1))
+    assert len(run.history.done) == KEPT
+
+
+def test_after_a_stop_no_undo_sets_the_team_in_motion() -> None:
+    run = edited_run()
+    give(run, *WAY, Pause(), Pick(2), Resume(), MoveThing("robot", 3, floats([200.0, 600.0])))
+    go(run, 20)
+    give(run, Stop())
+    for command in (Undo(), Undo(), Undo(), Redo(), Redo()):
+        run.apply(command)
+        assert run.state.intent.stopped
+        assert run.state.intent.paused
+    give(run, AskReset(), ResetStop())
+    for command in (Undo(), Undo(), Undo(), Redo(), Redo()):
+        run.apply(command)
+        assert run.state.intent.paused
+    position = run.state.motion.position.copy()
+    go(run, 20)
+    assert np.abs(run.state.motion.position - position).max() < 1e-9
+
+
+STEPS = st.one_of(GIVEN, st.sampled_from([(Undo(),), (Redo(),), (ResetRun(),)]), st.integers(1, 20))
+
+
+@settings(max_examples=40)
+@given(before=st.lists(STEPS, max_size=6), after=st.lists(st.sampled_from([Undo(), Redo()]), min_size=1, max_size=6))
+def test_whatever_was_done_undo_and_redo_never_lift_a_stop_or_the_pause_after_it(
+    before: list[int | tuple[OperatorCommand, ...]], after: list[OperatorCommand]
+) -> None:
+    run = edited_run()
+    for step in before:
+        if isinstance(step, int):
+            go(run, step)
+        else:
+            give(run, *step)
+    give(run, Stop())
+    for command in after:
+        run.apply(command)
+        assert run.state.intent.stopped
+    give(run, AskReset(), ResetStop())
+    for command in after:
+        run.apply(command)
+        assert run.state.intent.paused
+        assert not run.state.intent.stopped
+
+
+def test_a_path_that_was_cleared_is_taken_up_where_it_was_left() -> None:
+    run = edited_run()
+    give(run, *WAY)
+    go(run)
+    path, left = run.state.intent.path, run.state.motion.path_parameter
+    give(run, ClearPath())
+    go(run, 10)
+    give(run, Undo())
+    assert run.state.intent.path is path
+    assert run.state.motion.path_parameter == left
+    assert run.state.motion.path_status == PathStatus.FOLLOWING
+
+
+def test_the_influenced_robot_and_its_path_come_back_when_its_deletion_is_undone() -> None:
+    run = edited_run()
+    give(run, Pick(2), *WAY)
+    go(run, 20)
+    give(run, DeleteThing("robot", 2))
+    assert run.state.intent.influenced == 0
+    assert run.state.motion.path_status == PathStatus.FINISHED
+    go(run, 10)
+    give(run, Undo())
+    assert run.state.intent.influenced == 2
+    assert run.state.motion.path_status == PathStatus.FOLLOWING
+
+
+def test_priorities_follow_their_robots_and_fires_and_come_back() -> None:
+    run = edited_run()
+    give(run, Prioritise(fires=(1,), robot=2))
+    go(run, 5)
+    give(run, DeleteThing("fire", 0))
+    assert run.state.intent.priority[:, :2].tolist() == [[2, 0]]
+    give(run, DeleteThing("robot", 0))
+    assert run.state.intent.priority[:, :2].tolist() == [[1, 0]]
+    go(run, 5)
+    give(run, Undo(), Undo())
+    assert run.state.intent.priority[:, :2].tolist() == [[2, 1]]
+    give(run, Undo())
+    assert len(run.state.intent.priority) == 0
+
+
+def test_a_reset_and_another_scenario_are_undone_as_a_whole() -> None:
+    for command in (ResetRun(), LoadScenario(text=SCENE.replace("radius_m: 30", "radius_m: 10"), name="other.yaml")):
+        run = edited_run(ticks=30)
+        before = run.moment
+        run.apply(command)
+        after = run.moment
+        go(run, 5)
+        give(run, Undo())
+        assert run.scenario is before.scenario
+        assert_same(run.state, before.state)
+        give(run, Redo())
+        assert run.scenario is after.scenario
+        assert_same(run.state, after.state)
+
+
+def test_numbers_of_fires_that_are_out_follow_the_edits() -> None:
+    run = edited_run()
+    while not run.tally.extinguished:
+        run.step()
+    assert run.tally.extinguished == (0,)
+    give(run, AddThing("fire", floats([1000.0, 200.0])), DeleteThing("fire", 0))
+    assert run.tally.extinguished == ()
+    go(run, 5)
+    give(run, Undo())
+    assert run.tally.extinguished == (0,)
+    assert run.state.motion.fire_burning.tolist() == [False, True, True]
+
+
+@pytest.mark.parametrize("command", [SetParameters({"blending.cruise_speed": 40.0}), Pick(1), ShapePath(pace=0.5)])
+def test_a_second_undo_takes_out_the_deed_before(command: OperatorCommand) -> None:
+    run = edited_run()
+    give(run, *WAY)
+    go(run, 5)
+    before = run.moment
+    run.apply(command)
+    give(run, AddThing("circle", floats([900.0, 100.0])))
+    give(run, Undo(), Undo())
+    assert run.setup is before.setup
+    assert_same(run.state.intent, before.state.intent)
+
+
+def test_a_larger_scenario_that_was_loaded_is_undone_and_loaded_again() -> None:
+    run = edited_run(ticks=30)
+    larger = SCENE.replace("[640, 300]]", "[640, 300], [760, 300], [760, 250]]").replace(
+        "fires: [", "fires: [{at_m: [1100, 100], radius_m: 10}, "
+    )
+    before = run.moment
+    give(run, Pick(1), LoadScenario(text=larger, name="larger.yaml"))
+    assert (len(run.state.motion.position), len(run.state.motion.fire_radius)) == (6, 3)
+    give(run, Undo())
+    assert_same(run.state.motion, before.state.motion)
+    give(run, Redo(), Undo(), Undo())
+    assert_same(run.state, before.state)
+
+
+def test_undoing_a_reset_leaves_the_hand_as_it_is() -> None:
+    run = edited_run(ticks=5)
+    hand = (Clutch(True), StrokeBegin(source="gaze"), StrokePoints(floats([[700, 300], [500, 450]]), source="gaze"))
+    give(run, *hand, ProposePick(2), ResetRun(), Clutch(False), Undo())
+    drawing = run.state.drawing
+    assert (drawing.clutch, drawing.stroke_source, len(drawing.stroke)) == (False, "", 0)
+    assert drawing.proposed == NOBODY
+    give(run, Stop(), AskReset(), LoadScenario(text=SCENE, name="other.yaml"), Undo())
+    assert refused(run.apply(ResetStop()))
+
+
+def test_a_path_that_waited_comes_back_with_the_run_that_was_reset() -> None:
+    run = edited_run(ticks=5)
+    give(run, *WAY[:2], StrokeEnd(robot=2, preview=True))
+    waits = run.state.drawing.pending
+    give(run, ResetRun())
+    assert run.state.drawing.pending.kind == PathKind.NONE
+    give(run, Undo())
+    assert run.state.drawing.pending is waits
+    assert run.state.drawing.pending_robot == 2
+
+
+def test_a_clipped_stroke_stands_in_the_history_as_the_path_that_it_is() -> None:
+    run = edited_run()
+    give(run, *stroke([(700.0, 300.0), (500.0, -50.0), (300.0, 200.0)]))
+    assert run.history.entries()[-1].text.startswith("Robot 1 follows a new open path")

@@ -1,0 +1,222 @@
+"""What the hand does in the arena arrives complete, in order, and in metres."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+from higvf_console.core.arrays import Floats
+from tests.browser import Stage, draw, screenshot, to_page, turn_wheel, wait_for_stop, wait_until
+
+pytestmark = pytest.mark.browser
+
+
+def figure_eight(count: int, centre: tuple[float, float] = (600.0, 350.0), size: float = 1.0) -> Floats:
+    """A self-crossing stroke (count, 2) [m]."""
+    angle = np.linspace(0.0, 2 * np.pi, count)
+    return np.array(centre) + size * np.stack([300 * np.cos(angle), 200 * np.sin(2 * angle)], axis=1)
+
+
+def send(page: Page, topic: str, /, **body: Any) -> None:
+    page.evaluate(
+        "([topic, body]) => window.__viserMutable.sendMessage({ type: 'PageMessage', topic, body })", [topic, body]
+    )
+
+
+def release(page: Page, place: list[float]) -> None:
+    page.evaluate(
+        "([x, y]) => window.__viserMutable.canvas.dispatchEvent(new PointerEvent('pointerup',"
+        " { bubbles: true, composed: true, clientX: x, clientY: y, pointerId: 77 }))",
+        place,
+    )
+
+
+@pytest.mark.parametrize("wheel", [0, -900])
+def test_a_stroke_of_188_points_at_125_hz_arrives_complete_in_order_and_in_place(
+    page: Page, stage: Stage, wheel: int
+) -> None:
+    turn_wheel(page, [300, 300], wheel)
+    stroke = figure_eight(188, size=1.0 if wheel == 0 else 0.2)
+    draw(page, to_page(page, stroke), rate=125)
+    wait_until(lambda: "end" in stage.phases())
+    assert stage.phases() == ["start", "update", "end"]
+    assert stage.drawn().shape == (188, 2)
+    assert np.abs(stage.drawn() - stroke).max() < 1.0
+
+
+def test_points_that_the_browser_coalesced_all_arrive(page: Page, stage: Stage) -> None:
+    stroke = figure_eight(3000)
+    draw(page, to_page(page, stroke), rate=0)
+    wait_until(lambda: "end" in stage.phases())
+    assert stage.drawn().shape == (3000, 2)
+    assert np.abs(stage.drawn() - stroke).max() < 1.0
+
+
+@pytest.mark.parametrize("kind", ["touch", "pen"])
+def test_a_finger_and_a_pen_draw_too(page: Page, stage: Stage, kind: str) -> None:
+    draw(page, to_page(page, figure_eight(50)), rate=500, kind=kind)
+    wait_until(lambda: "end" in stage.phases())
+    assert len(stage.drawn()) == 50
+
+
+def test_a_press_that_hardly_moves_is_a_click_and_no_stroke(page: Page, stage: Stage) -> None:
+    (x, y) = to_page(page, [[400.0, 500.0]])[0]
+    draw(page, [[x, y], [x + 1, y - 2]], rate=500)
+    draw(page, [[x, y]], rate=0)
+    wait_until(lambda: len(stage.clicks) == 2)
+    assert all(np.hypot(*(click - [400.0, 500.0])) < 1.0 for click in stage.clicks)
+    assert stage.strokes == []
+
+
+def test_a_real_mouse_clicks_and_draws(page: Page, stage: Stage) -> None:
+    start, end = to_page(page, [[400.0, 500.0], [700.0, 300.0]])
+    page.mouse.move(*start)
+    page.mouse.down()
+    page.mouse.move(*end, steps=3)
+    page.mouse.up()
+    wait_until(lambda: "end" in stage.phases())
+    assert np.abs(stage.drawn()[[0, -1]] - [[400.0, 500.0], [700.0, 300.0]]).max() < 2.0
+    page.mouse.click(*start)
+    wait_until(lambda: len(stage.clicks) == 1)
+
+
+def test_four_clicks_in_one_go_are_four_clicks(page: Page, stage: Stage) -> None:
+    for place in to_page(page, [[100, 100], [200, 100], [300, 100], [400, 100]]):
+        draw(page, [place], rate=0)
+    wait_until(lambda: len(stage.clicks) == 4)
+    assert [round(click[0]) for click in stage.clicks] == [100, 200, 300, 400]
+
+
+def test_a_browser_that_takes_the_pointer_away_cancels_the_stroke(page: Page, stage: Stage) -> None:
+    draw(page, to_page(page, figure_eight(30)), rate=500, finish="pointercancel")
+    wait_until(lambda: "cancel" in stage.phases())
+    assert "end" not in stage.phases()
+
+
+def test_escape_cancels_the_stroke_and_the_rest_of_the_drag(page: Page, stage: Stage) -> None:
+    places = to_page(page, figure_eight(30))
+    draw(page, places, rate=500, finish="")
+    page.keyboard.press("Escape")
+    release(page, places[-1])
+    draw(page, [places[0]], rate=0)
+    wait_until(lambda: stage.clicks)
+    assert stage.phases() == ["start", "update", "cancel"]
+
+
+def test_a_connection_lost_in_mid_stroke_cancels_it_on_both_sides(page: Page, stage: Stage) -> None:
+    places = to_page(page, figure_eight(30))
+    draw(page, places, rate=500, finish="")
+    wait_until(lambda: "start" in stage.phases())
+    before = set(stage.server.get_clients())
+    stage.server._websock_server.disconnect_all_clients()  # pyright: ignore[reportPrivateUsage]
+    wait_until(lambda: "cancel" in stage.phases())
+    wait_until(lambda: set(stage.server.get_clients()) - before)
+    wait_for_stop(page, "ready")
+    release(page, places[0])
+    wait_until(lambda: len(echo(page)) == 0)
+    draw(page, places, rate=500)
+    wait_until(lambda: "end" in stage.phases())
+    assert stage.phases() == ["start", "update", "cancel", "start", "update", "end"]
+
+
+def echo(page: Page) -> Floats:
+    """Where the echo's points are seen (n, 2), in CSS pixels of the page."""
+    return np.array(
+        page.evaluate("""() => {
+          const hosts = [...document.body.children].filter((node) => node.shadowRoot?.querySelector("polyline.line"));
+          const line = hosts[0].shadowRoot.querySelector("polyline.line");
+          return [...line.points].map((point) => {
+            const { x, y } = point.matrixTransform(line.getScreenCTM());
+            return [x, y];
+          });
+        }""")
+    )
+
+
+def test_the_echo_stays_on_the_ground_when_the_view_is_zoomed_and_goes_when_the_stroke_ends(
+    page: Page, stage: Stage
+) -> None:
+    stroke = figure_eight(60, size=0.4)
+    draw(page, to_page(page, stroke), rate=500, finish="")
+    assert np.abs(echo(page) - to_page(page, stroke)).max() < 1.0
+    turn_wheel(page, [300, 300], -400)
+    wait_until(lambda: np.abs(echo(page) - to_page(page, stroke)).max() < 1.0)
+    screenshot(page, "echo-zoomed")
+    draw(page, to_page(page, figure_eight(20)), rate=500)
+    wait_until(lambda: "end" in stage.phases())
+    wait_until(lambda: len(echo(page)) == 0)
+
+
+def test_drawing_takes_the_focus_from_a_field(page: Page, stage: Stage) -> None:
+    stage.focus(page, "text")
+    draw(page, to_page(page, figure_eight(10)), rate=500)
+    assert page.evaluate("document.activeElement === document.body")
+    wait_until(lambda: "end" in stage.phases())
+
+
+def test_the_page_tells_how_it_lies_over_the_ground(page: Page, stage: Stage) -> None:
+    turn_wheel(page, [200, 400], -300)
+    ground = [[250.0, 150.0], [900.0, 650.0]]
+    places = to_page(page, ground)
+    wait_until(lambda: stage.viewports and np.abs(stage.viewports[-1].to_ground(np.array(places)) - ground).max() < 1.0)
+    assert (stage.viewports[-1].width_px, stage.viewports[-1].height_px) == (1000.0, 640.0)
+
+
+def test_a_viewport_is_the_whole_page_in_device_pixels(page: Page, stage: Stage) -> None:
+    stage.viewports.clear()
+    canvas = [100, 60, 600, 500]  # its middle, (400, 310), lies over (10, 20)
+    send(page, "viewport", page=[1000, 800], canvas=canvas, pixel_ratio=2, centre=[10, 20], metres_per_px=0.5)
+    wait_until(lambda: stage.viewports)
+    viewport = stage.viewports[0]
+    assert (viewport.width_px, viewport.height_px) == (2000, 1600)
+    ground = viewport.to_ground(2 * np.array([[400.0, 310.0], [500.0, 310.0], [400.0, 410.0]]))
+    assert np.allclose(ground, [[10, 20], [60, 20], [10, -30]])
+
+
+NAN = float("nan")
+SPOILED: dict[str, dict[str, Any]] = {
+    "a number that is none": {"points": [1.0, NAN]},
+    "a number out of range": {"points": [1.0, 1e9]},
+    "a word": {"points": [1.0, "2"]},
+    "a truth value": {"points": [1.0, True]},
+    "an odd count": {"points": [1.0, 2.0, 3.0]},
+    "too many points": {"points": [0.0] * 2002},
+    "no list": {"points": "1,2"},
+    "a lost packet": {"sequence": 2},
+    "another stroke's packet": {"id": 4},
+    "an unknown phase": {"phase": "jump"},
+}
+
+
+@pytest.mark.parametrize("name", SPOILED)
+def test_a_spoiled_packet_cancels_its_stroke_and_the_next_stroke_is_whole(page: Page, stage: Stage, name: str) -> None:
+    packet: dict[str, Any] = {"id": 3, "sequence": 1, "phase": "update", "points": [3.0, 4.0]}
+    send(page, "stroke", id=3, sequence=0, phase="start", points=[1, 2])
+    send(page, "stroke", **(packet | SPOILED[name]))
+    send(page, "stroke", **(packet | {"phase": "end"}))
+    wait_until(lambda: len(stage.strokes) == 2)
+    send(page, "stroke", id=9, sequence=0, phase="start", points=[5, 6])
+    send(page, "stroke", id=9, sequence=1, phase="end", points=[7, 8])
+    wait_until(lambda: "end" in stage.phases())
+    assert stage.phases() == ["start", "cancel", "start", "end"]
+    assert stage.drawn().tolist() == [[1, 2], [5, 6], [7, 8]]
+
+
+@pytest.mark.parametrize(
+    ("topic", "body"),
+    [
+        ("click", {"point": [1.0]}),
+        ("click", {"point": [NAN, 1.0]}),
+        ("click", {}),
+        ("viewport", {"page": [1200, 760], "canvas": [0, 0, 900, 760], "pixel_ratio": 0, "metres_per_px": 1}),
+        ("viewport", {"page": [1200, 760], "canvas": [0, 0, 900], "pixel_ratio": 1, "metres_per_px": 1}),
+    ],
+)
+def test_a_spoiled_click_or_viewport_is_dropped(page: Page, stage: Stage, topic: str, body: dict[str, Any]) -> None:
+    stage.viewports.clear()
+    send(page, topic, **body)
+    draw(page, to_page(page, [[400.0, 500.0]]), rate=0)
+    wait_until(lambda: stage.clicks)
+    assert len(stage.clicks) == 1
+    assert stage.viewports == []

@@ -1,0 +1,240 @@
+"""Only an operator with the printed link reaches the console, and only honest messages come through."""
+
+import contextlib
+import http.client
+import re
+import socket
+from collections.abc import Callable, Iterator
+from typing import Any
+from urllib.parse import urlsplit
+
+import msgspec
+import pytest
+import viser
+from playwright.sync_api import Browser, Page
+from websockets.exceptions import ConnectionClosedError, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from higvf_console.core.errors import ConsoleError
+from higvf_console.ui.page import guard
+from tests.browser import Stage, wait_until
+
+TOKEN = "a token with; odd characters"
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    opened = guard.open_server("127.0.0.1", 0, TOKEN, "Guarded", max_clients=2)
+    yield opened
+    opened.stop()
+
+
+def get(server: viser.ViserServer, path: str, cookie: str = "") -> http.client.HTTPResponse:
+    connection = http.client.HTTPConnection("127.0.0.1", server.get_port(), timeout=10)
+    connection.request("GET", path, headers={"Cookie": cookie} if cookie else {})
+    return connection.getresponse()
+
+
+def log_in(server: viser.ViserServer) -> str:
+    link = urlsplit(guard.login_url(server, TOKEN))
+    answer = get(server, f"{link.path}?{link.query}")
+    return answer.headers["Set-Cookie"].split(";")[0]
+
+
+def open_socket(server: viser.ViserServer, cookie: str, origin: str | None = "own") -> ClientConnection:
+    port = server.get_port()
+    return connect(
+        f"ws://127.0.0.1:{port}",
+        origin=f"http://127.0.0.1:{port}" if origin == "own" else origin,  # pyright: ignore[reportArgumentType]
+        subprotocols=["viser-v1.1.1"],  # pyright: ignore[reportArgumentType]
+        additional_headers={"Cookie": cookie},
+    )
+
+
+def frame(**message: Any) -> bytes:
+    return msgspec.msgpack.encode(message)
+
+
+def uuid_of(widget: Any) -> str:
+    return widget._impl.uuid
+
+
+def test_without_the_link_every_request_is_answered_401_in_words(server: viser.ViserServer) -> None:
+    for path in ("/", "/index.html", "/?token=wrong", "/?token=", "/nothing"):
+        answer = get(server, path)
+        assert answer.status == 401, path
+        assert "open that link" in answer.read().decode()
+
+
+def test_the_link_logs_in_and_drops_the_token_from_the_address(server: viser.ViserServer) -> None:
+    link = urlsplit(guard.login_url(server, TOKEN))
+    answer = get(server, f"{link.path}?{link.query}")
+    assert answer.status == 302
+    assert answer.headers["Location"] == "./"
+    cookie = answer.headers["Set-Cookie"]
+    assert cookie.startswith(f"higvf_{server.get_port()}=")
+    assert "HttpOnly" in cookie and "SameSite=Lax" in cookie
+    assert TOKEN not in cookie
+    page = get(server, "/", cookie.split(";")[0])
+    assert page.status == 200
+    assert "<!doctype html>" in page.read().decode().lower()[:100]
+
+
+def test_a_page_may_not_be_framed_cached_or_fed_by_other_sites(server: viser.ViserServer) -> None:
+    headers = get(server, "/", log_in(server)).headers
+    assert headers["X-Frame-Options"] == "SAMEORIGIN"
+    assert headers["Cache-Control"] == "no-store"
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert "default-src 'self'" in headers["Content-Security-Policy"]
+
+
+def test_the_cookie_of_one_console_does_not_open_another(server: viser.ViserServer) -> None:
+    name, _, value = log_in(server).partition("=")
+    assert get(server, "/", f"{name}_other={value}").status == 401
+    assert get(server, "/", f"{name}={value[::-1]}").status == 401
+    assert get(server, "/", f"higvf_1=elsewhere; {name}={value}").status == 200
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "http://localhost:1", "null", None])
+def test_a_page_of_another_origin_is_refused(server: viser.ViserServer, origin: str | None) -> None:
+    with pytest.raises(InvalidStatus, match="403"):
+        open_socket(server, log_in(server), origin)
+
+
+def test_a_socket_without_login_is_refused(server: viser.ViserServer) -> None:
+    with pytest.raises(InvalidStatus, match="401"):
+        open_socket(server, "")
+
+
+def test_more_pages_than_allowed_are_refused_until_one_closes(server: viser.ViserServer) -> None:
+    cookie = log_in(server)
+    with open_socket(server, cookie):
+        with open_socket(server, cookie), pytest.raises(InvalidStatus, match="503"):
+            open_socket(server, cookie)
+        wait_until(lambda: _opens(server, cookie))
+
+
+def _opens(server: viser.ViserServer, cookie: str) -> bool:
+    with contextlib.suppress(InvalidStatus), open_socket(server, cookie):
+        return True
+    return False
+
+
+DISHONEST: dict[str, Callable[[str], bytes | str]] = {
+    "a silenced widget": lambda uuid: frame(type="GuiUpdateMessage", uuid=uuid, updates={"update_cb": []}),
+    "a removed widget": lambda uuid: frame(type="GuiUpdateMessage", uuid=uuid, updates={"removed": True, "value": 2.0}),
+    "an empty update": lambda uuid: frame(type="GuiUpdateMessage", uuid=uuid, updates={}),
+    "updates that are no mapping": lambda uuid: frame(type="GuiUpdateMessage", uuid=uuid, updates=[["value", 1]]),
+    "the share tunnel": lambda _: frame(type="ShareUrlRequest"),
+    "a script": lambda _: frame(type="RunJavascriptMessage", source="alert(1)"),
+    "a file": lambda uuid: frame(
+        type="FileTransferStartUpload", source_component_uuid=uuid, transfer_uuid="t", filename="f", mime_type="m",
+        part_count=1, size_bytes=1,
+    ),
+    "an unknown type": lambda _: frame(type="Nonsense"),
+    "a missing field": lambda uuid: frame(type="GuiUpdateMessage", uuid=uuid),
+    "no type": lambda uuid: frame(uuid=uuid),
+    "no mapping": lambda _: msgspec.msgpack.encode([1, 2]),
+    "no msgpack": lambda _: b"\xc1\xc1",
+    "nothing": lambda _: b"",
+    "text": lambda _: "hello",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DISHONEST)
+def test_a_dishonest_message_is_dropped_and_the_connection_goes_on(
+    server: viser.ViserServer, name: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    tunnels: list[viser.ViserServer] = []
+    monkeypatch.setattr(viser.ViserServer, "request_share_url", tunnels.append)  # never a real one from a test
+    widget = server.gui.add_number("number", 1.0)
+    with open_socket(server, log_in(server)) as page:
+        page.send(DISHONEST[name](uuid_of(widget)))
+        page.send(frame(type="GuiUpdateMessage", uuid=uuid_of(widget), updates={"value": 7.0}))
+        wait_until(lambda: widget.value == 7.0)
+    assert "dropped a message of the page at" in caplog.text
+    assert tunnels == []
+    widget.remove()
+
+
+def test_a_frame_beyond_two_megabytes_closes_the_connection(server: viser.ViserServer) -> None:
+    with open_socket(server, log_in(server)) as page:
+        page.send(b"\0" * (guard.MAX_FRAME_BYTES + 1))
+        with pytest.raises(ConnectionClosedError, match="1009"):
+            while True:
+                page.recv(timeout=10)
+
+
+def test_a_busy_port_is_an_error_that_names_it_and_the_choice(server: viser.ViserServer) -> None:
+    port = server.get_port()
+    with pytest.raises(ConsoleError, match=rf"port {port} on 127.0.0.1 is busy.*--port"):
+        guard.open_server("127.0.0.1", port, TOKEN, "Second")
+
+
+@pytest.mark.parametrize(
+    ("host", "port", "message"),
+    [
+        ("203.0.113.7", 0, "203.0.113.7 is no address of this machine.*--host"),
+        ("no-such-host.invalid", 0, "'no-such-host.invalid' is not known.*--host"),
+        ("x" * 80, 0, "is not known.*--host"),
+        ("127.0.0.1", 65536, "port 65536 does not exist.*--port"),
+        ("127.0.0.1", -1, "port -1 does not exist.*--port"),
+    ],
+)
+def test_an_address_that_cannot_be_served_is_an_error_and_not_a_hang(host: str, port: int, message: str) -> None:
+    with pytest.raises(ConsoleError, match=message):
+        guard.open_server(host, port, TOKEN, "Nowhere")
+
+
+def test_an_empty_token_is_refused() -> None:
+    with pytest.raises(ConsoleError, match="token"):
+        guard.open_server("127.0.0.1", 0, "", "Open to all")
+
+
+def test_another_viser_is_refused_by_its_version(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(viser, "__version__", "9.9.9")
+    with pytest.raises(ConsoleError, match=re.escape("viser 9.9.9 is installed")) as error:
+        guard.open_server("127.0.0.1", 0, TOKEN, "Other")
+    assert "pip install viser==1.1.1" in str(error.value)
+
+
+def test_a_stopped_console_leaves_its_port_free() -> None:
+    first = guard.open_server("127.0.0.1", 0, TOKEN, "First")
+    port = first.get_port()
+    first.stop()
+    with socket.socket() as probe:
+        wait_until(lambda: probe.connect_ex(("127.0.0.1", port)) != 0)
+    second = guard.open_server("127.0.0.1", port, TOKEN, "Second")
+    assert second.get_port() == port
+    second.stop()
+
+
+def test_viser_prints_no_address_that_lacks_the_token(capsys: pytest.CaptureFixture[str]) -> None:
+    guard.open_server("127.0.0.1", 0, TOKEN, "Quiet").stop()
+    assert "http" not in capsys.readouterr().out
+
+
+@pytest.mark.browser
+def test_a_browser_without_the_link_is_told_what_to_do(chromium: Browser, stage: Stage) -> None:
+    context = chromium.new_context()
+    page = context.new_page()
+    page.goto(stage.url.partition("?")[0])
+    assert "open that link" in page.locator("body").inner_text()
+    context.close()
+
+
+@pytest.mark.browser
+def test_a_button_that_a_page_tried_to_silence_still_works(page: Page, stage: Stage) -> None:
+    pressed: list[int] = []
+
+    @stage.button.on_click
+    async def _(event: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
+        pressed.append(event.client_id or 0)
+
+    page.evaluate(
+        """([uuid, updates]) => updates.forEach((update) =>
+        window.__viserMutable.sendMessage({ type: "GuiUpdateMessage", uuid, updates: update }))""",
+        [uuid_of(stage.button), [{"update_cb": []}, {"removed": True}]],
+    )
+    page.get_by_role("button", name="button", exact=True).click()
+    wait_until(lambda: pressed)

@@ -1,0 +1,193 @@
+"""Who of several pages steers: one at a time, handed over by clicks, and never kept by a page that has gone."""
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from higvf_console.core.commands import ControlChange
+from higvf_console.ui.page.steering import (
+    MOST_PAGES,
+    Change,
+    Control,
+    Outcome,
+    answered,
+    asked,
+    forgotten,
+    heard,
+    released,
+    taken,
+)
+
+PATIENCE = 8.0  # [s]
+
+
+def with_pages(*identities: str, at: float = 0.0) -> Control:
+    control = Control()
+    for identity in identities:
+        control, _ = heard(control, identity, at)
+    return control
+
+
+def done(control: Control, *steps: Callable[[Control], Outcome]) -> tuple[Control, list[Change]]:
+    told: list[Change] = []
+    for step in steps:
+        control, change = step(control)
+        told += [change] if change else []
+    return control, told
+
+
+def test_the_first_page_steers_and_those_after_it_watch() -> None:
+    control, change = heard(Control(), "a", 0.0)
+    assert change == Change(ControlChange.FIRST, "Browser 1", "Browser 1")
+    control, change = heard(control, "b", 1.0)
+    assert change is None
+    assert control.holder == "a"
+    assert control.name("b") == "Browser 2"
+
+
+def test_who_asks_is_told_and_the_holder_grants_it() -> None:
+    control, told = done(
+        with_pages("a", "b"), lambda c: asked(c, "b"), lambda c: answered(c, "a", "Browser 2", granted=True)
+    )
+    assert control.holder == "b"
+    assert control.waiting == ()
+    assert told == [
+        Change(ControlChange.ASKED, "Browser 2", "Browser 2"),
+        Change(ControlChange.GRANTED, "Browser 2", "Browser 1"),
+    ]
+
+
+def test_a_refused_page_waits_no_more_and_may_ask_again() -> None:
+    control, told = done(
+        with_pages("a", "b"), lambda c: asked(c, "b"), lambda c: answered(c, "a", "Browser 2", granted=False)
+    )
+    assert (control.holder, control.waiting) == ("a", ())
+    assert told[-1] == Change(ControlChange.REFUSED, "Browser 2", "Browser 1")
+    assert asked(control, "b")[0].waiting == ("b",)
+
+
+def test_only_the_holder_answers_and_only_who_asked_is_answered() -> None:
+    control, _ = asked(with_pages("a", "b", "c"), "b")
+    for identity, name in (("b", "Browser 2"), ("c", "Browser 2"), ("a", "Browser 3"), ("a", "Browser 1"), ("a", "")):
+        assert answered(control, identity, name, granted=True) == (control, None)
+
+
+def test_asking_twice_is_asking_once() -> None:
+    control, _ = asked(with_pages("a", "b"), "b")
+    assert asked(control, "b") == (control, None)
+
+
+def test_anybody_takes_over_and_the_others_that_wait_go_on_waiting() -> None:
+    control, told = done(with_pages("a", "b", "c"), lambda c: asked(c, "b"), lambda c: taken(c, "c"))
+    assert (control.holder, control.waiting) == ("c", ("b",))
+    assert told[-1] == Change(ControlChange.TAKEN, "Browser 3", "Browser 3")
+
+
+def test_released_control_goes_to_who_waited_longest_else_to_nobody() -> None:
+    control, told = done(
+        with_pages("a", "b", "c"), lambda c: asked(c, "c"), lambda c: asked(c, "b"), lambda c: released(c, "a")
+    )
+    assert (control.holder, control.waiting) == ("c", ("b",))
+    assert told[-1] == Change(ControlChange.RELEASED, "Browser 3", "Browser 1")
+    control, change = released(with_pages("a", "b"), "a")
+    assert control.holder == ""
+    assert change == Change(ControlChange.RELEASED, "", "Browser 1")
+
+
+@pytest.mark.parametrize("act", [asked, taken])
+def test_what_nobody_has_is_had_for_one_click(act: Callable[[Control, str], Outcome]) -> None:
+    free, _ = released(with_pages("a", "b"), "a")
+    control, change = act(free, "b")
+    assert control.holder == "b"
+    assert change == Change(ControlChange.FIRST, "Browser 2", "Browser 2")
+
+
+def test_a_page_that_comes_while_nobody_steers_steers() -> None:
+    free, _ = released(with_pages("a"), "a")
+    assert heard(free, "b", 1.0)[0].holder == "b"
+    assert heard(free, "a", 1.0)[0].holder == "", "who let go is no newcomer"
+
+
+def test_a_reload_keeps_control_name_and_place_in_the_line() -> None:
+    control, _ = asked(with_pages("a", "b"), "b")
+    control, told = done(
+        control, lambda c: forgotten(c, 7.9, PATIENCE), lambda c: heard(c, "b", 7.9), lambda c: heard(c, "a", 7.9)
+    )
+    assert told == []
+    assert (control.holder, control.waiting, control.name("a")) == ("a", ("b",), "Browser 1")
+
+
+def test_a_holder_that_falls_silent_is_lost_and_its_control_goes_to_one_that_waits_and_is_awake() -> None:
+    control, _ = done(with_pages("a", "b", "c", "d"), lambda c: asked(c, "b"), lambda c: asked(c, "c"))
+    control, told = done(
+        control, lambda c: heard(c, "b", 4.0), lambda c: heard(c, "c", 8.0), lambda c: forgotten(c, 8.5, PATIENCE)
+    )
+    assert control.holder == "c", "b has not been heard of for a while either"
+    assert told == [Change(ControlChange.LOST, "Browser 3", "Browser 1")]
+
+
+def test_a_lost_holder_whom_nobody_asked_leaves_it_to_nobody() -> None:
+    control, _ = heard(with_pages("a", "b"), "b", 8.0)
+    control, change = forgotten(control, 8.5, PATIENCE)
+    assert control.holder == ""
+    assert change == Change(ControlChange.LOST, "", "Browser 1")
+
+
+def test_a_page_that_is_lost_while_it_watches_is_not_missed() -> None:
+    control, _ = asked(with_pages("a", "b"), "b")
+    control, _ = heard(control, "a", 8.0)
+    control, change = forgotten(control, 8.5, PATIENCE)
+    assert change is None
+    assert (control.holder, control.waiting) == ("a", ())
+
+
+def test_no_two_pages_ever_have_the_same_name() -> None:
+    control, _ = forgotten(with_pages("a"), 9.0, PATIENCE)
+    assert heard(control, "b", 9.0)[0].name("b") == "Browser 2"
+
+
+def test_more_pages_than_can_be_remembered_are_refused() -> None:
+    full = with_pages(*(str(number) for number in range(MOST_PAGES)))
+    with pytest.raises(ValueError, match=str(MOST_PAGES)):
+        heard(full, "one more", 0.0)
+    assert heard(full, "3", 1.0)[1] is None
+
+
+IDENTITIES = st.sampled_from(["a", "b", "c", ""])
+ACTS = st.one_of(
+    st.tuples(st.just("heard"), st.sampled_from(["a", "b", "c"])),
+    st.tuples(st.sampled_from(["ask", "take", "release", "wait"]), IDENTITIES),
+    st.tuples(st.sampled_from(["grant", "refuse"]), IDENTITIES, st.sampled_from(["Browser 1", "Browser 2", ""])),
+)
+
+
+@given(st.lists(ACTS, max_size=30))
+def test_whatever_is_clicked_one_page_that_is_there_steers_or_nobody_and_every_change_is_told(
+    acts: list[tuple[str, ...]],
+) -> None:
+    control, now = Control(), 0.0
+    for act, identity, *name in acts:
+        before = control
+        match act:
+            case "heard":
+                control, change = heard(control, identity, now)
+            case "ask":
+                control, change = asked(control, identity)
+            case "take":
+                control, change = taken(control, identity)
+            case "release":
+                control, change = released(control, identity)
+            case "wait":
+                now += 5.0
+                control, change = forgotten(control, now, PATIENCE)
+            case _:
+                control, change = answered(control, identity, name[0], granted=act == "grant")
+        present = {page.identity for page in control.pages}
+        assert control.holder in present | {""}
+        assert set(control.waiting) <= present - {control.holder}
+        assert len(set(control.waiting)) == len(control.waiting)
+        if control.holder != before.holder:
+            assert change is not None
+            assert change.page == control.name(control.holder)
