@@ -18,9 +18,9 @@ import numpy as np
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.guidance.following import following
+from higvf_console.control.intention.messages import SENDING, chance
 from higvf_console.core.arrays import Bools, Floats, Ints, floats
 from higvf_console.core.state import Motion, PathKind, PathStatus, SimState, Trace
-from higvf_console.sim.disturbances import SENDING, chance
 
 
 class Part(IntEnum):

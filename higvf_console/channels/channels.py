@@ -4,9 +4,8 @@ from collections.abc import Iterable, Mapping
 from importlib.metadata import EntryPoint, entry_points
 
 from higvf_console.core.commands import OperatorCommand
-from higvf_console.core.errors import HigvfError, InputError
+from higvf_console.core.errors import HigvfError, InputError, closest
 from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
-from higvf_console.scenario.reading import closest
 from higvf_console.sim.setup import Event, Severity
 
 GROUP = "higvf_console.interfaces"

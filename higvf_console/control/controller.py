@@ -32,6 +32,7 @@ from higvf_console.control.guidance.rings import Rings, find_rings, fire_ring
 from higvf_console.control.intention.blending import blended_velocity
 from higvf_console.control.intention.formation import formation_velocity
 from higvf_console.control.intention.intention import shared_intention
+from higvf_console.control.intention.messages import heard
 from higvf_console.control.intention.neighbours import components, within
 from higvf_console.control.intention.perception import (
     choose_target,
@@ -43,7 +44,6 @@ from higvf_console.control.intention.perception import (
 from higvf_console.control.kernel import kernel
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.state import NOBODY, Intent, Motion, PathKind, PathStatus, World
-from higvf_console.sim.disturbances import heard
 
 
 class Sight(NamedTuple):

@@ -49,7 +49,7 @@ class MoveThing(Edit):
 
 @dataclass(frozen=True)
 class ChangeThing(Edit):
-    """A number of the thing of that kind and index (from 0) becomes `value`; see `world.editing.things` for their names."""
+    """A number of that kind of thing and index (from 0) becomes `value`; names: see `world.editing.things`."""
 
     thing: str
     index: int

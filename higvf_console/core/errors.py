@@ -1,5 +1,8 @@
 """One family of errors: each names the value, the place and the choices."""
 
+import difflib
+from collections.abc import Sequence
+
 
 class HigvfError(Exception):
     """Base of every error that the console raises on purpose."""
@@ -27,3 +30,9 @@ class FilterError(HigvfError):
 
 class ConsoleError(HigvfError):
     """The console cannot be served: busy port, unassignable address, wrong viser."""
+
+
+def closest(word: str, known: Sequence[str]) -> str:
+    """' (did you mean ...?)' when a known word is near `word`, else nothing."""
+    near = difflib.get_close_matches(word, known, n=1)
+    return f" (did you mean '{near[0]}'?)" if near else ""

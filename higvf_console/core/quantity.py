@@ -30,6 +30,9 @@ class Quantity(NamedTuple):
     text: str
 
 
+COORDINATE = Quantity("m", -1e6, 1e6, "", "A coordinate.")
+
+
 def quantities(parameters: type[Any]) -> dict[str, Quantity]:
     """The `Quantity` of every annotated field of a parameter NamedTuple, by field name."""
     found: dict[str, Quantity] = {}

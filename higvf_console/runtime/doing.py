@@ -1,9 +1,9 @@
 """One command, whatever it is about: the moment after it, the history with it, and what there is to say.
 
-what the operator asks of the team    sim.operator
-what the world is made of             session.editing
-another scenario                      session.scenario
-undo, redo                            session.history
+what the operator asks of the team    operator.reducer
+what the world is made of             world.editing
+another scenario                      scenario.scenario
+undo, redo                            runtime.history
 """
 
 from higvf_console.core.arrays import Ints

@@ -3,17 +3,18 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.outline import enclosed
 from higvf_console.core.quantity import Quantity
 from higvf_console.scenario.reading import Node
 from higvf_console.world.masks import MaskPlace, read_grey, trace
-from higvf_console.world.polygons import MOST_EDGES, crossing, edges, oriented, signed_area, without_repeats
-
-LEAST_AREA = 1.0  # of a polygon [m^2]
+from higvf_console.world.polygons import (
+    MOST_EDGES,
+    closed_outline,
+    crossing,
+    oriented,
+)
 
 _SCALE = Quantity("m", 1e-4, 1e4, "", "Side of a pixel.")
 _GREY = Quantity("", 0.0, 255.0, "", "Brightness below which a pixel is dark.")
@@ -46,33 +47,6 @@ def _outline(node: Node) -> Floats:
         return closed_outline(points)
     except ScenarioError as error:
         raise node.error(str(error)) from error
-
-
-def closed_outline(corners: Floats) -> Floats:
-    """The outline of an obstacle, counter-clockwise, of corners (n, 2) [m].
-
-    Raises:
-        ScenarioError: too few or too many corners, edges that cross or touch, or hardly an area.
-    """
-    points = without_repeats(corners)
-    distinct = len(np.unique(points, axis=0))
-    if distinct < 3:
-        raise ScenarioError(f"a polygon needs at least 3 distinct points; this one has {distinct}")
-    if len(points) > MOST_EDGES:
-        raise ScenarioError(f"the polygon has {len(points)} edges; at most {MOST_EDGES} are possible")
-    pair = crossing([points])
-    if pair is not None:
-        first, second = (_edge(points, k) for k in pair)
-        raise ScenarioError(f"the polygon crosses or touches itself: {first} and {second}")
-    area = abs(signed_area(points))
-    if area < LEAST_AREA:
-        raise ScenarioError(f"the polygon has an area of {area:.3g} m^2; give it at least {LEAST_AREA:g} m^2")
-    return oriented(points)
-
-
-def _edge(points: Floats, k: int) -> str:
-    ax, ay, bx, by = edges([points])[k]
-    return f"edge {k + 1} from ({ax:g}, {ay:g}) to ({bx:g}, {by:g})"
 
 
 def read_masks(node: Node, folders: Sequence[Path]) -> tuple[Floats, ...]:

@@ -3,7 +3,6 @@
 The types are those of YAML 1.2: `on`, `no` and `12:30` are text, `1e3` is a number. A key given twice is an error.
 """
 
-import difflib
 import re
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -11,10 +10,8 @@ from typing import Any, NamedTuple
 import yaml
 
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.core.errors import ScenarioError
-from higvf_console.core.quantity import Quantity, checked, shown
-
-COORDINATE = Quantity("m", -1e6, 1e6, "", "A coordinate.")
+from higvf_console.core.errors import ScenarioError, closest
+from higvf_console.core.quantity import COORDINATE, Quantity, checked, shown
 
 
 class _StrictLoader(yaml.SafeLoader):
@@ -50,12 +47,6 @@ for _tag, _pattern, _first in (
     ("float", r"[-+]?\.inf|\.nan", list("-+.")),
 ):
     _StrictLoader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"(?:{_pattern})$"), _first)
-
-
-def closest(word: str, known: Sequence[str]) -> str:
-    """' (did you mean ...?)' when a known word is near `word`, else nothing."""
-    near = difflib.get_close_matches(word, known, n=1)
-    return f" (did you mean '{near[0]}'?)" if near else ""
 
 
 class Node(NamedTuple):

@@ -39,17 +39,16 @@ from higvf_console.channels.channels import unknown_settings
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.gains import Gains
 from higvf_console.core.arrays import Floats, floats, ints
-from higvf_console.core.errors import ScenarioError
+from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, shown
 from higvf_console.core.state import NO_PATH, Path, World
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import follow
 from higvf_console.scenario.channel_settings import read_inputs
-from higvf_console.scenario.reading import Node, closest, read_yaml
+from higvf_console.scenario.reading import Node, read_yaml
 from higvf_console.scenario.sections import (
     FilterKind,
     Fire,
-    Obstacles,
     Robots,
     ShownStroke,
     read_arena,
@@ -66,6 +65,7 @@ from higvf_console.scenario.sections import (
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import initial_state
 from higvf_console.world.editing.layout import Layout, world_of
+from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.placement import (
     Network,
     buried_fires,

@@ -14,12 +14,13 @@ from higvf_console.control.guidance.paths import circle_path, ellipse_path, line
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
-from higvf_console.core.quantity import Quantity, quantities, with_values
+from higvf_console.core.quantity import COORDINATE, Quantity, quantities, with_values
 from higvf_console.core.state import Path
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import ENDINGS, FASTEST, SLOWEST, shaped
 from higvf_console.scenario.irregular import check_edges, read_masks, read_polygons
-from higvf_console.scenario.reading import COORDINATE, Node
+from higvf_console.scenario.reading import Node
+from higvf_console.world.obstacles import Obstacles
 
 MOST_ROBOTS = 100_000
 SPEED_LIMIT_FACTOR = 1.5  # v_max of a scenario that names only the cruise speed C
@@ -54,20 +55,6 @@ class Fire(NamedTuple):
     radius: float
     growth: float
     needs: int
-
-
-class Obstacles(NamedTuple):
-    """What stands in the way.
-
-    Attributes:
-        circles: (P, 3) as in `state.World`.
-        bars: (Q, 5) as in `state.World`.
-        polygons: closed chains (n, 2) [m] as in `world.polygons`: those of the file, then those of its masks.
-    """
-
-    circles: Floats
-    bars: Floats
-    polygons: tuple[Floats, ...]
 
 
 class Robots(NamedTuple):

@@ -23,10 +23,11 @@ from higvf_console.operator.path_commands import ending_word
 from higvf_console.scenario.channel_settings import written_inputs
 from higvf_console.scenario.reading import yaml_text
 from higvf_console.scenario.scenario import VERSION, Scenario, parse_scenario
-from higvf_console.scenario.sections import Obstacles, Robots
+from higvf_console.scenario.sections import Robots
 from higvf_console.sim.setup import Setup
 from higvf_console.world.editing.layout import layout_of
 from higvf_console.world.editing.things import centres
+from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.polygons import obstacles_of
 
 Section = dict[str, Any]

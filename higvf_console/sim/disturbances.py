@@ -1,7 +1,6 @@
-"""Disturbances: errors of measured positions and lost messages, drawn without a state, and what stays safe with them.
+"""Disturbances: errors of measured positions, and what stays safe with them and with lost messages.
 
-Every draw is a hash of the run's seed, the tick, the purpose and the robots concerned (a counter-based generator, the
-finaliser of SplitMix64, Steele et al. 2014), so that live runs, rolls, replays and previews see the same errors.
+Every draw is a hash, see `control.intention.messages`.
 
 Noise. The controller and the safety filter see p' = p + error, |error| <= e, new for each robot in each tick; physics
 and judges know p. The filter's clearances are enlarged, R' = R + E, with E = e for obstacles and E = 2 e for pairs,
@@ -34,32 +33,10 @@ import math
 import numpy as np
 
 from higvf_console.control.gains import Gains, RobotGains
+from higvf_console.control.intention.messages import MEASURING, chance
 from higvf_console.control.kernel import kernel
-from higvf_console.core.arrays import Floats, Ints
+from higvf_console.core.arrays import Floats
 from higvf_console.core.state import Motion
-
-MEASURING, SENDING = 1, 2  # purposes of a draw
-
-_STEP = np.uint64(0x9E3779B97F4A7C15)
-_FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
-_SHIFT_1, _SHIFT_2, _SHIFT_3, _EXCESS = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
-
-
-@kernel
-def chance(seed: float, tick: int, purpose: int, i: int, j: int) -> float:
-    """A number in [0, 1), uniform over any of the arguments (whole numbers from 0), the same for the same ones."""
-    z = _mixed(np.uint64(seed))
-    for word in (tick, purpose, i, j):
-        z = _mixed(z ^ np.uint64(word))
-    return float(z >> _EXCESS) * 2.0**-53
-
-
-@kernel
-def _mixed(z: np.uint64) -> np.uint64:
-    z = z + _STEP
-    z = (z ^ (z >> _SHIFT_1)) * _FIRST
-    z = (z ^ (z >> _SHIFT_2)) * _SECOND
-    return z ^ (z >> _SHIFT_3)
 
 
 @kernel
@@ -83,23 +60,6 @@ def as_measured(motion: Motion, robots: RobotGains) -> Motion:
         motion.fire_progress, motion.fire_burning, motion.path_parameter, motion.path_status, motion.path_idle,
         motion.path_gap, motion.path_left, motion.robot_peak, motion.human_peak,
     )  # fmt: skip
-
-
-@kernel
-def heard(start: Ints, to: Ints, tick: int, robots: RobotGains) -> tuple[Ints, Ints]:
-    """The links, as rows of neighbours, whose messages arrive in this tick; each is lost with `packet_loss`."""
-    if robots.packet_loss == 0.0:
-        return start, to
-    heard_start, heard_to = np.zeros(start.shape[0], np.int64), np.empty(to.shape[0], np.int64)
-    used = 0
-    for i in range(start.shape[0] - 1):
-        for entry in range(start[i], start[i + 1]):
-            j = to[entry]
-            if chance(robots.seed, tick, SENDING, min(i, j), max(i, j)) >= robots.packet_loss:
-                heard_to[used] = j
-                used += 1
-        heard_start[i + 1] = used
-    return heard_start, heard_to[:used].copy()
 
 
 def noise_limit(gains: Gains, growth: float) -> float:

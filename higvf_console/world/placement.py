@@ -17,9 +17,9 @@ from higvf_console.core.arrays import Floats, Ints, floats, ints
 from higvf_console.core.errors import FilterError, ScenarioError
 from higvf_console.core.state import World
 from higvf_console.core.viewport import Arena
-from higvf_console.scenario.sections import Obstacles
 from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
 from higvf_console.sim.disturbances import noise_limit
+from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.polygons import obstacles_of, segment_distance, signed_distance
 
 ROUNDING = 1e-6  # [m] by which a start may miss a clearance: a team that is written down may stand right at it

@@ -9,9 +9,11 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from higvf_console.core.arrays import Bools, Floats, floats
+from higvf_console.core.errors import ScenarioError
 from higvf_console.core.outline import enclosed
 
 _AT_ONCE = 2000  # points whose distances from all edges are found together
+LEAST_AREA = 1.0  # of a polygon [m^2]
 MOST_EDGES = 500  # of all irregular obstacles together: each is a barrier of every robot near it
 
 
@@ -117,3 +119,30 @@ def spine_distance(points: Floats, spines: Floats) -> Floats:
     dx, dy = points[:, :1] - ax, points[:, 1:] - ay
     share = np.clip((dx * along_x + dy * along_y) / np.maximum(along_x**2 + along_y**2, 1e-12), 0.0, 1.0)
     return np.hypot(dx - share * along_x, dy - share * along_y)
+
+
+def closed_outline(corners: Floats) -> Floats:
+    """The outline of an obstacle, counter-clockwise, of corners (n, 2) [m].
+
+    Raises:
+        ScenarioError: too few or too many corners, edges that cross or touch, or hardly an area.
+    """
+    points = without_repeats(corners)
+    distinct = len(np.unique(points, axis=0))
+    if distinct < 3:
+        raise ScenarioError(f"a polygon needs at least 3 distinct points; this one has {distinct}")
+    if len(points) > MOST_EDGES:
+        raise ScenarioError(f"the polygon has {len(points)} edges; at most {MOST_EDGES} are possible")
+    pair = crossing([points])
+    if pair is not None:
+        first, second = (_edge(points, k) for k in pair)
+        raise ScenarioError(f"the polygon crosses or touches itself: {first} and {second}")
+    area = abs(signed_area(points))
+    if area < LEAST_AREA:
+        raise ScenarioError(f"the polygon has an area of {area:.3g} m^2; give it at least {LEAST_AREA:g} m^2")
+    return oriented(points)
+
+
+def _edge(points: Floats, k: int) -> str:
+    ax, ay, bx, by = edges([points])[k]
+    return f"edge {k + 1} from ({ax:g}, {ay:g}) to ({bx:g}, {by:g})"

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from higvf_console.control.gains import Gains, PackedGains, RobotGains, SafetyGains, controlled, packed
+from higvf_console.control.intention.messages import MEASURING, chance, heard
 from higvf_console.control.intention.neighbours import within
 from higvf_console.control.safety.safety_filter import filter_velocities
 from higvf_console.core.arrays import Floats, bools, floats
 from higvf_console.operator.reducer import apply_command
-from higvf_console.sim.disturbances import MEASURING, chance, heard, measured, noise_limit
+from higvf_console.sim.disturbances import measured, noise_limit
 from higvf_console.sim.simulation import advance
 from tests.teams import stroke, team
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from higvf_console.core.errors import HigvfError
+from higvf_console.core.errors import HigvfError, closest
 from higvf_console.lab.reproduce.case import Case
 from higvf_console.lab.reproduce.cases import (
     certificates,
@@ -14,7 +14,6 @@ from higvf_console.lab.reproduce.cases import (
     physical,
     table2,
 )
-from higvf_console.scenario.reading import closest
 
 _PARTS = (fields, composite, circles, firefighting, table2, physical, forms, certificates)
 CASES: dict[str, Case] = {case.name: case for part in _PARTS for case in part.CASES}

@@ -11,12 +11,18 @@ from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.edits import Thing
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.state import Motion
-from higvf_console.scenario.irregular import closed_outline
-from higvf_console.scenario.sections import Obstacles
 from higvf_console.world.editing.layout import Layout, Links
 from higvf_console.world.editing.safe_places import body_fits, diagonal, held_words, nearest_fit
 from higvf_console.world.editing.things import Place, how_many, name_of, numbers_of
-from higvf_console.world.polygons import MOST_EDGES, crossing, obstacles_of, segment_distance, signed_distance
+from higvf_console.world.obstacles import Obstacles
+from higvf_console.world.polygons import (
+    MOST_EDGES,
+    closed_outline,
+    crossing,
+    obstacles_of,
+    segment_distance,
+    signed_distance,
+)
 
 CIRCLE_RADIUS = 25.0  # of a new circle [m]
 BAR_LENGTH, BAR_HALF_WIDTH = 120.0, 6.0  # of a new bar [m]

@@ -27,9 +27,9 @@ from higvf_console.core.edits import (
     ToggleLink,
 )
 from higvf_console.core.errors import ScenarioError
+from higvf_console.core.quantity import COORDINATE
 from higvf_console.core.state import Motion, SimState, World
 from higvf_console.core.viewport import Arena
-from higvf_console.scenario.reading import COORDINATE
 from higvf_console.sim.setup import Setup
 from higvf_console.world.editing import bodies
 from higvf_console.world.editing.carry import NEW, carried, led_on, same_rows, waiting_on

@@ -8,9 +8,9 @@ from higvf_console.control.gains import Gains, controlled
 from higvf_console.core.arrays import Floats, Ints, floats, ints
 from higvf_console.core.state import World
 from higvf_console.core.viewport import Arena
-from higvf_console.scenario.sections import Obstacles
 from higvf_console.sim.setup import Setup
 from higvf_console.world.build import NO_LINKS, make_world
+from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.placement import link_table
 
 Links = tuple[tuple[int, int], ...]

@@ -3,9 +3,8 @@
 from collections.abc import Mapping
 
 from higvf_console.control.gains import Gains
-from higvf_console.core.errors import ScenarioError
+from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, quantities, with_values
-from higvf_console.scenario.reading import closest
 from higvf_console.world.editing.layout import Layout
 
 # What a run's clock and the robots' model rest on; a scenario file sets them.

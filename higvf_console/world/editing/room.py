@@ -6,7 +6,7 @@ import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.outline import enclosed
-from higvf_console.scenario.sections import Obstacles
+from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.polygons import edges, obstacles_of, signed_distance, spine_distance
 
 

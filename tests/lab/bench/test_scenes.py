@@ -14,7 +14,7 @@ from higvf_console.lab.bench.planar import capsule, disc, distances, gap, hull, 
 from higvf_console.lab.bench.scene_file import scene_setup, scene_yaml
 from higvf_console.lab.bench.scenes import END_CLEARANCE, GAPS, TIME_LIMIT, Kind, Scene
 from higvf_console.scenario.scenario import parse_scenario
-from higvf_console.scenario.sections import Obstacles
+from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.placement import check_start
 
 SCENES = [(kind, seed) for kind in Kind for seed in range(6)]

@@ -5,9 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from higvf_console.core.arrays import floats
-from higvf_console.scenario.sections import Obstacles
 from higvf_console.world.editing.layout import layout_of
 from higvf_console.world.editing.room import obstacle_room
+from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.placement import obstacle_gaps
 from tests.world.editing.deeds import edited_run
 
