@@ -21,7 +21,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 if TYPE_CHECKING:
     from higvf_console.channels.channels import open_interface
-    from higvf_console.control.gains import Gains
+    from higvf_console.control.parameters import Parameters
     from higvf_console.core.commands import OperatorCommand
     from higvf_console.core.errors import HigvfError
     from higvf_console.core.interface import InputSpec, Interface, OperatorContext
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "channels.channels": ("open_interface",),
-    "control.gains": ("Gains",),
+    "control.parameters": ("Parameters",),
     "core.commands": ("OperatorCommand",),
     "core.errors": ("HigvfError",),
     "core.interface": ("InputSpec", "Interface", "OperatorContext"),
@@ -53,7 +53,7 @@ _HOMES = {
 }
 
 __all__ = [
-    "Event", "Gains", "HigvfError", "InputSpec", "Interface", "OperatorCommand", "OperatorContext", "Recorder",
+    "Event", "HigvfError", "InputSpec", "Interface", "OperatorCommand", "OperatorContext", "Parameters", "Recorder",
     "Scenario", "Session", "Setup", "SimState", "Snapshot", "Trace", "World", "advance", "apply_command",
     "load_scenario", "open_interface", "read_recording", "replay", "roll", "run_headless", "scenario_names",
 ]  # fmt: skip

@@ -10,6 +10,7 @@ from hypothesis import settings
 from playwright.sync_api import Browser, Page, expect
 
 from higvf_console.lab.bench.chromium import NAMES, find_chromium, launched
+from higvf_console.scenario.scenario import Scenario, parse_scenario
 from higvf_console.ui.interaction import keys
 from tests.browser import (
     PATIENCE,
@@ -113,3 +114,20 @@ def sample() -> Callable[[str], Path]:
         return path
 
     return found
+
+
+TEAM = """
+version: 1
+name: team
+arena: {size_m: [1200, 700]}
+robots: {start_m: [[700, 300], [670, 350], [730, 350]], jitter_m: 2}
+fires:
+  - {at_m: [500, 250], radius_m: 20, robots_needed: 2}
+duration_s: 20
+"""
+
+
+@pytest.fixture(name="team")
+def _team() -> Scenario:
+    """A scenario small enough to tick a few times."""
+    return parse_scenario(TEAM, "team.yaml")

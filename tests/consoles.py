@@ -14,8 +14,8 @@ from higvf_console.core.commands import (
     Freeze,
     OperatorCommand,
     Pick,
+    ResetEmergencyStop,
     ResetRun,
-    ResetStop,
     Resume,
     SetSpeed,
 )
@@ -47,7 +47,7 @@ class Running(NamedTuple):
 
     def start_again(self) -> None:
         """A frozen run at its start, that was not stopped, with robot 1 chosen and nothing that waits."""
-        reset = (AskReset(), ResetStop()) if self.state.intent.stopped else ()
+        reset = (AskReset(), ResetEmergencyStop()) if self.state.intent.stopped else ()
         self.push(Freeze(True), *reset, SetSpeed(1.0), Discard(), Resume(), ResetRun(), Pick(0))
 
     def shipped_stroke(self) -> list[OperatorCommand]:
@@ -63,7 +63,7 @@ class Running(NamedTuple):
 def console_at_work(scenario: str, *interfaces: Interface) -> Generator[Running]:
     """A scenario, live, with the mouse and what else there is."""
     session = Session(load_scenario(scenario), [open_interface(InputSpec("mouse")), *interfaces])
-    warm_up(session.setup.start, session.setup.world, session.setup.gains)
+    warm_up(session.setup.start, session.setup.world, session.setup.params)
     token = guard.new_token()
     server = guard.open_server("127.0.0.1", 0, token, "Console")
     console = Console(session, server)

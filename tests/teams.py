@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from higvf_console.control.gains import Gains, controlled
+from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.core.viewport import Arena
@@ -20,7 +20,7 @@ def team(
     fires: Sequence[tuple[float, float, float]] = (),
     circles: Sequence[tuple[float, float, float]] = (),
     bars: Sequence[tuple[float, float, float, float, float]] = (),
-    gains: Gains | None = None,
+    params: Parameters | None = None,
     growth: float = 1.0,
     needs: int = 2,
     arena: Arena | None = None,
@@ -28,14 +28,14 @@ def team(
 ) -> Setup:
     """Robots (x, y), fires (x, y, radius), circles (x, y, radius), bars (ax, ay, bx, by, half width) [m]; no walls."""
     burning = floats(fires, -1, 3)
-    gains = gains or Gains()
+    params = params or Parameters()
     world = make_world(
         floats(circles, -1, 3), floats(bars, -1, 5), np.zeros((0, 3)), burning[:, :2], floats([growth] * len(fires)),
-        ints([needs] * len(fires)), floats(robots, -1, 2), controlled(gains).safety.obstacle_clearance,
+        ints([needs] * len(fires)), floats(robots, -1, 2), controlled(params).safety.obstacle_clearance,
         polygons=polygons,
     )  # fmt: skip
     start = initial_state(world.formation, floats(burning[:, 2]), world)
-    return Setup(arena or Arena(0.0, 0.0, 1200.0, 700.0), world, gains, start, tuple(polygons))
+    return Setup(arena or Arena(0.0, 0.0, 1200.0, 700.0), world, params, start, tuple(polygons))
 
 
 def stroke(points: Sequence[tuple[float, float]] | Floats, robot: int | None = None) -> list[OperatorCommand]:

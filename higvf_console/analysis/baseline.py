@@ -32,13 +32,13 @@ def compute_baseline(setup: Setup, duration: float, stopping: Signal) -> Baselin
     """
     if not setup.start.motion.fire_burning.any():
         return None
-    dt = setup.gains.safety.control_period
+    dt = setup.params.safety.control_period
     losses: list[Floats] = []
     state, ticks = setup.start, 0
     while ticks * dt < duration and state.motion.fire_burning.any():
         if stopping.is_set():
             return None
-        state, rollout = roll(state, setup.world, setup.gains, _CHUNK)
+        state, rollout = roll(state, setup.world, setup.params, _CHUNK)
         losses.append(rollout.loss_area.sum(axis=1))
         ticks += _CHUNK
     return Baseline(dt * floats(range(1, ticks + 1)), np.concatenate(losses))

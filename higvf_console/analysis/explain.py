@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.control.forms import PRINTED
-from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.guidance.following import following
 from higvf_console.control.intention.messages import SENDING, chance
+from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.core.arrays import Bools, Floats, Ints, floats
 from higvf_console.core.state import Motion, PathKind, PathStatus, SimState, Trace
 
@@ -83,7 +83,7 @@ class _Pulls(NamedTuple):
     weight: Floats
 
 
-def explain(moved: Moved, gains: Gains, robots: Ints) -> Explanation:
+def explain(moved: Moved, params: Parameters, robots: Ints) -> Explanation:
     """Takes the velocities of robots (R,) apart.
 
     Speed limit and composite step do not say in which order they shortened a vector: what the limit takes is counted
@@ -91,27 +91,27 @@ def explain(moved: Moved, gains: Gains, robots: Ints) -> Explanation:
     """
     trace, intent = moved.trace, moved.before.intent
     v_s, weight = moved.after.intention[robots], trace.blending[robots]
-    floor = 0.0 if gains.forms.speed == PRINTED else gains.blending.intention_floor
+    floor = 0.0 if params.forms.speed == PRINTED else params.blending.intention_floor
     parts = np.zeros((len(robots), len(Part), 2))
     with np.errstate(invalid="ignore", divide="ignore"):
         led, held = _component(moved, robots, PathStatus.FOLLOWING), _component(moved, robots, PathStatus.HOLDING)
         pace = np.where(led, intent.path.pace, 1.0)
-        drive = pace * weight * gains.blending.cruise_speed / np.maximum(np.hypot(v_s[:, 0], v_s[:, 1]), floor)
+        drive = pace * weight * params.blending.cruise_speed / np.maximum(np.hypot(v_s[:, 0], v_s[:, 1]), floor)
         drive = drive[:, None]
-        pulls = _pulls(moved, gains, robots)
-        shares = _shares(moved, gains, robots, pulls)
+        pulls = _pulls(moved, params, robots)
+        authority = _authority_shares(moved, params, robots, pulls)
         settled = drive[..., None] * pulls.pull / pulls.weight[:, None, None]
-        parts[:, : Part.FORMATION] = drive[..., None] * shares
+        parts[:, : Part.FORMATION] = drive[..., None] * authority
         parts[:, Part.FORMATION] = (pace * (1.0 - weight))[:, None] * trace.formation[robots]
         blended, nominal = trace.blended[robots], trace.nominal[robots]
         if intent.paused or intent.stopped:
             parts[:, Part.HOLD] = nominal - blended
         else:
-            parts[:, Part.HOLD] = _taken_by_the_limit(blended, nominal, controlled(gains).safety.speed_limit)
+            parts[:, Part.HOLD] = _taken_by_the_limit(blended, nominal, controlled(params).safety.speed_limit)
             parts[held, Part.HOLD] = (nominal - blended)[held]
             parts[:, Part.ROUND] = nominal - blended - parts[:, Part.HOLD]
         parts[:, Part.SAFETY] = moved.after.velocity[robots] - nominal
-    return Explanation(_finite(parts), _say(_finite(parts), _finite(settled)))
+    return Explanation(_finite(parts), _authority(_finite(parts), _finite(settled)))
 
 
 def _component(moved: Moved, robots: Ints, status: PathStatus) -> Bools:
@@ -121,39 +121,39 @@ def _component(moved: Moved, robots: Ints, status: PathStatus) -> Bools:
     return (component[robots] == component[intent.influenced]) & on_path
 
 
-def _pulls(moved: Moved, gains: Gains, robots: Ints) -> _Pulls:
+def _pulls(moved: Moved, params: Parameters, robots: Ints) -> _Pulls:
     """The pulls, with the psi of the leader that explains its new intention better: 1, or boosted in a deadlock."""
-    weights, trace = gains.intention, moved.trace
+    weights, trace = params.intention, moved.trace
     leads = following(moved.after, moved.before.intent) & (robots == moved.before.intent.influenced)
-    neighbours, heard = _neighbours(moved, gains, robots)
+    neighbours, delivered = _neighbours(moved, params, robots)
     found: list[_Pulls] = []
-    for psi in (1.0, gains.stall.human_boost):
+    for psi in (1.0, params.stall.human_boost):
         human = np.where(leads, weights.human_weight * psi, 0.0)
         pull = np.stack(
             [weights.robot_weight * trace.robot_intention[robots], human[:, None] * trace.human_intention[robots],
              neighbours], axis=1,
         )  # fmt: skip
-        found.append(_Pulls(pull, weights.decay + weights.robot_weight + human + heard))
+        found.append(_Pulls(pull, weights.decay + weights.robot_weight + human + delivered))
     now = moved.after.intention[robots]
     plain, boosted = (
-        np.abs(_shares(moved, gains, robots, pulls).sum(axis=1) - now).max(initial=0.0) for pulls in found
+        np.abs(_authority_shares(moved, params, robots, pulls).sum(axis=1) - now).max(initial=0.0) for pulls in found
     )
     return found[int(boosted < plain)]
 
 
-def _shares(moved: Moved, gains: Gains, robots: Ints, pulls: _Pulls) -> Floats:
+def _authority_shares(moved: Moved, params: Parameters, robots: Ints, pulls: _Pulls) -> Floats:
     """(R, 4, 2) what makes up the new v_s: own target, human, neighbours, v_s so far."""
-    before, dt = moved.before.motion.intention[robots], gains.safety.control_period
+    before, dt = moved.before.motion.intention[robots], params.safety.control_period
     if moved.before.intent.paused:
         return np.concatenate([np.zeros((len(robots), 3, 2)), before[:, None]], axis=1)
     weight = pulls.weight[:, None]
-    if gains.forms.intention == PRINTED:
+    if params.forms.intention == PRINTED:
         return np.concatenate([pulls.pull, (-weight * before)[:, None]], axis=1)
     shrink = 1.0 / (1.0 + dt * weight)
     return np.concatenate([dt * shrink[..., None] * pulls.pull, (shrink * before)[:, None]], axis=1)
 
 
-def _neighbours(moved: Moved, gains: Gains, robots: Ints) -> tuple[Floats, Floats]:
+def _neighbours(moved: Moved, params: Parameters, robots: Ints) -> tuple[Floats, Floats]:
     """Pulls sum w2 g v_j (R, 2) of the neighbours that were heard, and their weights sum w2 g (R,), [16]."""
     before, links = moved.before.motion.intention, moved.trace.links
     place = np.full(len(before), -1, np.int64)
@@ -161,21 +161,21 @@ def _neighbours(moved: Moved, gains: Gains, robots: Ints) -> tuple[Floats, Float
     to, of = np.concatenate([links, links[:, ::-1]]).T
     wanted = place[to] >= 0
     to, of = to[wanted], of[wanted]
-    if gains.robots.packet_loss > 0.0:
-        came = _arrived(to, of, moved.before.motion.tick, gains)
+    if params.robots.packet_loss > 0.0:
+        came = _arrived(to, of, moved.before.motion.tick, params)
         to, of = to[came], of[came]
     gap = np.hypot(*(before[of] - before[to]).T)
     share = np.zeros(len(gap))
-    apart = gap > gains.intention.dead_zone
-    share[apart] = gains.intention.neighbour_weight * (gap[apart] - gains.intention.dead_zone) / gap[apart]
+    apart = gap > params.intention.dead_zone
+    share[apart] = params.intention.neighbour_weight * (gap[apart] - params.intention.dead_zone) / gap[apart]
     row, count = place[to], len(robots)
     pull = np.stack([floats(np.bincount(row, share * before[of, axis], count)) for axis in (0, 1)], axis=1)
     return pull, floats(np.bincount(row, share, count))
 
 
-def _arrived(to: Ints, of: Ints, tick: int, gains: Gains) -> Ints:
-    """Which of the messages over links to-of (E,) arrived in this tick: the draws of `disturbances.heard`."""
-    robots = gains.robots
+def _arrived(to: Ints, of: Ints, tick: int, params: Parameters) -> Ints:
+    """Which of the messages over links to-of (E,) arrived in this tick: the draws of `disturbances.delivered`."""
+    robots = params.robots
     return np.flatnonzero([
         chance(robots.seed, tick, SENDING, min(i, j), max(i, j)) >= robots.packet_loss
         for i, j in zip(to.tolist(), of.tolist(), strict=True)
@@ -189,7 +189,7 @@ def _taken_by_the_limit(blended: Floats, nominal: Floats, limit: float) -> Float
     return np.where(clipped, limit / np.maximum(speed, limit) - 1.0, 0.0)[:, None] * blended
 
 
-def _say(parts: Floats, settled: Floats) -> Floats:
+def _authority(parts: Floats, settled: Floats) -> Floats:
     """Shares (R, 4) by `Say`, by length: of what each would settle to (R, 3, 2), of formation and corrections [m/s].
 
     The formation counts with the neighbours, the way round with safety. What v_s was so far has no say of its own: it

@@ -88,16 +88,19 @@ def wish(state: SimState, setup: Setup, end: StrokeEnd | None = None) -> SimStat
         of the team but another world.
     """
     command: OperatorCommand
-    if state.drawing.stroke_source:
+    if state.pointer_state.stroke_source:
         command = StrokeEnd() if end is None else end
         if command.use == StrokeUse.OBSTACLE:
             return None
-    elif waiting(state.drawing, state.motion.tick * setup.gains.safety.control_period):
+    elif waiting(state.pointer_state, state.motion.tick * setup.params.safety.control_period):
         command = Confirm()
     else:
         return None
     wished = apply_command(state, command, setup)[0]
-    if wished.drawing.pending.kind != PathKind.NONE and wished.drawing.pending is not state.drawing.pending:
+    if (
+        wished.pointer_state.pending.kind != PathKind.NONE
+        and wished.pointer_state.pending is not state.pointer_state.pending
+    ):
         wished = apply_command(wished, Confirm(), setup)[0]  # a repair of the path that waits
     return None if wished.intent is state.intent else wished
 
@@ -117,7 +120,7 @@ def foresee(
     Returns:
         None when the work was dropped.
     """
-    period = setup.gains.safety.control_period
+    period = setup.params.safety.control_period
     ticks = max(1, round(horizon / period))
     start = _going_on(wished)
     ahead = _rolled(start, setup, ticks, unwanted)
@@ -156,7 +159,7 @@ def repulsive_pieces(path: Path, motion: Motion, setup: Setup) -> Floats:
         return floats([], 0, 2, 2)
     points = path_points(path, np.linspace(0.0, path.length, _PATH_POINTS + 1))
     middle = (points[1:] + points[:-1]) / 2
-    inside = surface_distance(middle, motion, setup) < setup.gains.rings.repulsive_margin
+    inside = surface_distance(middle, motion, setup) < setup.params.boundaries.repulsive_margin
     return np.stack([points[:-1], points[1:]], axis=1)[inside]
 
 
@@ -181,7 +184,7 @@ def _rolled(state: SimState, setup: Setup, ticks: int, unwanted: Callable[[], bo
     for done in range(0, ticks, CHUNK):
         if unwanted():
             return None
-        state, piece = roll(state, setup.world, setup.gains, min(CHUNK, ticks - done))
+        state, piece = roll(state, setup.world, setup.params, min(CHUNK, ticks - done))
         pieces.append(piece)
     return Rollout(*(np.concatenate(parts) for parts in zip(*pieces, strict=True)))
 

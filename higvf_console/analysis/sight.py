@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from higvf_console.analysis.active_constraints import part_name, seen_positions
 from higvf_console.analysis.explain import Moved
-from higvf_console.analysis.tight_rows import part_name, seen_positions
 from higvf_console.control.intention.perception import fire_value, half_angle, interval_room
 from higvf_console.sim.setup import Setup
 
@@ -31,7 +31,7 @@ class Sight(NamedTuple):
 
 def sights(robot: int, moved: Moved, setup: Setup) -> list[Sight]:
     """The burning fires as a robot saw them in one control period."""
-    world, motion, reach = setup.world, moved.before.motion, setup.gains.perception.perception_range
+    world, motion, activation_distance = setup.world, moved.before.motion, setup.params.perception.perception_range
     x, y = seen_positions(moved, setup)[robot].tolist()
     found: list[Sight] = []
     for fire in np.flatnonzero(motion.fire_burning).tolist():
@@ -39,7 +39,7 @@ def sights(robot: int, moved: Moved, setup: Setup) -> list[Sight]:
         radius = float(motion.fire_radius[fire])
         distance = float(np.hypot(fx - x, fy - y))
         whole = 2.0 * half_angle(radius, distance)
-        in_range = distance - radius <= reach
+        in_range = distance - radius <= activation_distance
         hidden = hidden_by(x, y, fx, fy, radius, setup) if in_range else ()
         found.append(Sight(fire, float(moved.trace.fire_value[robot, fire]), whole, in_range, hidden))
     return found

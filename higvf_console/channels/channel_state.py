@@ -49,9 +49,9 @@ def default_limits(channel: str) -> Limits:
 
 def judged(health: ChannelHealth, now: float, limits: Limits) -> ChannelState:
     """How a channel is by itself at session time `now` [s], whatever has been before."""
-    if health.heard is None or health.state in (ChannelState.NEVER_SEEN, ChannelState.LOST, ChannelState.ENDED):
+    if health.last_seen is None or health.state in (ChannelState.NEVER_SEEN, ChannelState.LOST, ChannelState.ENDED):
         return health.state
-    quiet = now - health.heard
+    quiet = now - health.last_seen
     if quiet > limits.lost:
         return ChannelState.LOST
     return ChannelState.STALE if quiet > limits.stale else ChannelState.LIVE

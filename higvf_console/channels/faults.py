@@ -7,7 +7,7 @@ a channel back into service, and who steers pass every fault.
 from collections import deque
 from collections.abc import Iterable
 
-from higvf_console.core.commands import Acknowledge, FaultKind, HandOver, InjectFault, OperatorCommand, Stop
+from higvf_console.core.commands import Acknowledge, EmergencyStop, FaultKind, HandOver, InjectFault, OperatorCommand
 from higvf_console.core.interface import ChannelHealth, ChannelState
 
 LONGEST = 3600.0  # [s]
@@ -42,7 +42,9 @@ class Line:
         given: list[OperatorCommand] = []
         fault = self._active(now)
         for command in commands:
-            if isinstance(command, Stop | Acknowledge | InjectFault | HandOver) or (fault is None and not self._held):
+            if isinstance(command, EmergencyStop | Acknowledge | InjectFault | HandOver) or (
+                fault is None and not self._held
+            ):
                 given.append(command)
             elif fault is None or fault.kind != FaultKind.DROP:
                 self._held.append((self._due(fault, now), command))
@@ -56,10 +58,10 @@ class Line:
         fault = self._active(now)
         if fault is None or health.state in (ChannelState.NEVER_SEEN, ChannelState.ENDED):
             return health
-        heard = now if health.heard is None else health.heard
+        last_seen = now if health.last_seen is None else health.last_seen
         late = now - fault.delay if fault.kind == FaultKind.DELAY else self._since
         detail = f"fault injected: {fault.kind}, {self._since + fault.seconds - now:.1f} s to go; {health.detail}"
-        return ChannelHealth(health.state, detail, min(heard, max(self._since, late)))
+        return ChannelHealth(health.state, detail, min(last_seen, max(self._since, late)))
 
     def _active(self, now: float) -> InjectFault | None:
         """The fault on the line now."""

@@ -146,7 +146,14 @@ def _context(tick: int, spec: InputSpec) -> OperatorContext:
     viewport = fit(spec.arena, 1920.0, 1080.0) if time >= 1.0 else None
     burnt_out = tuple(range(min(3, int(time // 10))))
     return OperatorContext(
-        time, "checker", viewport, int(time) % 8 >= 4, int(time) % 16 >= 12, int(time) % robots, burnt_out, robots
+        time=time,
+        operator="checker",
+        viewport=viewport,
+        clutch=int(time) % 8 >= 4,
+        paused=int(time) % 16 >= 12,
+        influenced=int(time) % robots,
+        extinguished=burnt_out,
+        robots=robots,
     )
 
 

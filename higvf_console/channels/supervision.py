@@ -11,6 +11,7 @@ hold, stands from the next control period on.
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from higvf_console.channels.attribution import Attribution, attributed
 from higvf_console.channels.channel_state import (
     OUT_OF_SERVICE,
     Limits,
@@ -21,7 +22,6 @@ from higvf_console.channels.channel_state import (
     observed,
 )
 from higvf_console.channels.channels import Channels
-from higvf_console.channels.claims import Claims, claimed
 from higvf_console.channels.faults import Line, problem
 from higvf_console.core.arrays import Ints
 from higvf_console.core.command import SESSION
@@ -30,6 +30,7 @@ from higvf_console.core.commands import (
     Clutch,
     ControlChange,
     Cursor,
+    EmergencyStop,
     HandOver,
     InjectFault,
     NextTask,
@@ -38,7 +39,6 @@ from higvf_console.core.commands import (
     Prioritise,
     ResetRun,
     Resume,
-    Stop,
     StrokeCancel,
 )
 from higvf_console.core.interface import ChannelHealth, ChannelState, OperatorContext
@@ -91,7 +91,7 @@ class Supervisor:
         said: list[Said] = []
         for name in self._channels.names:
             for command in self._lines[name].carry(given.get(name, ()), context.time):
-                if overslept and self._replays(name) and not isinstance(command, Stop):
+                if overslept and self._replays(name) and not isinstance(command, EmergencyStop):
                     continue  # it was given, and done, before the run was set back
                 if self._may(name, command):
                     said.append(Said(name, command))
@@ -112,7 +112,7 @@ class Supervisor:
             rows: (N,), (M,) row before of each robot and each fire after it; None = as they were.
         """
         channel, command = said
-        self._claims = claimed(self._claims, channel, command, before, after, rows)
+        self._attribution = attributed(self._attribution, channel, command, before, after, rows)
         self._overslept |= after.motion.tick > before.motion.tick
         match command:
             case Acknowledge(channel=name):
@@ -127,7 +127,7 @@ class Supervisor:
                 self._deserted = channel
             case _:
                 pass
-        if channel == _CONSOLE and not isinstance(command, Cursor | Stop | Pause | HandOver):
+        if channel == _CONSOLE and not isinstance(command, Cursor | EmergencyStop | Pause | HandOver):
             return self._take_back([channel], time)
         return ()
 
@@ -147,7 +147,7 @@ class Supervisor:
             commands += done
             if was is None or was is become:
                 continue
-            events += self._tell(name, was, become, seen, now, bool(done))
+            events += self._report(name, was, become, seen, now, bool(done))
         self.health, self._deserted = tuple(health), ""
         return commands, tuple(events)
 
@@ -156,31 +156,31 @@ class Supervisor:
         self._states: dict[str, ChannelState] = {}
         self._lines = {name: Line() for name in self._channels.names}
         self._withheld: dict[str, int] = {}
-        self._claims = Claims()
+        self._attribution = Attribution()
         self._overslept = False  # whether an undo has just put the clock forward
         self._deserted = ""  # the channel of which the page that had control is lost
 
     def _replays(self, name: str) -> bool:
         """Whether a channel follows the session clock."""
-        return name != _CONSOLE and all(health.heard is None for channel, health in self.health if channel == name)
+        return name != _CONSOLE and all(health.last_seen is None for channel, health in self.health if channel == name)
 
     def _may(self, name: str, command: OperatorCommand) -> bool:
         if self._states.get(name) not in OUT_OF_SERVICE:
             return True
         by_hand = name == _CONSOLE and self._states[name] is ChannelState.RECOVERED
-        return by_hand or isinstance(command, Stop | Pause | Cursor | Acknowledge | InjectFault | HandOver)
+        return by_hand or isinstance(command, EmergencyStop | Pause | Cursor | Acknowledge | InjectFault | HandOver)
 
     def _end_steering(self, name: str, now: float, state: SimState) -> list[OperatorCommand]:
         """What ends the steering of a channel that is lost; nothing where it was not steering."""
         done: list[OperatorCommand] = []
-        if state.drawing.stroke_source == name:
+        if state.pointer_state.stroke_source == name:
             done.append(StrokeCancel(time=now, source=SESSION))
-        if self._claims.clutch == name and state.drawing.clutch:
-            done += [StrokeCancel(time=now, source=SESSION)] if not done and state.drawing.stroke_source else []
+        if self._attribution.clutch == name and state.pointer_state.clutch:
+            done += [StrokeCancel(time=now, source=SESSION)] if not done and state.pointer_state.stroke_source else []
             done.append(Clutch(closed=False, time=now, source=SESSION))
         following = state.motion.path_status in ACTING
-        on_path = self._claims.path == name and following
-        favoured = self._claims.robots(name)
+        on_path = self._attribution.path == name and following
+        favoured = self._attribution.robots(name)
         on_lost = self._limits[name].on_lost
         if on_lost is OnLost.AUTONOMY:
             done += [NextTask(time=now, source=SESSION)] if on_path else []
@@ -219,14 +219,14 @@ class Supervisor:
         return (Event(time, Severity.WARNING, "channel", text),)
 
     def _detail(self, name: str, seen: ChannelHealth, now: float) -> str:
-        quiet = f"last heard {max(0.0, now - seen.heard):.1f} s ago; " if seen.heard is not None else ""
+        quiet = f"last heard {max(0.0, now - seen.last_seen):.1f} s ago; " if seen.last_seen is not None else ""
         withheld = self._withheld.get(name, 0)
         return f"{quiet}{seen.detail}" + (f"; {withheld} commands withheld" if withheld else "")
 
-    def _tell(
+    def _report(
         self, name: str, was: ChannelState, become: ChannelState, seen: ChannelHealth, now: float, ended: bool
     ) -> tuple[Event, ...]:
-        quiet = f"nothing for {now - seen.heard:.1f} s" if seen.heard is not None else seen.detail
+        quiet = f"nothing for {now - seen.last_seen:.1f} s" if seen.last_seen is not None else seen.detail
         match become:
             case ChannelState.STALE:
                 severity, text = Severity.INFO, f"Input '{name}' is stale: {quiet}."

@@ -38,14 +38,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _COMMANDS[given.command](given)
     except HigvfError as error:
-        _tell(f"higvf: {error}")
+        _log(f"higvf: {error}")
         return 2
     except KeyboardInterrupt:
-        _tell("higvf: interrupted")
+        _log("higvf: interrupted")
         return 130
 
 
-def _tell(text: str) -> None:
+def _log(text: str) -> None:
     print(text, file=sys.stderr)
 
 
@@ -152,8 +152,8 @@ def _warm_up(setup: "Setup") -> float:
 
     started = perf_counter()
     if not any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("simulation.tick-*.nbi")):
-        _tell("Compiling the engine, once; this takes up to a minute ...")
-    warm_up(setup.start, setup.world, setup.gains)
+        _log("Compiling the engine, once; this takes up to a minute ...")
+    warm_up(setup.start, setup.world, setup.params)
     return perf_counter() - started
 
 
@@ -162,7 +162,7 @@ def _replay(given: argparse.Namespace) -> int:
 
     result = replay(read_recording(given.file))
     if not result.complete:
-        _tell(f"{given.file}: the recording was cut off; its readable part has {result.ticks} ticks")
+        _log(f"{given.file}: the recording was cut off; its readable part has {result.ticks} ticks")
     if result.agrees:
         print(f"The run of {result.ticks} ticks agrees: {result.digest}")
         return 0
@@ -181,7 +181,7 @@ def _run(given: argparse.Namespace) -> int:
     session = _open_session(given)
     try:
         for warning in session.scenario.warnings:
-            _tell(f"Warning: {warning}")
+            _log(f"Warning: {warning}")
         return _run_headless(session, given) if given.headless else _serve(session, given)
     finally:
         session.close()
@@ -234,7 +234,7 @@ def _run_headless(session: "Session", given: argparse.Namespace) -> int:
     session.close()  # now: that may fail as well, of which the events tell
     for event in session.snapshot.events:
         if event.kind in _WORTH_SAYING and event.severity in (Severity.WARNING, Severity.ALARM):
-            _tell(f"{event.time:.2f} s: {event.text}")
+            _log(f"{event.time:.2f} s: {event.text}")
     _write("--report", given.report or "-", report)
     return 0
 

@@ -17,22 +17,21 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.control.forms import PRINTED
-from higvf_console.control.gains import Gains
-from higvf_console.control.guidance.deadlock import climb, forgotten, formation_grip, receptivity
+from higvf_console.control.guidance.boundaries import Boundaries, find_boundaries, fire_boundary
 from higvf_console.control.guidance.following import broken_away, destination, following, progress
 from higvf_console.control.guidance.guiding import (
-    agree_sides,
+    agree_circulation,
     composite_velocity,
     guiding_vector,
     has_human,
     zero_in_product,
 )
 from higvf_console.control.guidance.paths import WINDOW
-from higvf_console.control.guidance.rings import Rings, find_rings, fire_ring
+from higvf_console.control.guidance.recovery import forgotten, formation_grip, receptivity, recover
 from higvf_console.control.intention.blending import blended_velocity
 from higvf_console.control.intention.formation import formation_velocity
 from higvf_console.control.intention.intention import shared_intention
-from higvf_console.control.intention.messages import heard
+from higvf_console.control.intention.messages import delivered
 from higvf_console.control.intention.neighbours import components, within
 from higvf_console.control.intention.perception import (
     choose_target,
@@ -42,6 +41,7 @@ from higvf_console.control.intention.perception import (
     robot_intention,
 )
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.state import NOBODY, Intent, Motion, PathKind, PathStatus, World
 
@@ -62,8 +62,8 @@ class Plan(NamedTuple):
     intention: Floats
     target: Ints
     target_value: Floats
-    side: Ints
-    rung: Ints
+    circulation: Ints
+    recovery_stage: Ints
     path_parameter: float
     path_status: int
     path_idle: float
@@ -82,60 +82,84 @@ class Plan(NamedTuple):
 
 
 @kernel
-def compute(motion: Motion, intent: Intent, world: World, gains: Gains) -> Plan:
+def compute(motion: Motion, intent: Intent, world: World, params: Parameters) -> Plan:
     """One control period of HI-GVF for the whole team, up to the nominal velocities."""
-    start, to = links(motion.position, world, gains)
+    start, to = links(motion.position, world, params)
     component = components(start, to)
-    sight = perceive(motion, intent.priority, world, gains)
-    rung, flip = climb(motion, intent.influenced if following(motion, intent) else NOBODY, gains)
-    status = broken_away(motion, intent, sight.fire_value, sight.target, component, gains)
-    w, status, idle, gap, left = progress(motion, intent, status, rung[intent.influenced], world, gains)
+    sight = perceive(motion, intent.priority, world, params)
+    recovery_stage, flip = recover(motion, intent.influenced if following(motion, intent) else NOBODY, params)
+    status = broken_away(motion, intent, sight.fire_value, sight.target, component, params)
+    w, status, idle, gap, left = progress(motion, intent, status, recovery_stage[intent.influenced], world, params)
     human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
     leader = intent.influenced if human else NOBODY
     steered = has_human(component, intent.influenced, human)
     held = has_human(component, intent.influenced, status == PathStatus.HOLDING)
-    wanted, human_intention = sight.robot_intention, guide(leader, w, motion, intent, gains)
-    heard_start, heard_to = heard(start, to, motion.tick, gains.robots)
-    grip = formation_grip(rung, component, leader, idle, gains)
-    formation = keep_formation(motion.position, grip, world, heard_start, heard_to, gains)
-    if gains.forms.human == PRINTED:
-        _fade(wanted, human_intention, formation, motion, world, gains)
+    wanted, human_intention = sight.robot_intention, guide(leader, w, motion, intent, params)
+    delivered_start, delivered_to = delivered(start, to, motion.tick, params.robots)
+    grip = formation_grip(recovery_stage, component, leader, idle, params)
+    formation = keep_formation(motion.position, grip, world, delivered_start, delivered_to, params)
+    if params.forms.human == PRINTED:
+        _fade(wanted, human_intention, formation, motion, world, params)
     if intent.paused:
         intention = motion.intention.copy()
     else:
         awake = is_awake(sight.target, steered, held, component)
-        psi = receptivity(leader, rung, wanted, human_intention, motion.intention, heard_start, heard_to, gains)
-        intention = share(leader, psi, awake, wanted, human_intention, motion, heard_start, heard_to, gains)
-    blended, blending = blend(intention, formation, steered, intent.path.pace, gains)
-    rings = find_rings(motion, world, gains.safety.obstacle_clearance)
-    side = agree_sides(blended, motion.position, motion.side, component, leader, flip, rings, gains.rings)
+        psi = receptivity(
+            leader, recovery_stage, wanted, human_intention, motion.intention, delivered_start, delivered_to, params
+        )
+        intention = share(leader, psi, awake, wanted, human_intention, motion, delivered_start, delivered_to, params)
+    blended, blending = blend(intention, formation, steered, intent.path.pace, params)
+    boundaries = find_boundaries(motion, world, params.safety.obstacle_clearance)
+    circulation = agree_circulation(
+        blended, motion.position, motion.circulation, component, leader, flip, boundaries, params.boundaries
+    )
     if intent.paused or intent.stopped:
         nominal = np.zeros(blended.shape)
-    elif gains.forms.human == PRINTED:
-        nominal = limit_speed(blended, gains)
+    elif params.forms.human == PRINTED:
+        nominal = limit_speed(blended, params)
     else:
         goal = destination(intent.path, w)
-        nominal = limit_speed(go_round(blended, sight.target, steered, goal, side, rings, motion, world, gains), gains)
+        nominal = limit_speed(
+            go_round(blended, sight.target, steered, goal, circulation, boundaries, motion, world, params), params
+        )
         for i in range(held.shape[0]):
             if held[i]:
                 nominal[i, 0], nominal[i, 1] = 0.0, 0.0
     return Plan(
-        nominal, intention, sight.target, sight.target_value, side, forgotten(rung, side, motion.stalled), w, status,
-        idle, gap, left, steered, sight.fire_value, wanted, human_intention, formation, blending, blended, start, to,
-        component,
-    )  # fmt: skip
+        nominal=nominal,
+        intention=intention,
+        target=sight.target,
+        target_value=sight.target_value,
+        circulation=circulation,
+        recovery_stage=forgotten(recovery_stage, circulation, motion.stalled),
+        path_parameter=w,
+        path_status=status,
+        path_idle=idle,
+        path_gap=gap,
+        path_left=left,
+        steered=steered,
+        fire_value=sight.fire_value,
+        robot_intention=wanted,
+        human_intention=human_intention,
+        formation=formation,
+        blending=blending,
+        blended=blended,
+        link_start=start,
+        link_to=to,
+        component=component,
+    )
 
 
 @kernel
-def links(position: Floats, world: World, gains: Gains) -> tuple[Ints, Ints]:
+def links(position: Floats, world: World, params: Parameters) -> tuple[Ints, Ints]:
     """Communication links as rows: the operator's where given, else all robots within the communication range."""
     if world.link_start.shape[0] > 0:
         return world.link_start, world.link_to
-    return within(position, gains.formation.communication_range)
+    return within(position, params.formation.communication_range)
 
 
 @kernel
-def perceive(motion: Motion, priority: Floats, world: World, gains: Gains) -> Sight:
+def perceive(motion: Motion, priority: Floats, world: World, params: Parameters) -> Sight:
     """Each robot's observed fire values (N, M), target and intention; no targets before the start delay is over.
 
     What the operator gave `priority` (P, 3) to, see `Intent`, a robot values as often more, as if nothing hid it.
@@ -145,7 +169,7 @@ def perceive(motion: Motion, priority: Floats, world: World, gains: Gains) -> Si
     target = np.full(robots, NOBODY)
     target_value = np.zeros(robots)
     wanted = np.zeros((robots, 2))
-    waiting = motion.tick * gains.safety.control_period < gains.fires.start_delay
+    waiting = motion.tick * params.safety.control_period < params.fires.start_delay
     hidden = interval_room(world.circles, world.bars)
     for i in range(robots):
         x, y = motion.position[i, 0], motion.position[i, 1]
@@ -153,7 +177,7 @@ def perceive(motion: Motion, priority: Floats, world: World, gains: Gains) -> Si
             if motion.fire_burning[j]:
                 value[i, j] = fire_value(
                     x, y, world.fire_position[j, 0], world.fire_position[j, 1], float(motion.fire_radius[j]),
-                    gains.perception.perception_range, world.circles, world.bars, hidden,
+                    params.perception.perception_range, world.circles, world.bars, hidden,
                 )  # fmt: skip
         for row in range(priority.shape[0]):
             j = int(priority[row, 1])
@@ -164,24 +188,24 @@ def perceive(motion: Motion, priority: Floats, world: World, gains: Gains) -> Si
             continue
         kept = motion.target[i] if motion.target[i] != NOBODY and motion.fire_burning[motion.target[i]] else NOBODY
         memory = motion.target_value[i] if kept != NOBODY else 0.0
-        target[i], target_value[i] = choose_target(value[i], kept, memory, gains.perception.target_margin)
+        target[i], target_value[i] = choose_target(value[i], kept, memory, params.perception.target_margin)
         j = target[i]
         if j != NOBODY:
             wanted[i, 0], wanted[i, 1] = robot_intention(
                 x, y, value[i, j] if value[i, j] > 0.0 else target_value[i], world.fire_position[j, 0],
-                world.fire_position[j, 1], float(motion.fire_radius[j]), gains.perception, gains.safety, gains.fires,
-                gains.forms,
+                world.fire_position[j, 1], float(motion.fire_radius[j]), params.perception, params.safety, params.fires,
+                params.forms,
             )  # fmt: skip
     return Sight(value, target, target_value, wanted)
 
 
 @kernel
-def guide(leader: int, w: float, motion: Motion, intent: Intent, gains: Gains) -> Floats:
+def guide(leader: int, w: float, motion: Motion, intent: Intent, params: Parameters) -> Floats:
     """Human intention v_h (N, 2): the guiding vector for the influenced robot, zero for all others."""
     human = np.zeros(motion.position.shape)
     if leader != NOBODY:
         x, y = motion.position[leader, 0], motion.position[leader, 1]
-        human[leader, 0], human[leader, 1] = guiding_vector(intent.path, w, WINDOW, x, y, gains.path)
+        human[leader, 0], human[leader, 1] = guiding_vector(intent.path, w, WINDOW, x, y, params.path)
     return human
 
 
@@ -198,7 +222,7 @@ def is_awake(target: Ints, steered: Bools, held: Bools, component: Ints) -> Bool
 @kernel
 def share(
     leader: int, psi: float, awake: Bools, robot: Floats, human: Floats, motion: Motion, start: Ints, to: Ints,
-    gains: Gains,
+    params: Parameters,
 ) -> Floats:  # fmt: skip
     """Shared intention v_s (N, 2) after one period; zero for an idle component. The leader receives v_h with `psi`."""
     intention, before = np.zeros(robot.shape), motion.intention
@@ -206,31 +230,33 @@ def share(
         if awake[i]:
             intention[i, 0], intention[i, 1] = shared_intention(
                 i, before[i, 0], before[i, 1], robot[i, 0], robot[i, 1], human[i, 0], human[i, 1],
-                psi if i == leader else 0.0, before, start, to, gains.intention, gains.forms,
-                gains.safety.control_period,
+                psi if i == leader else 0.0, before, start, to, params.intention, params.forms,
+                params.safety.control_period,
             )  # fmt: skip
     return intention
 
 
 @kernel
-def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to: Ints, gains: Gains) -> Floats:
+def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to: Ints, params: Parameters) -> Floats:
     """Formation velocities v_f (N, 2) [m/s], each times the robot's `grip` (N,)."""
     formation = np.zeros(position.shape)
     for i in range(position.shape[0]):
         formation[i, 0], formation[i, 1] = formation_velocity(
-            i, position[i, 0], position[i, 1], position, world.formation, start, to, gains.formation, gains.forms
+            i, position[i, 0], position[i, 1], position, world.formation, start, to, params.formation, params.forms
         )
         formation[i, 0], formation[i, 1] = grip[i] * formation[i, 0], grip[i] * formation[i, 1]
     return formation
 
 
 @kernel
-def blend(intention: Floats, formation: Floats, steered: Bools, pace: float, gains: Gains) -> tuple[Floats, Floats]:
+def blend(
+    intention: Floats, formation: Floats, steered: Bools, pace: float, params: Parameters
+) -> tuple[Floats, Floats]:
     """Blended velocities (N, 2) [m/s], those of robots that are steered times `pace`, and their weights lambda (N,)."""
     blended, weight = np.zeros(intention.shape), np.zeros(intention.shape[0])
     for i in range(intention.shape[0]):
         blended[i, 0], blended[i, 1], weight[i] = blended_velocity(
-            intention[i, 0], intention[i, 1], formation[i, 0], formation[i, 1], gains.blending, gains.forms
+            intention[i, 0], intention[i, 1], formation[i, 0], formation[i, 1], params.blending, params.forms
         )
         if steered[i]:
             blended[i, 0], blended[i, 1] = pace * blended[i, 0], pace * blended[i, 1]
@@ -239,8 +265,8 @@ def blend(intention: Floats, formation: Floats, steered: Bools, pace: float, gai
 
 @kernel
 def go_round(
-    blended: Floats, target: Ints, steered: Bools, goal: tuple[float, float], side: Ints, rings: Rings, motion: Motion,
-    world: World, gains: Gains,
+    blended: Floats, target: Ints, steered: Bools, goal: tuple[float, float], circulation: Ints,
+    boundaries: Boundaries, motion: Motion, world: World, params: Parameters,
 ) -> Floats:  # fmt: skip
     """Velocities (N, 2) [m/s] after the composite step.
 
@@ -248,37 +274,37 @@ def go_round(
     """
     nominal = np.zeros(blended.shape)
     for i in range(blended.shape[0]):
-        own_ring, (goal_x, goal_y) = NOBODY, goal
+        own_boundary, (goal_x, goal_y) = NOBODY, goal
         if not steered[i]:
-            own_ring = fire_ring(target[i], world)
+            own_boundary = fire_boundary(target[i], world)
             goal_x, goal_y = math.nan, math.nan
             if target[i] != NOBODY:
                 goal_x, goal_y = world.fire_position[target[i], 0], world.fire_position[target[i], 1]
         nominal[i, 0], nominal[i, 1] = composite_velocity(
-            blended[i, 0], blended[i, 1], motion.position[i, 0], motion.position[i, 1], i, side, own_ring, goal_x,
-            goal_y, rings, world, gains.rings, gains.forms,
+            blended[i, 0], blended[i, 1], motion.position[i, 0], motion.position[i, 1], i, circulation, own_boundary,
+            goal_x, goal_y, boundaries, world, params.boundaries, params.forms,
         )  # fmt: skip
     return nominal
 
 
 @kernel
-def limit_speed(velocity: Floats, gains: Gains) -> Floats:
+def limit_speed(velocity: Floats, params: Parameters) -> Floats:
     """Nominal velocities (N, 2) [m/s]: clipped to the speed limit."""
     nominal = np.zeros(velocity.shape)
     for i in range(velocity.shape[0]):
         vx, vy = velocity[i, 0], velocity[i, 1]
         speed = math.sqrt(vx * vx + vy * vy)
-        share = gains.safety.speed_limit / speed if speed > gains.safety.speed_limit else 1.0
+        share = params.safety.speed_limit / speed if speed > params.safety.speed_limit else 1.0
         nominal[i, 0], nominal[i, 1] = share * vx, share * vy
     return nominal
 
 
 @kernel
-def _fade(robot: Floats, human: Floats, formation: Floats, motion: Motion, world: World, gains: Gains) -> None:
+def _fade(robot: Floats, human: Floats, formation: Floats, motion: Motion, world: World, params: Parameters) -> None:
     """[9], [13], [14] as printed: each intention and velocity times the product of the zero-in bumps, in place."""
     for i in range(robot.shape[0]):
         x, y = motion.position[i, 0], motion.position[i, 1]
-        product = zero_in_product(x, y, motion, world, gains.rings, gains.forms)
+        product = zero_in_product(x, y, motion, world, params.boundaries, params.forms)
         for axis in range(2):
             robot[i, axis] *= product
             human[i, axis] *= product

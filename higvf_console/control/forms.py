@@ -25,7 +25,7 @@ class Forms(NamedTuple):
         speed: [17]; printed `C v/|v|` is 0/0 at the start.
         blending: [19]; printed, discontinuous at (0, 0).
         bump: [29]-[31]; printed, in squared lengths, so that the bump is a jump.
-        fire_row: [27]; printed, without the growth of the fire.
+        fire_constraint: [27]; printed, without the growth of the fire.
         h_index: [27]; printed `h_ij` for `h_ik`: the margin of one obstacle in the rows of all.
     """
 
@@ -36,7 +36,7 @@ class Forms(NamedTuple):
     speed: float = CORRECTED
     blending: float = CORRECTED
     bump: float = CORRECTED
-    fire_row: float = CORRECTED
+    fire_constraint: float = CORRECTED
     h_index: float = CORRECTED
 
     def words(self) -> dict[str, str]:

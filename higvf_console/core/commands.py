@@ -12,12 +12,12 @@ from typing import TypeAlias
 from higvf_console.core.arrays import Floats
 from higvf_console.core.command import Command
 from higvf_console.core.edits import (
+    AddEntity,
     AddOutlines,
-    AddThing,
-    ChangeThing,
-    DeleteThing,
+    ChangeEntity,
+    DeleteEntity,
     LinkByRange,
-    MoveThing,
+    MoveEntity,
     SetArena,
     SetParameters,
     ToggleLink,
@@ -28,7 +28,7 @@ class StrokeUse(StrEnum):
     """What a stroke is drawn for."""
 
     PATH = "path"  # the new desired path
-    AMEND = "amend"  # the part of the desired path between the stroke's ends is drawn anew
+    REDRAW = "redraw"  # the part of the desired path between the stroke's ends is drawn anew
     PRIORITY = "priority"  # the fires inside the stroke matter more to the robot that is influenced
     OBSTACLE = "obstacle"  # the outline of a new obstacle
 
@@ -52,7 +52,7 @@ class StrokeEnd(Command):
     Attributes:
         smoothing: standard deviation by which the path may leave the points [m]; None = the scenario's.
         robot: index of the robot that shall feel it; None = the one that is influenced now.
-        preview: the path, new or amended, waits for a Confirm; nothing moves along it before.
+        preview: the path, new or redrawn, waits for a Confirm; nothing moves along it before.
         use: a `StrokeUse`, or its word.
         ending: of a new path, see `ShapePath`.
         pace: likewise.
@@ -134,7 +134,7 @@ class Resume(Command):
 
 
 @dataclass(frozen=True)
-class Stop(Command):
+class EmergencyStop(Command):
     """All velocities zero, latched until it is reset in two steps."""
 
 
@@ -144,7 +144,7 @@ class AskReset(Command):
 
 
 @dataclass(frozen=True)
-class ResetStop(Command):
+class ResetEmergencyStop(Command):
     """Second step out of a latched STOP; the team stays paused until Resume."""
 
 
@@ -176,7 +176,7 @@ class ShapePath(Command):
 
 
 @dataclass(frozen=True)
-class BendPath(Command):
+class MovePathPoint(Command):
     """A point of the path is dragged, of the one that waits if one does; both sides of it give way smoothly.
 
     Attributes:
@@ -335,9 +335,9 @@ class HandOver(Command):
 
 
 OperatorCommand: TypeAlias = (
-    StrokeBegin | StrokePoints | StrokeEnd | StrokeCancel | Cursor | Clutch | Pick | ProposePick | Confirm | Discard
-    | Pause | Resume | Stop | AskReset | ResetStop | ClearPath | ReversePath | ShapePath | BendPath | TakeUpPath
-    | ForgetPath | Prioritise | NextTask | ResetRun | Freeze | Step | SetSpeed | Acknowledge | InjectFault
-    | LoadScenario | Undo | Redo | AddThing | AddOutlines | MoveThing | ChangeThing | DeleteThing | ToggleLink
-    | LinkByRange | SetArena | SetParameters | HandOver
+    StrokeBegin | StrokePoints | StrokeEnd | StrokeCancel | Cursor | Clutch | Pick | ProposePick | Confirm
+    | Discard | Pause | Resume | EmergencyStop | AskReset | ResetEmergencyStop | ClearPath | ReversePath
+    | ShapePath | MovePathPoint | TakeUpPath | ForgetPath | Prioritise | NextTask | ResetRun | Freeze | Step
+    | SetSpeed | Acknowledge | InjectFault | LoadScenario | Undo | Redo | AddEntity | AddOutlines | MoveEntity
+    | ChangeEntity | DeleteEntity | ToggleLink | LinkByRange | SetArena | SetParameters | HandOver
 )  # fmt: skip

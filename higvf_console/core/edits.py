@@ -8,7 +8,7 @@ from higvf_console.core.arrays import Floats
 from higvf_console.core.command import Command
 
 
-class Thing(StrEnum):
+class EntityKind(StrEnum):
     """What stands in the arena and can be edited."""
 
     ROBOT = "robot"
@@ -24,7 +24,7 @@ class Edit(Command):
 
 
 @dataclass(frozen=True)
-class AddThing(Edit):
+class AddEntity(Edit):
     """A new robot, fire, circle or bar of ordinary size at `point` (2,) [m]."""
 
     thing: str
@@ -39,7 +39,7 @@ class AddOutlines(Edit):
 
 
 @dataclass(frozen=True)
-class MoveThing(Edit):
+class MoveEntity(Edit):
     """The thing of that kind and index (from 0) goes to `point` (2,) [m]: its centre, or an obstacle's middle."""
 
     thing: str
@@ -48,8 +48,8 @@ class MoveThing(Edit):
 
 
 @dataclass(frozen=True)
-class ChangeThing(Edit):
-    """A number of that kind of thing and index (from 0) becomes `value`; names: see `world.editing.things`."""
+class ChangeEntity(Edit):
+    """A number of that kind of thing and index (from 0) becomes `value`; names: see `world.editing.entities`."""
 
     thing: str
     index: int
@@ -58,7 +58,7 @@ class ChangeThing(Edit):
 
 
 @dataclass(frozen=True)
-class DeleteThing(Edit):
+class DeleteEntity(Edit):
     """The thing of that kind and index (from 0) goes; the numbers of those after it move up."""
 
     thing: str
@@ -91,7 +91,7 @@ class SetParameters(Edit):
     """Tunables become other values, all or none.
 
     Attributes:
-        values: by group and name of `control.gains`, e.g. {"safety.robot_clearance": 30.0}.
+        values: by group and name of `control.params`, e.g. {"safety.robot_clearance": 30.0}.
     """
 
     values: Mapping[str, float]

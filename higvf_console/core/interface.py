@@ -70,13 +70,13 @@ class ChannelHealth(NamedTuple):
     Attributes:
         state: as the interface sees it.
         detail: why.
-        heard: session time of a live device's last sign of life, by which the session's limits judge it [s]; None where
-            the interface's own word holds, as with a replay, which may be quiet and is not dead.
+        last_seen: session time of a live device's last sign of life [s], judged by the session's limits; None where the
+            interface judges itself, as a replay does: silence alone does not mean loss.
     """
 
     state: ChannelState
     detail: str
-    heard: float | None = None
+    last_seen: float | None = None
 
 
 @dataclass(frozen=True)
@@ -128,6 +128,6 @@ class PointerSink(Protocol):
         """Appends a command; never waits, callable from any thread."""
         ...
 
-    def beat(self) -> None:
+    def heartbeat(self) -> None:
         """A page has told that it is there; callable from any thread."""
         ...

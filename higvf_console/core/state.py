@@ -77,7 +77,16 @@ class Path(NamedTuple):
 
 
 NO_PATH = Path(
-    int(PathKind.NONE), np.zeros(4), np.zeros((0, 8)), 1.0, 0.0, False, 1.0, int(PathEnding.RELEASE), 1.0, math.inf
+    kind=int(PathKind.NONE),
+    shape=np.zeros(4),
+    spline=np.zeros((0, 8)),
+    spacing=1.0,
+    length=0.0,
+    closed=False,
+    direction=1.0,
+    ending=int(PathEnding.RELEASE),
+    pace=1.0,
+    duration=math.inf,
 )
 NO_PRIORITY = np.zeros((0, 3))
 
@@ -93,10 +102,10 @@ class Motion(NamedTuple):
         intention: (N, 2) shared intention v_s, [15].
         target: (N,) fire index that the robot wants, or NOBODY.
         target_value: (N,) largest observed fire value of the target since it was chosen [rad].
-        side: (N, K) circulation side round each ring as this robot's component agreed: 0 open, +-1 set by any robot,
-            +-2 set by the influenced robot, +-3 turned over on the way out of a deadlock.
+        circulation: (N, K) circulation direction round each boundary as this robot's component agreed: 0 open, +-1 set
+            by any robot, +-2 set by the influenced robot, +-3 turned over on the way out of a deadlock.
         stalled: (N,) how long the robot has been stalled against active rows [s].
-        rung: (N,) how many ways out of a deadlock have been tried, see `control.guidance.deadlock`.
+        recovery_stage: (N,) how many ways out of a deadlock have been tried, see `control.guidance.recovery`.
         fire_radius: (M,) [m]; an extinguished fire keeps its last radius.
         fire_progress: (M,) time that enough robots have spent extinguishing it [s].
         fire_burning: (M,).
@@ -116,9 +125,9 @@ class Motion(NamedTuple):
     intention: Floats
     target: Ints
     target_value: Floats
-    side: Ints
+    circulation: Ints
     stalled: Floats
-    rung: Ints
+    recovery_stage: Ints
     fire_radius: Floats
     fire_progress: Floats
     fire_burning: Bools
@@ -149,7 +158,7 @@ class Intent(NamedTuple):
     priority: Floats
 
 
-class Drawing(NamedTuple):
+class PointerState(NamedTuple):
     """The operator's hand, seen on screen.
 
     Attributes:
@@ -162,7 +171,7 @@ class Drawing(NamedTuple):
         pending_robot: index of the robot that it was drawn for; NOBODY = the one that is influenced then.
         proposed: index of the robot that a decoder is unsure to have been asked for; NOBODY when none is.
         proposed_until: when that proposal lapses [s of session time].
-        pending_mends: whether it is the path in force, repaired: it goes on where that is, and takes its place.
+        pending_repairs: whether it is the path in force, repaired: it goes on where that is, and takes its place.
         paths: drawn so far, to be taken up again; the oldest first.
     """
 
@@ -173,7 +182,7 @@ class Drawing(NamedTuple):
     ask_reset: bool
     pending: Path = NO_PATH
     pending_robot: int = NOBODY
-    pending_mends: bool = False
+    pending_repairs: bool = False
     proposed: int = NOBODY
     proposed_until: float = math.inf
     paths: tuple[Path, ...] = ()
@@ -184,7 +193,7 @@ class SimState(NamedTuple):
 
     motion: Motion
     intent: Intent
-    drawing: Drawing
+    pointer_state: PointerState
 
 
 class World(NamedTuple):
@@ -204,9 +213,9 @@ class World(NamedTuple):
         link_start: (N + 1,) row i's links are link_to[link_start[i]:link_start[i + 1]]; (0,) when the communication
             range decides.
         link_to: (E,) neighbour index, each link twice.
-        ring: (G, 9) capsule ax, ay, bx, by, radius [m] of a lone part, or the circle round a hull; then the grid of its
-            pocket: x, y of the first node, cell width [m], columns (0 = no pocket).
-        ring_start: (3, G + 1) group g's rows in `hull`, `part` and `pocket`.
+        boundary: (G, 9) capsule ax, ay, bx, by, radius [m] of a lone part, or the circle round a hull; then the grid of
+            its pocket: x, y of the first node, cell width [m], columns (0 = no pocket).
+        boundary_start: (3, G + 1) group g's rows in `hull`, `part` and `pocket`.
         hull: (H, 2) corners of convex hulls, counter-clockwise [m]; a lone part has none.
         part: (P + Q,) parts by group: circle k, then bar k - P.
         pocket: (C, 3) grids of hulls, row by row: unit vector of the shortest way out, distance to the parts [m].
@@ -221,8 +230,8 @@ class World(NamedTuple):
     formation: Floats
     link_start: Ints
     link_to: Ints
-    ring: Floats
-    ring_start: Ints
+    boundary: Floats
+    boundary_start: Ints
     hull: Floats
     part: Ints
     pocket: Floats
@@ -235,7 +244,7 @@ class Trace(NamedTuple):
         fire_value: (N, M) observed fire values theta [rad], [10].
         terms: (N, 5, 2) the vectors that the five properties below name, in their order.
         blending: (N,) lambda, [19].
-        active_rows: (N,) barrier rows that shaped the robot's velocity.
+        active_constraints: (N,) barrier rows that shaped the robot's velocity.
         infeasible: (N,) no velocity met all rows: the least violation was taken.
         deadlocked: (N,) the detector of stalls holds.
         clearance: (N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k of the bodies [m]; negative = violation.
@@ -248,7 +257,7 @@ class Trace(NamedTuple):
     fire_value: Floats
     terms: Floats
     blending: Floats
-    active_rows: Ints
+    active_constraints: Ints
     infeasible: Bools
     deadlocked: Bools
     clearance: Floats

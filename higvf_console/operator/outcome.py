@@ -3,13 +3,13 @@
 import math
 from typing import TypeAlias
 
-from higvf_console.core.state import NO_PATH, NOBODY, Drawing, SimState
+from higvf_console.core.state import NO_PATH, NOBODY, PointerState, SimState
 from higvf_console.sim.setup import Event, Severity
 
 Outcome: TypeAlias = tuple[SimState, tuple[Event, ...]]
 
 
-def say(time: float, kind: str, text: str) -> tuple[Event, ...]:
+def report(time: float, kind: str, text: str) -> tuple[Event, ...]:
     """An event to know of."""
     return (Event(time, Severity.INFO, kind, text),)
 
@@ -24,17 +24,17 @@ def no_robot(robot: int, robots: int, time: float) -> tuple[Event, ...]:
     return refuse(time, f"There is no robot {robot + 1}: the team has robots 1 to {robots}.")
 
 
-def with_drawing(state: SimState, **changes: object) -> SimState:
+def with_pointer_state(state: SimState, **changes: object) -> SimState:
     """The state with another drawing."""
-    drawing: Drawing = state.drawing._replace(**changes)  # pyright: ignore[reportArgumentType]
-    return state._replace(drawing=drawing)
+    pointer_state: PointerState = state.pointer_state._replace(**changes)  # pyright: ignore[reportArgumentType]
+    return state._replace(pointer_state=pointer_state)
 
 
 def path_dropped(state: SimState) -> SimState:
     """The state without a path that waits."""
-    return with_drawing(state, pending=NO_PATH, pending_robot=NOBODY, pending_mends=False)
+    return with_pointer_state(state, pending=NO_PATH, pending_robot=NOBODY, pending_repairs=False)
 
 
 def proposal_dropped(state: SimState) -> SimState:
     """The state without a proposed robot."""
-    return with_drawing(state, proposed=NOBODY, proposed_until=math.inf)
+    return with_pointer_state(state, proposed=NOBODY, proposed_until=math.inf)

@@ -10,7 +10,7 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.commands import ShapePath, StrokeEnd
 from higvf_console.core.errors import PathError
 from higvf_console.core.state import Path, PathEnding, PathKind, PathStatus, SimState
-from higvf_console.operator.outcome import Outcome, path_dropped, refuse, say, with_drawing
+from higvf_console.operator.outcome import Outcome, path_dropped, refuse, report, with_pointer_state
 from higvf_console.operator.path_edits import reclosed
 from higvf_console.sim.setup import Event
 
@@ -31,7 +31,7 @@ def follow(state: SimState, path: Path) -> SimState:
         status, w = PathStatus.FOLLOWING, start_parameter(path, float(x), float(y))
     motion = motion._replace(
         path_parameter=w, path_status=int(status), path_idle=0.0, path_gap=math.inf, path_left=path.duration,
-        rung=np.zeros_like(motion.rung),
+        recovery_stage=np.zeros_like(motion.recovery_stage),
     )  # fmt: skip
     return state._replace(motion=motion, intent=intent._replace(path=path))
 
@@ -61,7 +61,7 @@ def shaped(path: Path, command: ShapePath | StrokeEnd) -> Path:
 
 def in_hand(state: SimState) -> Path:
     """The path that a repair changes: the one that waits, else the one in force."""
-    pending = state.drawing.pending
+    pending = state.pointer_state.pending
     return state.intent.path if pending.kind == PathKind.NONE else pending
 
 
@@ -85,13 +85,13 @@ def repaired(
     except PathError as error:
         return state, refuse(time, f"The path stays as it is: {error}.")
     if waits or old is not state.intent.path:
-        mends = state.drawing.pending_mends or old is state.intent.path
-        said = say(time, "pending", f"The path that waits is now {path_words(path)}.")
-        return with_drawing(state, pending=path, pending_mends=mends), said
-    return mended(state, path, time, anew=anew)
+        repairs = state.pointer_state.pending_repairs or old is state.intent.path
+        said = report(time, "pending", f"The path that waits is now {path_words(path)}.")
+        return with_pointer_state(state, pending=path, pending_repairs=repairs), said
+    return repair_path(state, path, time, anew=anew)
 
 
-def mended(state: SimState, path: Path, time: float, *, anew: bool | None = None) -> Outcome:
+def repair_path(state: SimState, path: Path, time: float, *, anew: bool | None = None) -> Outcome:
     """`path` in place of the one in force: it goes on where that is. `anew` = None: if the durations differ.
 
     Where the time of the one in force is over, it begins again.
@@ -103,9 +103,9 @@ def mended(state: SimState, path: Path, time: float, *, anew: bool | None = None
         path_idle=0.0, path_gap=math.inf,
         path_left=motion.path_left if motion.path_left > 0.0 and not anew else path.duration,
     )  # fmt: skip
-    paths = tuple(path if other is old else other for other in state.drawing.paths)
-    state = with_drawing(state._replace(motion=motion, intent=state.intent._replace(path=path)), paths=paths)
-    return state, say(time, "path", f"The path is now {path_words(path)}.")
+    paths = tuple(path if other is old else other for other in state.pointer_state.paths)
+    state = with_pointer_state(state._replace(motion=motion, intent=state.intent._replace(path=path)), paths=paths)
+    return state, report(time, "path", f"The path is now {path_words(path)}.")
 
 
 def same_place(old: Path, path: Path, w: float) -> float:
@@ -134,20 +134,20 @@ def path_words(path: Path) -> str:
 
 def take_up(state: SimState, number: int, time: float) -> Outcome:
     """Follows a path of the list again."""
-    paths = state.drawing.paths
+    paths = state.pointer_state.paths
     if not 0 <= number < len(paths):
         return state, _no_path(number, len(paths), time)
     text = f"Robot {state.intent.influenced + 1} takes up path {number + 1} again, {path_words(paths[number])}."
-    return follow(path_dropped(state), paths[number]), say(time, "path", text)
+    return follow(path_dropped(state), paths[number]), report(time, "path", text)
 
 
 def forget(state: SimState, number: int, time: float) -> Outcome:
     """Takes a path off the list."""
-    paths = state.drawing.paths
+    paths = state.pointer_state.paths
     if not 0 <= number < len(paths):
         return state, _no_path(number, len(paths), time)
     kept = paths[:number] + paths[number + 1 :]
-    return with_drawing(state, paths=kept), say(time, "path", f"Path {number + 1} is off the list.")
+    return with_pointer_state(state, paths=kept), report(time, "path", f"Path {number + 1} is off the list.")
 
 
 def _no_path(number: int, paths: int, time: float) -> tuple[Event, ...]:
@@ -160,4 +160,4 @@ def finish(state: SimState, time: float) -> Outcome:
     if state.motion.path_status not in ACTING:
         return state, ()
     motion = state.motion._replace(path_status=int(PathStatus.FINISHED))
-    return state._replace(motion=motion), say(time, "path", "The team goes on with its own task.")
+    return state._replace(motion=motion), report(time, "path", "The team goes on with its own task.")

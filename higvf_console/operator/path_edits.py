@@ -17,7 +17,7 @@ _BEND_SHARE = 1 / 6  # of the length: what gives way on either side of a dragged
 _BEND_REACH = 1.5
 
 
-def amended(path: Path, stroke: Floats, smoothing: float) -> Path:
+def redrawn(path: Path, stroke: Floats, smoothing: float) -> Path:
     """The path with the part between the ends of `stroke` (n, 2) [m] drawn anew.
 
     A stroke that leaves an open path for good becomes its new end. On a closed path the shorter way round is replaced.

@@ -6,7 +6,7 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import Prioritise
 from higvf_console.core.outline import enclosed
 from higvf_console.core.state import SimState
-from higvf_console.operator.outcome import Outcome, no_robot, refuse, say
+from higvf_console.operator.outcome import Outcome, no_robot, refuse, report
 from higvf_console.sim.setup import Setup
 
 
@@ -22,7 +22,7 @@ def prioritise(state: SimState, command: Prioritise, setup: Setup, time: float) 
     """Makes one robot value some fires more; see `Prioritise`."""
     intent, fires, robots = state.intent, len(state.motion.fire_radius), len(state.motion.position)
     robot = intent.influenced if command.robot is None else int(command.robot)
-    factor = setup.gains.perception.priority if command.factor is None else float(command.factor)
+    factor = setup.params.perception.priority if command.factor is None else float(command.factor)
     if not 0 <= robot < robots:
         return state, no_robot(robot, robots, time)
     unknown = [fire for fire in command.fires if not 0 <= fire < fires]
@@ -34,7 +34,7 @@ def prioritise(state: SimState, command: Prioritise, setup: Setup, time: float) 
     own = floats([[robot, fire, factor] for fire in command.fires], -1, 3)
     state = state._replace(intent=intent._replace(priority=floats(np.concatenate([others, own]))))
     if not command.fires:
-        return state, say(time, "priority", f"Robot {robot + 1} has no priority any more.")
+        return state, report(time, "priority", f"Robot {robot + 1} has no priority any more.")
     names = ", ".join(str(fire + 1) for fire in command.fires)
     plural = "s" if len(command.fires) > 1 else ""
-    return state, say(time, "priority", f"Robot {robot + 1} gives fire{plural} {names} a priority of {factor:g}.")
+    return state, report(time, "priority", f"Robot {robot + 1} gives fire{plural} {names} a priority of {factor:g}.")

@@ -16,18 +16,19 @@ from higvf_console.core.command import SESSION
 from higvf_console.core.commands import (
     Acknowledge,
     AskReset,
-    BendPath,
     ClearPath,
     Clutch,
     Confirm,
     ControlChange,
     Cursor,
     Discard,
+    EmergencyStop,
     ForgetPath,
     Freeze,
     HandOver,
     InjectFault,
     LoadScenario,
+    MovePathPoint,
     NextTask,
     OperatorCommand,
     Pause,
@@ -35,14 +36,13 @@ from higvf_console.core.commands import (
     Prioritise,
     ProposePick,
     Redo,
+    ResetEmergencyStop,
     ResetRun,
-    ResetStop,
     Resume,
     ReversePath,
     SetSpeed,
     ShapePath,
     Step,
-    Stop,
     StrokeBegin,
     StrokeCancel,
     StrokeEnd,
@@ -53,11 +53,28 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.edits import Edit
 from higvf_console.core.errors import PathError
-from higvf_console.core.state import NO_PATH, NOBODY, Drawing, Path, PathKind, SimState
+from higvf_console.core.state import NO_PATH, NOBODY, Path, PathKind, PointerState, SimState
 from higvf_console.core.viewport import Arena
-from higvf_console.operator.outcome import Outcome, no_robot, path_dropped, proposal_dropped, refuse, say, with_drawing
-from higvf_console.operator.path_commands import PATHS_KEPT, finish, follow, forget, mended, repaired, shaped, take_up
-from higvf_console.operator.path_edits import amended, bent
+from higvf_console.operator.outcome import (
+    Outcome,
+    no_robot,
+    path_dropped,
+    proposal_dropped,
+    refuse,
+    report,
+    with_pointer_state,
+)
+from higvf_console.operator.path_commands import (
+    PATHS_KEPT,
+    finish,
+    follow,
+    forget,
+    repair_path,
+    repaired,
+    shaped,
+    take_up,
+)
+from higvf_console.operator.path_edits import bent, redrawn
 from higvf_console.operator.priority import prioritise, prioritise_inside
 from higvf_console.sim.setup import Event, Setup, Severity
 
@@ -66,22 +83,22 @@ _NO_STROKE = np.zeros((0, 2))
 
 def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Outcome:  # noqa: PLR0911, PLR0912
     """The state after one operator command, and what there is to say about it."""
-    time = state.motion.tick * setup.gains.safety.control_period
+    time = state.motion.tick * setup.params.safety.control_period
     match command:
         case StrokeBegin():
-            return with_drawing(state, stroke=_NO_STROKE, stroke_source=command.source), ()
+            return with_pointer_state(state, stroke=_NO_STROKE, stroke_source=command.source), ()
         case StrokePoints(points=points):
             return _grow(state, command.source, points), ()
-        case StrokeEnd() | StrokeCancel() if not _draws(state.drawing, command.source):
+        case StrokeEnd() | StrokeCancel() if not _draws(state.pointer_state, command.source):
             return state, ()
         case StrokeCancel():
-            return with_drawing(state, stroke=_NO_STROKE, stroke_source=""), ()
+            return with_pointer_state(state, stroke=_NO_STROKE, stroke_source=""), ()
         case StrokeEnd():
             return _end_stroke(state, command, setup, time)
         case Cursor(point=point):
-            return with_drawing(state, cursor=floats(point, 2)), ()
+            return with_pointer_state(state, cursor=floats(point, 2)), ()
         case Clutch(closed=closed):
-            return with_drawing(state, clutch=bool(closed)), ()
+            return with_pointer_state(state, clutch=bool(closed)), ()
         case Pick(robot=robot):
             return _pick(proposal_dropped(state), robot, time)
         case ProposePick():
@@ -91,26 +108,26 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
         case Discard(proposal=robot_too):
             return _discard(state, time, robot_too=robot_too)
         case Pause():
-            return _pause(state, True), say(time, "paused", "Paused: the team holds and still yields.")
+            return _pause(state, True), report(time, "paused", "Paused: the team holds and still yields.")
         case Resume() if state.intent.stopped:
             return state, refuse(time, "The team is stopped: reset the STOP first.")
         case Resume():
-            return _pause(state, False), say(time, "resumed", "The team goes on.")
-        case Stop():
+            return _pause(state, False), report(time, "resumed", "The team goes on.")
+        case EmergencyStop():
             return _stop(state, True), (Event(time, Severity.ALARM, "stop", "STOP: all robots stand still."),)
         case AskReset():
-            return with_drawing(state, ask_reset=state.intent.stopped), ()
-        case ResetStop() if not state.drawing.ask_reset:
+            return with_pointer_state(state, ask_reset=state.intent.stopped), ()
+        case ResetEmergencyStop() if not state.pointer_state.ask_reset:
             return state, refuse(time, "A STOP is reset in two steps: ask for the reset first.")
-        case ResetStop():
-            return _stop(state, False), say(time, "stop", "STOP is reset; the team stays paused until you resume.")
+        case ResetEmergencyStop():
+            return _stop(state, False), report(time, "stop", "STOP is reset; the team stays paused until you resume.")
         case ClearPath():
-            return follow(state, NO_PATH), say(time, "path", "The path is cleared.")
+            return follow(state, NO_PATH), report(time, "path", "The path is cleared.")
         case ReversePath():
             return repaired(state, time, lambda path: path._replace(direction=-path.direction))
         case ShapePath():
             return repaired(state, time, lambda path: shaped(path, command), anew=command.duration is not None)
-        case BendPath(grip=grip, point=point, preview=waits):
+        case MovePathPoint(grip=grip, point=point, preview=waits):
             place = clipped(floats(point, 1, 2), setup.arena)[0][0]
             return repaired(state, time, lambda path: bent(path, floats(grip, 2), place), waits=waits)
         case TakeUpPath(number=number):
@@ -122,7 +139,7 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
         case NextTask():
             return finish(state, time)
         case ResetRun():
-            return started_again(state, setup), say(0.0, "reset", "The run starts again.")
+            return started_again(state, setup), report(0.0, "reset", "The run starts again.")
         case Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
             return state, ()
         case LoadScenario() | Undo() | Redo() | Edit():
@@ -145,26 +162,26 @@ def started_again(now: SimState, setup: Setup) -> SimState:
     return start._replace(intent=start.intent._replace(stopped=stopped, paused=start.intent.paused or stopped))
 
 
-def proposal(drawing: Drawing, time: float) -> int:
+def proposal(pointer_state: PointerState, time: float) -> int:
     """The robot that is proposed at session time `time` [s], or NOBODY: a proposal lapses."""
-    return drawing.proposed if time <= drawing.proposed_until else NOBODY
+    return pointer_state.proposed if time <= pointer_state.proposed_until else NOBODY
 
 
-def waiting(drawing: Drawing, time: float) -> bool:
+def waiting(pointer_state: PointerState, time: float) -> bool:
     """Whether a Confirm has something to make real at session time `time` [s]."""
-    return drawing.pending.kind != PathKind.NONE or proposal(drawing, time) != NOBODY
+    return pointer_state.pending.kind != PathKind.NONE or proposal(pointer_state, time) != NOBODY
 
 
 def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) -> Outcome:
-    points, left = clipped(state.drawing.stroke, setup.arena)
-    smoothing = setup.gains.path.stroke_smoothing if command.smoothing is None else command.smoothing
-    state = with_drawing(state, stroke=_NO_STROKE, stroke_source="")
+    points, left = clipped(state.pointer_state.stroke, setup.arena)
+    smoothing = setup.params.path.stroke_smoothing if command.smoothing is None else command.smoothing
+    state = with_pointer_state(state, stroke=_NO_STROKE, stroke_source="")
     if command.use not in tuple(StrokeUse):
         return state, refuse(time, f"A stroke cannot be for '{command.use}': choose {', '.join(StrokeUse)}.")
     if command.use == StrokeUse.PRIORITY:
         return prioritise_inside(state, points, setup, time)
-    if command.use == StrokeUse.AMEND:
-        return repaired(state, time, lambda path: amended(path, points, smoothing), waits=command.preview)
+    if command.use == StrokeUse.REDRAW:
+        return repaired(state, time, lambda path: redrawn(path, points, smoothing), waits=command.preview)
     try:
         path = shaped(sketch_path(points, smoothing), command)
     except PathError as error:
@@ -180,8 +197,8 @@ def _wait(state: SimState, path: Path, robot: int, time: float) -> Outcome:
     robots = len(state.motion.position)
     if robot != NOBODY and not 0 <= robot < robots:
         return state, no_robot(robot, robots, time)
-    said = say(time, "pending", f"A path of {path.length:.0f} m waits to be committed.")
-    return with_drawing(state, pending=path, pending_robot=robot, pending_mends=False), said
+    said = report(time, "pending", f"A path of {path.length:.0f} m waits to be committed.")
+    return with_pointer_state(state, pending=path, pending_robot=robot, pending_repairs=False), said
 
 
 def _commit(state: SimState, path: Path, robot: int, time: float) -> Outcome:
@@ -193,9 +210,9 @@ def _commit(state: SimState, path: Path, robot: int, time: float) -> Outcome:
         state, events = _pick(state, robot, time)
     kind = "closed" if path.closed else "open"
     text = f"Robot {state.intent.influenced + 1} follows a new {kind} path of {path.length:.0f} m."
-    drawn = tuple(old for old in state.drawing.paths if old is not path)
-    state = with_drawing(state, paths=(*drawn, path)[-PATHS_KEPT:])
-    return follow(state, path), events + say(time, "path", text)
+    drawn = tuple(old for old in state.pointer_state.paths if old is not path)
+    state = with_pointer_state(state, paths=(*drawn, path)[-PATHS_KEPT:])
+    return follow(state, path), events + report(time, "path", text)
 
 
 def _propose(state: SimState, command: ProposePick, time: float) -> Outcome:
@@ -205,32 +222,32 @@ def _propose(state: SimState, command: ProposePick, time: float) -> Outcome:
     if robot == state.intent.influenced:
         return proposal_dropped(state), ()
     trust = "" if command.confidence is None else f" (confidence {command.confidence:.2f})"
-    said = say(time, "proposed", f"Robot {robot + 1} is proposed{trust}: confirm it within {command.within:g} s.")
-    return with_drawing(state, proposed=robot, proposed_until=time + float(command.within)), said
+    said = report(time, "proposed", f"Robot {robot + 1} is proposed{trust}: confirm it within {command.within:g} s.")
+    return with_pointer_state(state, proposed=robot, proposed_until=time + float(command.within)), said
 
 
 def _confirm(state: SimState, time: float) -> Outcome:
     """The proposed robot first, so that a pending path is that robot's."""
-    drawing = state.drawing
-    if not waiting(drawing, time):
+    pointer_state = state.pointer_state
+    if not waiting(pointer_state, time):
         return state, refuse(time, "There is nothing to confirm.")
-    state, events, robot = proposal_dropped(state), (), proposal(drawing, time)
+    state, events, robot = proposal_dropped(state), (), proposal(pointer_state, time)
     if robot != NOBODY:
         state, events = _pick(state, robot, time)
-    if drawing.pending.kind == PathKind.NONE:
+    if pointer_state.pending.kind == PathKind.NONE:
         return state, events
-    if drawing.pending_mends and state.intent.path.kind != PathKind.NONE:
-        state, said = mended(path_dropped(state), drawing.pending, time)
+    if pointer_state.pending_repairs and state.intent.path.kind != PathKind.NONE:
+        state, said = repair_path(path_dropped(state), pointer_state.pending, time)
     else:
-        state, said = _commit(state, drawing.pending, drawing.pending_robot, time)
+        state, said = _commit(state, pointer_state.pending, pointer_state.pending_robot, time)
     return state, events + said
 
 
 def _discard(state: SimState, time: float, *, robot_too: bool) -> Outcome:
-    robot = proposal(state.drawing, time) if robot_too else NOBODY
-    waited = state.drawing.pending.kind != PathKind.NONE or robot != NOBODY
+    robot = proposal(state.pointer_state, time) if robot_too else NOBODY
+    waited = state.pointer_state.pending.kind != PathKind.NONE or robot != NOBODY
     dropped = path_dropped(proposal_dropped(state) if robot_too else state)
-    return dropped, say(time, "discarded", "What waited is discarded.") if waited else ()
+    return dropped, report(time, "discarded", "What waited is discarded.") if waited else ()
 
 
 def _pick(state: SimState, robot: int, time: float) -> Outcome:
@@ -241,19 +258,19 @@ def _pick(state: SimState, robot: int, time: float) -> Outcome:
         return state, ()
     motion = state.motion._replace(path_idle=0.0, path_gap=math.inf)
     picked = state._replace(motion=motion, intent=state.intent._replace(influenced=robot))
-    return picked, say(time, "picked", f"Robot {robot + 1} feels the human intention.")
+    return picked, report(time, "picked", f"Robot {robot + 1} feels the human intention.")
 
 
 def _grow(state: SimState, source: str, points: Floats) -> SimState:
     """The stroke belongs to the interface that began it; points of any other are not part of it."""
-    if state.drawing.stroke_source != source:
+    if state.pointer_state.stroke_source != source:
         return state
-    return with_drawing(state, stroke=np.vstack([state.drawing.stroke, floats(points, -1, 2)]))
+    return with_pointer_state(state, stroke=np.vstack([state.pointer_state.stroke, floats(points, -1, 2)]))
 
 
-def _draws(drawing: Drawing, source: str) -> bool:
+def _draws(pointer_state: PointerState, source: str) -> bool:
     """Whether a stroke is that of this interface, so that it may end it; the session may end any."""
-    return drawing.stroke_source in ("", source) or source == SESSION
+    return pointer_state.stroke_source in ("", source) or source == SESSION
 
 
 def _handed(command: HandOver, time: float) -> tuple[Event, ...]:
@@ -280,5 +297,5 @@ def _pause(state: SimState, paused: bool) -> SimState:
 
 
 def _stop(state: SimState, stopped: bool) -> SimState:
-    state = with_drawing(path_dropped(proposal_dropped(state)), ask_reset=False)
+    state = with_pointer_state(path_dropped(proposal_dropped(state)), ask_reset=False)
     return state._replace(intent=state.intent._replace(stopped=stopped, paused=True))

@@ -27,7 +27,7 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
         anything, `channels` tells how each input is at the end, and why, `attention` is null without gaze, `digest` is
         the SHA-256 of `TrajectoryDigest`.
     """
-    dt = session.setup.gains.safety.control_period
+    dt = session.setup.params.safety.control_period
     duration = session.scenario.duration if duration is None else duration
     digest, tick_ms, done = TrajectoryDigest(), list[float](), 0
     with held_back() as give_interrupt:
@@ -44,7 +44,7 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
     inputs = session.input_reports
     return {
         "scenario": session.scenario.name,
-        "forms": name_of(session.scenario.gains.forms),
+        "forms": name_of(session.scenario.params.forms),
         "seed": session.seed,
         "duration_s": round(done * dt, 9),
         "ticks": done,

@@ -17,8 +17,8 @@ import numpy as np
 from higvf_console.control.guidance.paths import EVERYWHERE, nearest
 from higvf_console.core.arrays import Ints
 from higvf_console.core.errors import ScenarioError
-from higvf_console.core.state import Drawing, Intent, Motion, Path, PathKind, SimState
-from higvf_console.operator.outcome import proposal_dropped, with_drawing
+from higvf_console.core.state import Intent, Motion, Path, PathKind, PointerState, SimState
+from higvf_console.operator.outcome import proposal_dropped, with_pointer_state
 from higvf_console.operator.path_commands import ACTING, same_place
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
@@ -29,7 +29,7 @@ from higvf_console.world.editing.layout import Layout, layout_of
 from higvf_console.world.editing.safe_places import crowded, diagonal, nearest_fit, placed, robot_fits
 
 KEPT = 200  # deeds
-_WAITING = ("pending", "pending_robot", "pending_mends")  # what a drawing has of the path that waits
+_WAITING = ("pending", "pending_robot", "pending_repairs")  # what a drawing has of the path that waits
 
 
 class Tally(NamedTuple):
@@ -50,7 +50,7 @@ class Tally(NamedTuple):
     worst: Worst = Worst()
 
 
-class Moment(NamedTuple):
+class RunState(NamedTuple):
     """A run at one moment.
 
     Attributes:
@@ -68,7 +68,7 @@ class Moment(NamedTuple):
     scenario: Scenario | None
 
 
-class Deed(NamedTuple):
+class Action(NamedTuple):
     """Something that was done.
 
     Attributes:
@@ -80,18 +80,18 @@ class Deed(NamedTuple):
         robots: row before of each robot after, or `NEW`.
         fires: likewise.
         whole: whether the former run as a whole comes back when it is undone.
-        mends: whether it changed the path in force, and the team went on along it.
+        repairs: whether it changed the path in force, and the team went on along it.
     """
 
     time: float
     kind: str
     text: str
-    before: Moment
-    after: Moment
+    before: RunState
+    after: RunState
     robots: Ints
     fires: Ints
     whole: bool
-    mends: bool
+    repairs: bool
 
 
 class Entry(NamedTuple):
@@ -105,27 +105,27 @@ class Entry(NamedTuple):
 class History(NamedTuple):
     """Deeds in the order in which they were done; `undone` ones in the order in which they would be done again."""
 
-    done: tuple[Deed, ...] = ()
-    undone: tuple[Deed, ...] = ()
+    done: tuple[Action, ...] = ()
+    undone: tuple[Action, ...] = ()
 
-    def with_deed(self, deed: Deed) -> "History":
+    def with_action(self, action: Action) -> "History":
         """The history after something new was done: what was undone before is gone."""
-        return History((*self.done, deed)[-KEPT:], ())
+        return History((*self.done, action)[-KEPT:], ())
 
     def stopped(self) -> "History":
         """The history after a STOP."""
         pauses = ("Pause", "Resume")
-        return History(*(tuple(deed for deed in deeds if deed.kind not in pauses) for deeds in self))
+        return History(*(tuple(action for action in actions if action.kind not in pauses) for actions in self))
 
     def entries(self) -> tuple[Entry, ...]:
         """All lines, the oldest first."""
         return (
-            *(Entry(deed.time, deed.text, False) for deed in self.done),
-            *(Entry(deed.time, deed.text, True) for deed in self.undone),
+            *(Entry(action.time, action.text, False) for action in self.done),
+            *(Entry(action.time, action.text, True) for action in self.undone),
         )
 
 
-def undo(history: History, now: Moment) -> tuple[History, Moment, str]:
+def undo(history: History, now: RunState) -> tuple[History, RunState, str]:
     """The moment without the last deed.
 
     Raises:
@@ -133,16 +133,16 @@ def undo(history: History, now: Moment) -> tuple[History, Moment, str]:
     """
     if not history.done:
         raise ScenarioError("there is nothing to undo")
-    deed = history.done[-1]
-    if deed.whole:
-        moment, aside = _as_a_whole(now, deed.before), ""
+    action = history.done[-1]
+    if action.whole:
+        run_state, aside = _as_a_whole(now, action.before), ""
     else:
-        moment, aside = _turned(now, deed.after, deed.before, *_rows_back(deed), deed.mends)
-    deed = deed._replace(after=_with_progress(deed.after, now))
-    return History(history.done[:-1], (deed, *history.undone)), moment, f"Undone: {deed.text}{aside}"
+        run_state, aside = _turned(now, action.after, action.before, *_rows_back(action), action.repairs)
+    action = action._replace(after=_with_progress(action.after, now))
+    return History(history.done[:-1], (action, *history.undone)), run_state, f"Undone: {action.text}{aside}"
 
 
-def redo(history: History, now: Moment) -> tuple[History, Moment, str]:
+def redo(history: History, now: RunState) -> tuple[History, RunState, str]:
     """The moment with the deed that was undone last.
 
     Raises:
@@ -150,13 +150,13 @@ def redo(history: History, now: Moment) -> tuple[History, Moment, str]:
     """
     if not history.undone:
         raise ScenarioError("there is nothing to do again")
-    deed = history.undone[0]
-    if deed.whole:
-        moment, aside = _as_a_whole(now, deed.after), ""
+    action = history.undone[0]
+    if action.whole:
+        run_state, aside = _as_a_whole(now, action.after), ""
     else:
-        moment, aside = _turned(now, deed.before, deed.after, deed.robots, deed.fires, deed.mends)
-    deed = deed._replace(before=_with_progress(deed.before, now))
-    return History((*history.done, deed), history.undone[1:]), moment, f"Done again: {deed.text}{aside}"
+        run_state, aside = _turned(now, action.before, action.after, action.robots, action.fires, action.repairs)
+    action = action._replace(before=_with_progress(action.before, now))
+    return History((*history.done, action), history.undone[1:]), run_state, f"Done again: {action.text}{aside}"
 
 
 def rows_before(history: History, *, undone: bool) -> tuple[Ints, Ints]:
@@ -169,41 +169,43 @@ def rows_before(history: History, *, undone: bool) -> tuple[Ints, Ints]:
     Returns:
         (N,), (M,) rows; none where the whole run has become another.
     """
-    deed = history.undone[0] if undone else history.done[-1]
-    if deed.whole:
+    action = history.undone[0] if undone else history.done[-1]
+    if action.whole:
         return same_rows(0), same_rows(0)
-    return _rows_back(deed) if undone else (deed.robots, deed.fires)
+    return _rows_back(action) if undone else (action.robots, action.fires)
 
 
-def _rows_back(deed: Deed) -> tuple[Ints, Ints]:
+def _rows_back(action: Action) -> tuple[Ints, Ints]:
     """Row after of each robot and of each fire before, or `NEW`."""
-    motion = deed.before.state.motion
-    return inverse(deed.robots, len(motion.position)), inverse(deed.fires, len(motion.fire_radius))
+    motion = action.before.state.motion
+    return inverse(action.robots, len(motion.position)), inverse(action.fires, len(motion.fire_radius))
 
 
-def _with_progress(moment: Moment, now: Moment) -> Moment:
+def _with_progress(run_state: RunState, now: RunState) -> RunState:
     """A moment of the past, for the way back to it, as far along its path as the team has come since."""
-    state, motion = moment.state, now.state.motion
+    state, motion = run_state.state, now.state.motion
     if state.intent.path is not now.state.intent.path or state.motion.path_parameter == motion.path_parameter:
-        return moment
+        return run_state
     progress = {name: getattr(motion, name) for name in ("path_parameter", "path_status", "path_left")}
-    return moment._replace(state=state._replace(motion=state.motion._replace(**progress)))
+    return run_state._replace(state=state._replace(motion=state.motion._replace(**progress)))
 
 
-def _as_a_whole(now: Moment, goal: Moment) -> Moment:
+def _as_a_whole(now: RunState, goal: RunState) -> RunState:
     """Another moment in place of the present one, but for what the operator's hand is doing."""
     intent, present = goal.state.intent, now.state.intent
     intent = intent._replace(paused=intent.paused or present.paused, stopped=present.stopped)
     state = proposal_dropped(now.state._replace(motion=goal.state.motion, intent=intent))
-    back = {name: getattr(goal.state.drawing, name) for name in (*_WAITING, "paths")}
-    return goal._replace(state=with_drawing(state, **back))
+    back = {name: getattr(goal.state.pointer_state, name) for name in (*_WAITING, "paths")}
+    return goal._replace(state=with_pointer_state(state, **back))
 
 
-def _turned(now: Moment, source: Moment, goal: Moment, robots: Ints, fires: Ints, mends: bool) -> tuple[Moment, str]:
+def _turned(
+    now: RunState, source: RunState, goal: RunState, robots: Ints, fires: Ints, repairs: bool
+) -> tuple[RunState, str]:
     """The present moment with the difference between two moments of the past, and who was in the way of that."""
     if now.state.motion is source.state.motion:
         intent = goal.state.intent._replace(paused=_paused(now, source, goal), stopped=now.state.intent.stopped)
-        state = SimState(goal.state.motion, intent, _drawing_back(now, source, goal, robots))
+        state = SimState(goal.state.motion, intent, _pointer_state_back(now, source, goal, robots))
         return now._replace(setup=goal.setup, state=state, tally=goal.tally), ""
     layout = layout_of(goal.setup)
     count = len(now.state.motion.fire_radius)
@@ -217,13 +219,13 @@ def _turned(now: Moment, source: Moment, goal: Moment, robots: Ints, fires: Ints
     if led_by != goal.state.intent.influenced:
         intent = intent._replace(influenced=goal.state.intent.influenced)
     intent = intent._replace(paused=_paused(now, source, goal))
-    motion, intent = _asked_back(motion, intent, source.state, goal.state, mends)
-    state = SimState(motion, intent, _drawing_back(now, source, goal, robots))
+    motion, intent = _asked_back(motion, intent, source.state, goal.state, repairs)
+    state = SimState(motion, intent, _pointer_state_back(now, source, goal, robots))
     tally = now.tally._replace(extinguished=_numbers_back(now.tally, goal.tally, fires))
     return now._replace(setup=goal.setup, state=state, tally=tally), aside
 
 
-def _robots_back(motion: Motion, source: Moment, goal: Moment, robots: Ints, layout: Layout) -> Motion:
+def _robots_back(motion: Motion, source: RunState, goal: RunState, robots: Ints, layout: Layout) -> Motion:
     """Robots that the deed moved, or took away, are where they were, or at the nearest safe place."""
     was, then = source.state.motion, goal.state.motion
     for robot, row in enumerate(robots.tolist()):
@@ -260,7 +262,7 @@ def _held(motion: Motion, robot: int, layout: Layout) -> Motion:
     return placed(motion, robot, place)
 
 
-def _fires_back(motion: Motion, source: Moment, goal: Moment, fires: Ints) -> Motion:
+def _fires_back(motion: Motion, source: RunState, goal: RunState, fires: Ints) -> Motion:
     """Fires that the deed resized, or took away, are as they were."""
     was, then = source.state.motion, goal.state.motion
     radius, progress, burning = motion.fire_radius.copy(), motion.fire_progress.copy(), motion.fire_burning.copy()
@@ -272,34 +274,40 @@ def _fires_back(motion: Motion, source: Moment, goal: Moment, fires: Ints) -> Mo
     return motion._replace(fire_radius=radius, fire_progress=progress, fire_burning=burning)
 
 
-def _paused(now: Moment, source: Moment, goal: Moment) -> bool:
+def _paused(now: RunState, source: RunState, goal: RunState) -> bool:
     """Whether the team is paused where the deed changed that; a team that is stopped stays paused."""
     was, then, intent = source.state.intent.paused, goal.state.intent.paused, now.state.intent
     return intent.paused if was == then else then or intent.stopped
 
 
-def _asked_back(motion: Motion, intent: Intent, source: SimState, goal: SimState, mends: bool) -> tuple[Motion, Intent]:
+def _asked_back(
+    motion: Motion, intent: Intent, source: SimState, goal: SimState, repairs: bool
+) -> tuple[Motion, Intent]:
     """Path and priorities, where the deed changed them."""
     was, then = source.intent, goal.intent
     if was.priority.tobytes() != then.priority.tobytes():
         intent = intent._replace(priority=then.priority)
     of_path = (was.path is not then.path, source.motion.path_status != goal.motion.path_status)
     if any(of_path) or source.motion.path_left != goal.motion.path_left:
-        goes_on = mends and intent.path.kind != PathKind.NONE
-        motion = _mended(motion, intent.path, source, goal) if goes_on else _rejoined(motion, goal, intent.influenced)
+        goes_on = repairs and intent.path.kind != PathKind.NONE
+        motion = _repaired(motion, intent.path, source, goal) if goes_on else _rejoined(motion, goal, intent.influenced)
         intent = intent._replace(path=then.path)
     return motion, intent
 
 
-def _drawing_back(now: Moment, source: Moment, goal: Moment, robots: Ints) -> Drawing:
+def _pointer_state_back(now: RunState, source: RunState, goal: RunState, robots: Ints) -> PointerState:
     """What waits, and the list of paths, where the deed changed them."""
-    drawing, was, then = waiting_on(now.state.drawing, robots), source.state.drawing, goal.state.drawing
+    pointer_state, was, then = (
+        waiting_on(now.state.pointer_state, robots),
+        source.state.pointer_state,
+        goal.state.pointer_state,
+    )
     if was.pending is not then.pending:
-        drawing = drawing._replace(**{name: getattr(then, name) for name in _WAITING})
-    return drawing if was.paths is then.paths else drawing._replace(paths=then.paths)
+        pointer_state = pointer_state._replace(**{name: getattr(then, name) for name in _WAITING})
+    return pointer_state if was.paths is then.paths else pointer_state._replace(paths=then.paths)
 
 
-def _mended(motion: Motion, path: Path, source: SimState, goal: SimState) -> Motion:
+def _repaired(motion: Motion, path: Path, source: SimState, goal: SimState) -> Motion:
     """On the path without, or with, a repair, where the team has come to on the one in force."""
     was, then = source.motion, goal.motion
     revives = (was.path_status in ACTING) != (then.path_status in ACTING)
@@ -320,7 +328,7 @@ def _rejoined(motion: Motion, goal: SimState, robot: int) -> Motion:
         w = nearest(path, w, EVERYWHERE, x, y)[0]
     return motion._replace(
         path_parameter=w, path_status=goal.motion.path_status, path_idle=0.0, path_gap=math.inf,
-        path_left=goal.motion.path_left, rung=np.zeros_like(motion.rung),
+        path_left=goal.motion.path_left, recovery_stage=np.zeros_like(motion.recovery_stage),
     )  # fmt: skip
 
 

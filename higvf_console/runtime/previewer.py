@@ -105,7 +105,7 @@ class Previewer:
             return
         self._known, self._chosen, self._tick = matter, choice, state.motion.tick
         self._started = time.perf_counter()
-        wished = wish(state, setup, _end(choice) if state.drawing.stroke_source == "mouse" else None)
+        wished = wish(state, setup, _end(choice) if state.pointer_state.stroke_source == "mouse" else None)
         if wished is None:
             self.latest = None
             return
@@ -116,7 +116,7 @@ class Previewer:
 
     def _overtaken(self, state: SimState) -> bool:
         """Whether another wish has taken the place of this one; a stroke that has only grown has not."""
-        before, now = state.drawing, self._session.snapshot.state.drawing
+        before, now = state.pointer_state, self._session.snapshot.state.pointer_state
         return self._stopping.is_set() or (
             (before.stroke_source, before.proposed) != (now.stroke_source, now.proposed)
             or before.pending is not now.pending
@@ -126,10 +126,10 @@ class Previewer:
 def rehearse(setup: Setup) -> None:
     """Makes one short preview, so that the first real one need not load what it calls while the team moves."""
     x_min, y_min, x_max, y_max = setup.arena
-    drawing = setup.start.drawing._replace(
+    pointer_state = setup.start.pointer_state._replace(
         stroke=floats([[x_min, y_min], [x_max, y_min], [x_max, y_max]]), stroke_source="rehearsal"
     )
-    state = setup.start._replace(drawing=drawing)
+    state = setup.start._replace(pointer_state=pointer_state)
     wished = wish(state, setup)
     if wished is not None:
         foresee(state, wished, setup, 0.0)
@@ -143,6 +143,6 @@ def _end(choice: Choice) -> StrokeEnd:
 
 def _matter(setup: Setup, state: SimState) -> tuple[Any, ...]:
     """What a preview depends on besides the motion and the choice, compared by identity."""
-    drawing, intent = state.drawing, state.intent
-    return (setup, drawing.stroke, drawing.pending, drawing.stroke_source, drawing.proposed, intent.path,
-            intent.influenced, intent.paused, intent.priority)  # fmt: skip
+    pointer_state, intent = state.pointer_state, state.intent
+    return (setup, pointer_state.stroke, pointer_state.pending, pointer_state.stroke_source, pointer_state.proposed,
+            intent.path, intent.influenced, intent.paused, intent.priority)  # fmt: skip

@@ -64,10 +64,10 @@ class Recorder:
             raise InputError(f"{file}: cannot be written: {error.strerror}") from error
         self._ticks = 0
         self._digest = TrajectoryDigest()
-        self._mark_every = max(1, round(1.0 / scenario.gains.safety.control_period))
+        self._mark_every = max(1, round(1.0 / scenario.params.safety.control_period))
         self._flushed = time.monotonic()
         header = {"recording": FORMAT, "scenario": scenario.name, "source": scenario.source, "seed": seed}
-        forms = scenario.gains.forms.words()
+        forms = scenario.params.forms.words()
         polygons = [chain.tolist() for chain in scenario.obstacles.polygons]
         measured = {name: report._asdict() for name, report in calibrations.items()}
         self._write({**header, "forms": forms, "versions": versions(), "calibrations": measured,

@@ -9,13 +9,13 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from higvf_console.analysis.explain import Moved
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters
 from higvf_console.control.safety.coupled_filter import CoupledFilter
 from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, Undo
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.state import Motion, SimState, Trace
-from higvf_console.runtime.doing import done
-from higvf_console.runtime.history import History, Moment, Tally
+from higvf_console.runtime.dispatch import dispatch
+from higvf_console.runtime.history import History, RunState, Tally
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim import simulation
@@ -65,9 +65,9 @@ class Run:
         return self._setup
 
     @property
-    def moment(self) -> Moment:
+    def run_state(self) -> RunState:
         """The run as it is now."""
-        return Moment(self._setup, self.state, self.tally, self.filter, self.scenario)
+        return RunState(self._setup, self.state, self.tally, self.filter, self.scenario)
 
     @property
     def trace(self) -> Trace:
@@ -77,34 +77,34 @@ class Run:
     @property
     def time(self) -> float:
         """Session time [s]: control periods since the start, or since the run was reset."""
-        return self.state.motion.tick * self._setup.gains.safety.control_period
+        return self.state.motion.tick * self._setup.params.safety.control_period
 
     def apply(self, command: OperatorCommand) -> tuple[Event, ...]:
         """Gives a command its meaning; a refused one leaves everything as it was and says so."""
         try:
-            moment, history, events = done(self.moment, self.history, command)
+            run_state, history, events = dispatch(self.run_state, self.history, command)
         except ScenarioError as error:
             return (Event(self.time, Severity.WARNING, "refused", f"Not done: {error}."),)
-        again = moment.setup is not self._setup or isinstance(command, ResetRun | Undo | Redo)
-        self.state, self.tally, self.history = moment.state, moment.tally, history
-        self.filter, self.scenario = moment.filter, moment.scenario
+        again = run_state.setup is not self._setup or isinstance(command, ResetRun | Undo | Redo)
+        self.state, self.tally, self.history = run_state.state, run_state.tally, history
+        self.filter, self.scenario = run_state.filter, run_state.scenario
         if again:
-            self._take(moment.setup)
+            self._take(run_state.setup)
         return events
 
     def step(self) -> tuple[Event, ...]:
         """Advances by one control period."""
         before = self.state
         self.state, trace = self._advance(before)
-        events = events_between(before, self.state, self._trace_before, trace, self._setup.gains)
+        events = events_between(before, self.state, self._trace_before, trace, self._setup.params)
         self.last = Moved(before, self.state.motion, trace)
         self._trace_before = trace
         self.ticks += 1
-        self.tally = _counted(self.tally, before.motion, self.state.motion, trace, self._setup.gains)
+        self.tally = _counted(self.tally, before.motion, self.state.motion, trace, self._setup.params)
         return events
 
 
-def _counted(tally: Tally, before: Motion, after: Motion, trace: Trace, gains: Gains) -> Tally:
+def _counted(tally: Tally, before: Motion, after: Motion, trace: Trace, params: Parameters) -> Tally:
     """The tally after one control period."""
     extinguished, was, burns = tally.extinguished, before.fire_burning, after.fire_burning
     if was.tobytes() != burns.tobytes():
@@ -114,16 +114,16 @@ def _counted(tally: Tally, before: Motion, after: Motion, trace: Trace, gains: G
         min(tally.min_clearance, float(trace.clearance.min())),
         tally.infeasible_ticks + bool(trace.infeasible.any()),
         tally.deadlock_ticks + bool(trace.deadlocked.any()),
-        watched(tally.worst, after, trace, gains),
+        watched(tally.worst, after, trace, params),
     )
 
 
 def _advance_by(filter_kind: FilterKind, setup: Setup) -> Advance:
-    world, gains = setup.world, setup.gains
+    world, params = setup.world, setup.params
     if filter_kind is FilterKind.DISTRIBUTED:
-        return lambda state: simulation.advance(state, world, gains)
+        return lambda state: simulation.advance(state, world, params)
     coupled = CoupledFilter()
-    return lambda state: simulation.advance_coupled(state, world, gains, coupled)
+    return lambda state: simulation.advance_coupled(state, world, params, coupled)
 
 
 class TrajectoryDigest:

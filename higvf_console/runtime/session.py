@@ -105,12 +105,12 @@ class Session:
         self._run = Run(scenario.setup(seed), scenario.filter, scenario)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
-        self._reporter = Reporter(self._channels, self._run.setup.gains.safety.control_period)
+        self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
         self._recorder, self._markers = recorder, markers
         self._frozen = False
         self._speed = 1.0
         self._steps_due = 0
-        self._beats = 0
+        self._heartbeats = 0
         self._events = tuple(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings)
         self._publish(perf_counter())
 
@@ -195,7 +195,7 @@ class Session:
 
     def _wait(self, due: float, stopping: Signal) -> float:
         """Waits for the next tick; returns when it is due, without the time that cannot be caught up."""
-        period = self.setup.gains.safety.control_period / max(self._speed, 1.0)
+        period = self.setup.params.safety.control_period / max(self._speed, 1.0)
         due += period
         now = perf_counter()
         if now < due:
@@ -205,20 +205,26 @@ class Session:
     def _attend(self) -> None:
         intent, motion = self._run.state.intent, self._run.state.motion
         context = OperatorContext(
-            self._run.time, "operator", self.viewport, self._run.state.drawing.clutch, intent.paused,
-            intent.influenced, self._run.tally.extinguished, len(motion.position),
-            Targets(self._run.setup.world.fire_position, motion.fire_radius, motion.position),
-        )  # fmt: skip
+            time=self._run.time,
+            operator="operator",
+            viewport=self.viewport,
+            clutch=self._run.state.pointer_state.clutch,
+            paused=intent.paused,
+            influenced=intent.influenced,
+            extinguished=self._run.tally.extinguished,
+            robots=len(motion.position),
+            targets=Targets(self._run.setup.world.fire_position, motion.fire_radius, motion.position),
+        )
         said, failures = self._supervisor.poll(context)
         for channel, command in said:
             self._apply(command, channel)
         self._add(failures)
-        if failures or self._beats % _WATCH_EVERY == 0:
+        if failures or self._heartbeats % _WATCH_EVERY == 0:
             commands, events = self._supervisor.watch(self._run.time, self._run.state)
             self._add(events)
             for command in commands:
                 self._apply(command, SESSION)
-        self._beats += 1
+        self._heartbeats += 1
 
     def _apply(self, command: OperatorCommand, channel: str) -> None:
         former = self._run.scenario
@@ -319,7 +325,7 @@ class Session:
             min_clearance=run.tally.min_clearance,
             tick_ms=1e3 * (perf_counter() - started),
             infeasible_ticks=run.tally.infeasible_ticks,
-            deadlock_s=run.tally.deadlock_ticks * self.setup.gains.safety.control_period,
+            deadlock_s=run.tally.deadlock_ticks * self.setup.params.safety.control_period,
             worst=run.tally.worst,
             extinguished=run.tally.extinguished,
             history=run.history,

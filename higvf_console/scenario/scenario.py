@@ -19,7 +19,7 @@
         # smoothing_m); ending: release | hold | loop, pace, duration_s
     influenced: 1                            # robots and fires count from 1
     strokes: [{name: Round the bar, robot: 1, points_m: [...]}]        # "show me" buttons
-    parameters: {safety: {robot_clearance: 25}}                        # groups and names of `control.gains`
+    parameters: {safety: {robot_clearance: 25}}                        # groups and names of `control.params`
     forms: corrected                         # or zero-in, printed; or a word for each of `control.forms`
     filter: distributed                      # or centralised
     inputs: {emg: {labels: {fist: pause}}}   # settings by interface; stale, lost, on_lost of any: channel_settings
@@ -37,7 +37,7 @@ from pathlib import Path as FilePath
 from higvf_console.channels.channel_state import Limits
 from higvf_console.channels.channels import unknown_settings
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, shown
@@ -110,7 +110,7 @@ class Scenario:
         path: desired path in force from the start, or NO_PATH.
         influenced: index of the robot that is influenced first.
         strokes: what the "show me" buttons draw.
-        gains: all tunables.
+        params: all tunables.
         filter: which safety filter runs.
         inputs: settings by interface name.
         limits: when silence of an input matters, by its name, where the scenario says.
@@ -134,7 +134,7 @@ class Scenario:
     path: Path
     influenced: int
     strokes: tuple[ShownStroke, ...]
-    gains: Gains
+    params: Parameters
     filter: FilterKind
     inputs: Mapping[str, Mapping[str, object]]
     limits: Mapping[str, Limits]
@@ -148,32 +148,38 @@ class Scenario:
         Raises:
             ScenarioError: the seed's jitter puts a robot where it would violate a safety barrier.
         """
-        position = self.robots.controlled(seed, self.gains.robots.look_ahead)
+        position = self.robots.controlled(seed, self.params.robots.look_ahead)
         world = self._world(position)
         fire_radius = floats([fire.radius for fire in self.fires], -1)
-        check_start(position, fire_radius, world, self.obstacles, self.gains, f"{self.source}: robots")
+        check_start(position, fire_radius, world, self.obstacles, self.params, f"{self.source}: robots")
         start = initial_state(position, fire_radius, world)
         start = start._replace(
             motion=start.motion._replace(heading=self.robots.heading),
             intent=start.intent._replace(influenced=self.influenced),
         )
-        gains = self.gains._replace(robots=self.gains.robots._replace(seed=float(seed % _SEEDS)))
-        return Setup(self.arena, world, gains, follow(start, self.path), self.obstacles.polygons)
+        params = self.params._replace(robots=self.params.robots._replace(seed=float(seed % _SEEDS)))
+        return Setup(self.arena, world, params, follow(start, self.path), self.obstacles.polygons)
 
     def with_forms(self, forms: Forms) -> "Scenario":
         """The same scenario with other forms of the equations, and weights with which they converge."""
-        gains = self.gains._replace(forms=forms)
-        gains, warnings = convergent(gains, self.robots.points, self.links, self.influenced)
-        return replace(self, gains=gains, warnings=self.warnings + warnings)
+        params = self.params._replace(forms=forms)
+        params, warnings = convergent(params, self.robots.points, self.links, self.influenced)
+        return replace(self, params=params, warnings=self.warnings + warnings)
 
     def _world(self, position: Floats) -> World:
         return world_of(
             Layout(
-                self.arena, self.walls, self.obstacles, floats([fire.position for fire in self.fires], -1, 2),
-                floats([fire.growth for fire in self.fires], -1), ints([fire.needs for fire in self.fires], -1),
-                position if self.formation is None else self.formation, self.links, self.gains,
+                arena=self.arena,
+                walls=self.walls,
+                obstacles=self.obstacles,
+                fire_position=floats([fire.position for fire in self.fires], -1, 2),
+                fire_growth=floats([fire.growth for fire in self.fires], -1),
+                fire_needs=ints([fire.needs for fire in self.fires], -1),
+                formation=position if self.formation is None else self.formation,
+                links=self.links,
+                params=self.params,
             )
-        )  # fmt: skip
+        )
 
 
 def data_folder() -> FilePath:
@@ -240,13 +246,14 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
     arena, walls = read_arena(entries["arena"])
     robots = read_robots(entries["robots"], arena)
     count = len(robots.points)
-    gains = read_parameters(entry("parameters", {}))._replace(forms=read_forms(entry("forms", "corrected")))
+    params, renamed = read_parameters(entry("parameters", {}))
+    params = params._replace(forms=read_forms(entry("forms", "corrected")))
     inputs, limits = read_inputs(entry("inputs", {}))
     links = read_links(entries["links"], count) if "links" in entries else None
-    network = start_network(robots.points, links, gains.formation.communication_range)
-    check_formation(network.degree, gains, source)
+    network = start_network(robots.points, links, params.formation.communication_range)
+    check_formation(network.degree, params, source)
     fires = read_fires(entry("fires", []), count)
-    check_robots(gains, max((fire.growth for fire in fires), default=0.0), source)
+    check_robots(params, max((fire.growth for fire in fires), default=0.0), source)
     name = entry("name", FilePath(source).stem).text()
     scenario = Scenario(
         name=name,
@@ -261,27 +268,28 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         formation=read_formation(entries["formation_m"], count) if "formation_m" in entries else None,
         fires=fires,
         obstacles=read_obstacles(entry("obstacles", {}), (FilePath(source).parent, data_folder()), polygons),
-        path=read_path(entries["path"], gains.path.stroke_smoothing) if "path" in entries else NO_PATH,
+        path=read_path(entries["path"], params.path.stroke_smoothing) if "path" in entries else NO_PATH,
         influenced=entry("influenced", 1).integer(1, count, "a robot's number") - 1,
         strokes=read_strokes(entry("strokes", []), count),
-        gains=gains,
+        params=params,
         filter=FilterKind(entry("filter", "distributed").choice(tuple(FilterKind))),
         inputs=inputs,
         limits=limits,
         demo=tuple(item.text() for item in entry("demo", []).items()),
         duration=entry("duration_s", 120.0).number(_DURATION),
         warnings=(
+            *renamed,
             *_network_warnings(network, links is not None),
             *unknown_settings(inputs),
-            *robot_warnings(gains),
+            *robot_warnings(params),
         ),
     )
     start = scenario.setup(seed=0)
     fire_radius = start.start.motion.fire_radius
-    check_barriers(start.world, fire_radius, gains, source)
-    if gains.forms.intention == PRINTED:
-        check_intention(intention_radius(robots.points, links, scenario.influenced, gains), source)
-    late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, gains)
+    check_barriers(start.world, fire_radius, params, source)
+    if params.forms.intention == PRINTED:
+        check_intention(intention_radius(robots.points, links, scenario.influenced, params), source)
+    late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, params)
     buried = buried_fires(start.world.fire_position, fire_radius, scenario.obstacles)
     return replace(scenario, warnings=(*scenario.warnings, *late, *buried))
 

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from higvf_console.control.forms import FORMS, WORDS, Forms
-from higvf_console.control.gains import Gains, PathGains
 from higvf_console.control.guidance.paths import circle_path, ellipse_path, line_path, sketch_path
+from higvf_console.control.parameters import RENAMED, Parameters, PathParameters, current_name
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
@@ -31,7 +31,7 @@ _GROWTH = Quantity("m/s", 0.0, 100.0, "", "How fast a fire's radius grows.")
 _ANGLE = Quantity("deg", -360.0, 360.0, "", "An angle.")
 _PACE = Quantity("", SLOWEST, FASTEST, "", "Share of their velocity that those who are led take.")
 _DURATION = Quantity("s", 0.0, 1e6, "", "How long a path is followed; 0 = as long as it takes.")
-_SMOOTHING = quantities(PathGains)["stroke_smoothing"]
+_SMOOTHING = quantities(PathParameters)["stroke_smoothing"]
 
 
 class FilterKind(StrEnum):
@@ -282,23 +282,42 @@ def _sketch(node: Node, direction: float, smoothing: float) -> Path:
 _PATHS = {"line": _line, "circle": _circle, "ellipse": _ellipse, "sketch": _sketch}
 
 
-def read_parameters(node: Node) -> Gains:
-    """All tunables: the defaults, and what the file says otherwise."""
-    gains = Gains()
-    groups = tuple(name for name in Gains._fields if name != "forms")
+def read_parameters(node: Node) -> tuple[Parameters, tuple[str, ...]]:
+    """All parameters: the defaults and what the file says otherwise; and a warning for each renamed one."""
+    node, warnings = _renamed(node)
+    params = Parameters()
+    groups = tuple(name for name in Parameters._fields if name != "forms")
     for group, section in node.section(groups).items():
-        part = getattr(gains, group)
+        part = getattr(params, group)
         section.section(tuple(quantities(type(part))))
-        gains = gains._replace(**{group: with_values(part, section.value, f"{section.source}: {section.place}")})
+        params = params._replace(**{group: with_values(part, section.value, f"{section.source}: {section.place}")})
     given = {name: set(section) for name, section in node.value.items()}
     if "cruise_speed" in given.get("blending", ()) and "speed_limit" not in given.get("safety", ()):
-        limit = SPEED_LIMIT_FACTOR * gains.blending.cruise_speed
-        gains = gains._replace(safety=gains.safety._replace(speed_limit=limit))
-    reactive, repulsive = gains.rings.reactive_margin, gains.rings.repulsive_margin
+        limit = SPEED_LIMIT_FACTOR * params.blending.cruise_speed
+        params = params._replace(safety=params.safety._replace(speed_limit=limit))
+    reactive, repulsive = params.boundaries.reactive_margin, params.boundaries.repulsive_margin
     if reactive <= repulsive:
-        place = Node(None, node.source, f"{node.place}.rings")
+        place = Node(None, node.source, f"{node.place}.boundaries")
         raise place.error(f"reactive_margin is {reactive:g} m and must be above repulsive_margin, {repulsive:g} m")
-    return gains
+    return params, warnings
+
+
+def _renamed(node: Node) -> tuple[Node, tuple[str, ...]]:
+    """The section with the names of today, and a warning for each name of an earlier version."""
+    sections, warnings = dict[str, Any](), list[str]()
+
+    def current(name: str) -> str:
+        today = current_name(name)
+        if today != name:
+            warnings.append(f"{node.source}: {node.place}.{name}: renamed; write {node.place}.{today}")
+        return today
+
+    for group, entry in node.section([*Parameters._fields, *RENAMED]).items():
+        values = entry.value
+        if isinstance(values, dict):
+            values = {current(f"{current_name(group)}.{key}").partition(".")[2]: values[key] for key in values}
+        sections[current(group)] = values
+    return Node(sections, node.source, node.place), tuple(warnings)
 
 
 def read_forms(node: Node) -> Forms:

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from higvf_console.control.forms import FORMS, Forms
-from higvf_console.control.gains import Gains
 from higvf_console.control.guidance.paths import SEGMENTS, SHORTEST_PATH, path_points
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.quantity import quantities
@@ -25,8 +25,8 @@ from higvf_console.scenario.reading import yaml_text
 from higvf_console.scenario.scenario import VERSION, Scenario, parse_scenario
 from higvf_console.scenario.sections import Robots
 from higvf_console.sim.setup import Setup
+from higvf_console.world.editing.entities import centres
 from higvf_console.world.editing.layout import layout_of
-from higvf_console.world.editing.things import centres
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.polygons import obstacles_of
 
@@ -48,20 +48,20 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
         ScenarioError: a run cannot start from what is now, for example because a fire has grown too large.
     """
     layout, motion = layout_of(setup), state.motion
-    robots = _robots(centres(layout, motion), motion.heading, setup.gains)
+    robots = _robots(centres(layout, motion), motion.heading, setup.params)
     content: Section = {"version": VERSION}
     if scenario is not None:
         content |= {"name": scenario.name, "title": scenario.title, "description": scenario.description}
     content |= {"arena": _arena(layout.arena, layout.walls), "robots": robots.written()}
     if layout.links is not None:
         content["links"] = [[first + 1, second + 1] for first, second in layout.links]
-    if layout.formation.tobytes() != robots.controlled(0, setup.gains.robots.look_ahead).tobytes():
+    if layout.formation.tobytes() != robots.controlled(0, setup.params.robots.look_ahead).tobytes():
         content["formation_m"] = layout.formation.tolist()
     content |= {"fires": _fires(setup, motion), "obstacles": _obstacles(layout.obstacles)}
     content |= {"path": _path(state), "influenced": state.intent.influenced + 1}
     if scenario is not None:
         content["strokes"] = _strokes(scenario, len(motion.position))
-    content |= {"parameters": _parameters(setup.gains), "forms": _forms(setup.gains.forms)}
+    content |= {"parameters": _parameters(setup.params), "forms": _forms(setup.params.forms)}
     if scenario is not None:
         content |= {
             "filter": scenario.filter.value, "inputs": written_inputs(scenario.inputs, scenario.limits),
@@ -81,8 +81,8 @@ def _arena(arena: Arena, walls: bool) -> Section:
     return {**arena._asdict(), "walls": walls}
 
 
-def _robots(centre: Floats, heading: Floats, gains: Gains) -> Robots:
-    unicycles = gains.robots.look_ahead > 0.0
+def _robots(centre: Floats, heading: Floats, params: Parameters) -> Robots:
+    unicycles = params.robots.look_ahead > 0.0
     turned = np.array([math.remainder(angle, 2.0 * math.pi) for angle in heading.tolist()])
     return Robots(centre, 0.0, turned if unicycles else np.zeros(len(centre)))
 
@@ -157,17 +157,17 @@ def _strokes(scenario: Scenario, robots: int) -> list[Section]:
     ]
 
 
-def _parameters(gains: Gains) -> Section:
+def _parameters(params: Parameters) -> Section:
     """What differs from the defaults; a speed limit that would follow from the cruise speed is said as well."""
     sections: Section = {}
-    for group, default in Gains()._asdict().items():
+    for group, default in Parameters()._asdict().items():
         if group == "forms":
             continue
-        part = getattr(gains, group)
+        part = getattr(params, group)
         changed = {name: getattr(part, name) for name in quantities(type(part))}
         sections[group] = {name: value for name, value in changed.items() if value != getattr(default, name)}
     if "cruise_speed" in sections["blending"]:
-        sections["safety"]["speed_limit"] = gains.safety.speed_limit
+        sections["safety"]["speed_limit"] = params.safety.speed_limit
     return {group: section for group, section in sections.items() if section}
 
 

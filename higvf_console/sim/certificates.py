@@ -18,8 +18,8 @@ from scipy.sparse.csgraph import laplacian as sparse_laplacian
 from scipy.sparse.linalg import eigsh
 
 from higvf_console.control.forms import PRINTED
-from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.intention.intention import map_radius
+from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.control.safety.barriers.certificate import SAMPLING_LIMIT, sampling_conditions
 from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.state import Motion, SimState, Trace
@@ -69,9 +69,9 @@ class Worst(NamedTuple):
     intention: float = 0.0
 
 
-def watched(worst: Worst, motion: Motion, trace: Trace, gains: Gains) -> Worst:
+def watched(worst: Worst, motion: Motion, trace: Trace, params: Parameters) -> Worst:
     """The worst of a run with one more tick."""
-    bound = intention_bound(motion, gains)
+    bound = intention_bound(motion, params)
     ratio = intention_norm(motion) / bound if bound > 0.0 else 0.0
     return Worst(min(worst.barrier, float(trace.barrier.min(initial=math.inf))), max(worst.intention, ratio))
 
@@ -81,19 +81,19 @@ def intention_norm(motion: Motion) -> float:
     return math.sqrt(float(np.square(motion.intention).sum(axis=1).max(initial=0.0)))
 
 
-def intention_bound(motion: Motion, gains: Gains) -> float:
+def intention_bound(motion: Motion, params: Parameters) -> float:
     """Bound on |v_s|, [15] corrected: no robot's can exceed what its own pulls weigh, whatever its neighbours do.
 
     max(w1 T/(w0 + w1), (w1 T + w3 H)/(w0 + w1 + w3)), T and H the largest |v_t| and |v_h| so far, and the second term
     with w3 boosted as on the way out of a deadlock. Infinite for the printed update.
     """
-    if gains.forms.intention == PRINTED:
+    if params.forms.intention == PRINTED:
         return math.inf
-    weights, robot, human = gains.intention, motion.robot_peak, motion.human_peak
+    weights, robot, human = params.intention, motion.robot_peak, motion.human_peak
     own = weights.robot_weight * robot
     alone = weights.decay + weights.robot_weight
     bounds = [own / alone] if alone > 0.0 else []
-    for boost in (1.0, gains.stall.human_boost) if human > 0.0 else ():
+    for boost in (1.0, params.stall.human_boost) if human > 0.0 else ():
         pull = boost * weights.human_weight
         bounds.append((own + pull * human) / max(alone + pull, 1e-300))
     return max(bounds, default=math.inf)
@@ -124,12 +124,12 @@ def laplacian(links: Ints, robots: int) -> Floats:
 
 def certificates(setup: Setup, state: SimState, trace: Trace, worst: Worst) -> tuple[Certificate, ...]:
     """All conditions of a run as they are now; those of single ticks at their worst so far."""
-    gains, robots = controlled(setup.gains), len(state.motion.position)
+    params, robots = controlled(setup.params), len(state.motion.position)
     sampling = max(
-        sampling_conditions(setup.world, setup.start.motion.fire_radius, gains.safety), key=lambda kind: kind.value
+        sampling_conditions(setup.world, setup.start.motion.fire_radius, params.safety), key=lambda kind: kind.value
     )
     degree = int(np.bincount(trace.links.ravel(), minlength=robots).max(initial=0))
-    stiffness = 2.0 * gains.safety.control_period * gains.formation.formation_rate * degree
+    stiffness = 2.0 * params.safety.control_period * params.formation.formation_rate * degree
     found = [
         Certificate(f"Sampling ({sampling.kind})", "dt beta h_near²", sampling.value, SAMPLING_LIMIT),
         Certificate("Formation", "dt k_form 2 deg", stiffness, FORMATION_LIMIT),
@@ -137,7 +137,7 @@ def certificates(setup: Setup, state: SimState, trace: Trace, worst: Worst) -> t
         Certificate("Connectivity", "lambda_2", connectivity(trace.links, robots), CONNECTED, least=True),
         Certificate("Barrier", "least h", worst.barrier, 0.0, least=True),
     ]
-    if gains.forms.intention == PRINTED:
-        radius = map_radius(laplacian(trace.links, robots), state.intent.influenced, gains.intention)
+    if params.forms.intention == PRINTED:
+        radius = map_radius(laplacian(trace.links, robots), state.intent.influenced, params.intention)
         found[2] = Certificate("Intention map", "spectral radius", radius, 1.0)
     return tuple(found)

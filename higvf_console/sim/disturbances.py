@@ -32,15 +32,15 @@ import math
 
 import numpy as np
 
-from higvf_console.control.gains import Gains, RobotGains
 from higvf_console.control.intention.messages import MEASURING, chance
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import Parameters, RobotParameters
 from higvf_console.core.arrays import Floats
 from higvf_console.core.state import Motion
 
 
 @kernel
-def measured(position: Floats, tick: int, robots: RobotGains) -> Floats:
+def measured(position: Floats, tick: int, robots: RobotParameters) -> Floats:
     """Measured positions (N, 2) [m]: each off by an error that is uniform in a disc of radius `position_noise`."""
     seen = np.empty(position.shape)
     for i in range(position.shape[0]):
@@ -52,29 +52,45 @@ def measured(position: Floats, tick: int, robots: RobotGains) -> Floats:
 
 
 @kernel
-def as_measured(motion: Motion, robots: RobotGains) -> Motion:
+def as_measured(motion: Motion, robots: RobotParameters) -> Motion:
     """The motion as controller and filter see it: with measured positions."""
     return Motion(
-        motion.tick, measured(motion.position, motion.tick, robots), motion.heading, motion.velocity, motion.intention,
-        motion.target, motion.target_value, motion.side, motion.stalled, motion.rung, motion.fire_radius,
-        motion.fire_progress, motion.fire_burning, motion.path_parameter, motion.path_status, motion.path_idle,
-        motion.path_gap, motion.path_left, motion.robot_peak, motion.human_peak,
-    )  # fmt: skip
+        tick=motion.tick,
+        position=measured(motion.position, motion.tick, robots),
+        heading=motion.heading,
+        velocity=motion.velocity,
+        intention=motion.intention,
+        target=motion.target,
+        target_value=motion.target_value,
+        circulation=motion.circulation,
+        stalled=motion.stalled,
+        recovery_stage=motion.recovery_stage,
+        fire_radius=motion.fire_radius,
+        fire_progress=motion.fire_progress,
+        fire_burning=motion.fire_burning,
+        path_parameter=motion.path_parameter,
+        path_status=motion.path_status,
+        path_idle=motion.path_idle,
+        path_gap=motion.path_gap,
+        path_left=motion.path_left,
+        robot_peak=motion.robot_peak,
+        human_peak=motion.human_peak,
+    )
 
 
-def noise_limit(gains: Gains, growth: float) -> float:
+def noise_limit(params: Parameters, growth: float) -> float:
     """The largest `position_noise` [m] under which true clearances are kept, by the conditions above.
 
     Args:
-        gains: those of the controlled point without noise.
+        params: those of the controlled point without noise.
         growth: of the fastest fire [m/s].
     """
-    safety = gains.safety
+    safety = params.safety
     dt, way = safety.control_period, safety.speed_limit * safety.control_period
     obstacle, pair = safety.obstacle_clearance, safety.robot_clearance
     return min(
-        obstacle * min(safety.obstacle_rate * dt, 0.5),
+        obstacle * min(safety.obstacle_gain * dt, 0.5),
         math.sqrt(max(way - growth * dt, 0.0) * obstacle / 2.0),
-        pair * min(safety.pair_rate * dt, 0.5) / 2.0,
+        pair * min(safety.pair_gain * dt, 0.5) / 2.0,
         math.sqrt(way * pair) / 2.0,
     )

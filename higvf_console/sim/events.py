@@ -2,19 +2,19 @@
 
 import numpy as np
 
-from higvf_console.control.gains import Gains
-from higvf_console.control.guidance.deadlock import ASK, MORE_HUMAN, OTHER_SIDE
+from higvf_console.control.guidance.recovery import ASK, MORE_HUMAN, OTHER_DIRECTION
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Bools
 from higvf_console.core.state import NOBODY, PathStatus, SimState, Trace
 from higvf_console.sim.setup import Event, Severity
 
 
 def events_between(
-    before: SimState, after: SimState, trace_before: Trace | None, trace: Trace, gains: Gains
+    before: SimState, after: SimState, trace_before: Trace | None, trace: Trace, params: Parameters
 ) -> tuple[Event, ...]:
     """The events of one tick; empty, and found in a few comparisons, when nothing happened."""
     was, now = before.motion, after.motion
-    time = now.tick * gains.safety.control_period
+    time = now.tick * params.safety.control_period
     events: list[Event] = []
     if was.fire_burning.tobytes() != now.fire_burning.tobytes():
         for fire in np.flatnonzero(was.fire_burning & ~now.fire_burning):
@@ -33,8 +33,8 @@ def events_between(
     if (near := too_near(trace)).any():
         fresh = near if trace_before is None else near & ~too_near(trace_before)
         events.extend(_robots(fresh & ~trace.infeasible, time, "clearance"))
-    if was.rung.tobytes() != now.rung.tobytes():
-        events.extend(_climbed(was.rung, now.rung, time))
+    if was.recovery_stage.tobytes() != now.recovery_stage.tobytes():
+        events.extend(_escalated(was.recovery_stage, now.recovery_stage, time))
     return tuple(events)
 
 
@@ -49,17 +49,17 @@ _TROUBLE = {
     "clearance": "is nearer to something than its clearance",
 }
 _RUNGS = {
-    OTHER_SIDE: (Severity.INFO, "is held by its barriers: the team tries the other side"),
+    OTHER_DIRECTION: (Severity.INFO, "is held by its barriers: the team tries the other side"),
     MORE_HUMAN: (Severity.INFO, "is still held: the human intention weighs more, where that turns it"),
     ASK: (Severity.WARNING, "is held by its barriers: a new stroke can free it"),
 }
 
 
-def _climbed(was: np.ndarray, now: np.ndarray, time: float) -> list[Event]:
+def _escalated(was: np.ndarray, now: np.ndarray, time: float) -> list[Event]:
     return [
-        Event(time, _RUNGS[rung][0], "deadlock", f"Robot {i + 1} {_RUNGS[rung][1]}.")
-        for i, rung in enumerate(now.tolist())
-        if rung > was[i] and rung in _RUNGS
+        Event(time, _RUNGS[recovery_stage][0], "deadlock", f"Robot {i + 1} {_RUNGS[recovery_stage][1]}.")
+        for i, recovery_stage in enumerate(now.tolist())
+        if recovery_stage > was[i] and recovery_stage in _RUNGS
     ]
 
 

@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from higvf_console.control.controller import Plan
-from higvf_console.control.gains import Gains, SafetyGains
 from higvf_console.control.guidance.obstacles import part_at, part_radius
 from higvf_console.control.intention.neighbours import within
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import Parameters, SafetyParameters
 from higvf_console.control.safety.safety_filter import blocked
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.state import NOBODY, Motion, World
@@ -21,7 +21,7 @@ def loss_area(motion: Motion) -> Floats:
 
 @kernel
 def clearances(
-    body: Floats, fire_radius: Floats, fire_burning: Bools, world: World, safety: SafetyGains
+    body: Floats, fire_radius: Floats, fire_burning: Bools, world: World, safety: SafetyParameters
 ) -> tuple[Floats, Floats]:
     """Each robot's nearest danger: what is left of the clearance, and its barrier function.
 
@@ -60,22 +60,24 @@ def clearances(
 
 
 @kernel
-def _note(i: int, distance: float, clearance: float, reach: float, nearest: Floats, barrier: Floats) -> None:
+def _note(
+    i: int, distance: float, clearance: float, activation_distance: float, nearest: Floats, barrier: Floats
+) -> None:
     gap = distance - clearance
-    if gap < reach:
+    if gap < activation_distance:
         nearest[i] = min(nearest[i], gap)
         barrier[i] = min(barrier[i], (distance / clearance) ** 2 - 1.0)
 
 
 @kernel
 def stalls(
-    motion: Motion, plan: Plan, velocity: Floats, active_rows: Ints, crew: Ints, world: World, gains: Gains
+    motion: Motion, plan: Plan, velocity: Floats, active_constraints: Ints, crew: Ints, world: World, params: Parameters
 ) -> Floats:
     """(N,) how long each robot has stood still against active barrier rows although it wants to move [s].
 
     A robot that is in reach of its fire, or whose fire is being extinguished, is at work, not stalled.
     """
-    slow = gains.stall.stall_fraction * gains.blending.cruise_speed
+    slow = params.stall.stall_fraction * params.blending.cruise_speed
     stalled = np.zeros(motion.stalled.shape[0])
     for i in range(stalled.shape[0]):
         at_work = False
@@ -83,10 +85,12 @@ def stalls(
         if fire != NOBODY and not plan.steered[i]:
             dx = motion.position[i, 0] - world.fire_position[fire, 0]
             dy = motion.position[i, 1] - world.fire_position[fire, 1]
-            reach = motion.fire_radius[fire] + gains.fires.stand_off
-            at_work = crew[fire] >= world.fire_needs[fire] or dx * dx + dy * dy <= reach * reach
+            activation_distance = motion.fire_radius[fire] + params.fires.stand_off
+            at_work = (
+                crew[fire] >= world.fire_needs[fire] or dx * dx + dy * dy <= activation_distance * activation_distance
+            )
         if not at_work and blocked(
-            velocity[i, 0], velocity[i, 1], plan.nominal[i, 0], plan.nominal[i, 1], active_rows[i], slow
+            velocity[i, 0], velocity[i, 1], plan.nominal[i, 0], plan.nominal[i, 1], active_constraints[i], slow
         ):
-            stalled[i] = motion.stalled[i] + gains.safety.control_period
+            stalled[i] = motion.stalled[i] + params.safety.control_period
     return stalled

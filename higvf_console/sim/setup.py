@@ -3,7 +3,7 @@
 from enum import StrEnum
 from typing import NamedTuple
 
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats
 from higvf_console.core.state import SimState, World
 from higvf_console.core.viewport import Arena
@@ -15,7 +15,7 @@ class Setup(NamedTuple):
     Attributes:
         arena: what the operator sees.
         world: what does not move.
-        gains: all tunables.
+        params: all tunables.
         start: the state before the first tick.
         polygons: irregular obstacles, for views: closed chains (n, 2) [m], whose edges are the last of `world.bars`.
             A counter-clockwise one is an obstacle; a clockwise one is a free area that the one before it encloses.
@@ -23,7 +23,7 @@ class Setup(NamedTuple):
 
     arena: Arena
     world: World
-    gains: Gains
+    params: Parameters
     start: SimState
     polygons: tuple[Floats, ...] = ()
 

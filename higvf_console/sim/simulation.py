@@ -13,9 +13,9 @@ import numpy as np
 
 from higvf_console.control.controller import Plan, compute
 from higvf_console.control.forms import PRINTED
-from higvf_console.control.gains import Gains, PackedGains, SafetyGains, packed
 from higvf_console.control.guidance.field import FieldKind, field_at
 from higvf_console.control.kernel import closed, kernel
+from higvf_console.control.parameters import PackedParameters, Parameters, SafetyParameters, packed
 from higvf_console.control.safety.coupled_filter import CoupledFilter
 from higvf_console.control.safety.safety_filter import filter_velocities
 from higvf_console.core.arrays import Bools, Floats, Ints, bools, floats, ints
@@ -23,10 +23,10 @@ from higvf_console.core.state import (
     NO_PATH,
     NO_PRIORITY,
     NOBODY,
-    Drawing,
     Intent,
     Motion,
     PathStatus,
+    PointerState,
     SimState,
     Trace,
     World,
@@ -77,9 +77,9 @@ def initial_state(position: Floats, fire_radius: Floats, world: World, heading: 
         intention=np.zeros((robots, 2)),
         target=ints([NOBODY] * robots),
         target_value=np.zeros(robots),
-        side=np.zeros((robots, len(world.ring) + fires), np.int64),
+        circulation=np.zeros((robots, len(world.boundary) + fires), np.int64),
         stalled=np.zeros(robots),
-        rung=np.zeros(robots, np.int64),
+        recovery_stage=np.zeros(robots, np.int64),
         fire_radius=floats(fire_radius, -1),
         fire_progress=np.zeros(fires),
         fire_burning=bools([True] * fires),
@@ -92,46 +92,46 @@ def initial_state(position: Floats, fire_radius: Floats, world: World, heading: 
         human_peak=0.0,
     )
     intent = Intent(NO_PATH, 0, False, False, NO_PRIORITY)
-    return SimState(motion, intent, Drawing(np.full(2, np.nan), np.zeros((0, 2)), "", False, False))
+    return SimState(motion, intent, PointerState(np.full(2, np.nan), np.zeros((0, 2)), "", False, False))
 
 
-def advance(state: SimState, world: World, gains: Gains) -> tuple[SimState, Trace]:
+def advance(state: SimState, world: World, params: Parameters) -> tuple[SimState, Trace]:
     """The state one control period later, and why."""
-    motion, trace = tick(state.motion, state.intent, world, packed(gains))
-    return SimState(motion, state.intent, state.drawing), trace
+    motion, trace = tick(state.motion, state.intent, world, packed(params))
+    return SimState(motion, state.intent, state.pointer_state), trace
 
 
-def advance_coupled(state: SimState, world: World, gains: Gains, safety: CoupledFilter) -> tuple[SimState, Trace]:
+def advance_coupled(state: SimState, world: World, params: Parameters, safety: CoupledFilter) -> tuple[SimState, Trace]:
     """As `advance`, with the centralised filter in place of the distributed one; it has no fast `roll`."""
-    plan, crew, rate, seen = decide(state.motion, state.intent, world, packed(gains))
+    plan, crew, rate, seen = decide(state.motion, state.intent, world, packed(params))
     filtered = safety.filter_velocities(
         seen, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
-        state.motion.fire_radius, _seen_rate(rate, packed(gains)), state.motion.fire_burning,
-        _safety_gains(packed(gains)),
+        state.motion.fire_radius, _seen_rate(rate, packed(params)), state.motion.fire_burning,
+        _safety_params(packed(params)),
     )  # fmt: skip
-    motion, trace = settle(state.motion, state.intent, plan, crew, rate, *filtered, world, packed(gains))
-    return SimState(motion, state.intent, state.drawing), trace
+    motion, trace = settle(state.motion, state.intent, plan, crew, rate, *filtered, world, packed(params))
+    return SimState(motion, state.intent, state.pointer_state), trace
 
 
-def roll(state: SimState, world: World, gains: Gains, ticks: int) -> tuple[SimState, Rollout]:
+def roll(state: SimState, world: World, params: Parameters, ticks: int) -> tuple[SimState, Rollout]:
     """The state `ticks` control periods later, nothing commanded on the way, and the history."""
-    motion, history = _roll(state.motion, state.intent, world, packed(gains), ticks)
-    return SimState(motion, state.intent, state.drawing), history
+    motion, history = _roll(state.motion, state.intent, world, packed(params), ticks)
+    return SimState(motion, state.intent, state.pointer_state), history
 
 
 @kernel
-def tick(motion: Motion, intent: Intent, world: World, gains: PackedGains) -> tuple[Motion, Trace]:
+def tick(motion: Motion, intent: Intent, world: World, params: PackedParameters) -> tuple[Motion, Trace]:
     """Perceive, compute, filter, move, burn."""
-    plan, crew, rate, seen = decide(motion, intent, world, gains)
-    velocity, active_rows, infeasible = filter_velocities(
+    plan, crew, rate, seen = decide(motion, intent, world, params)
+    velocity, active_constraints, infeasible = filter_velocities(
         seen, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
-        motion.fire_radius, _seen_rate(rate, gains), motion.fire_burning, _safety_gains(gains),
+        motion.fire_radius, _seen_rate(rate, params), motion.fire_burning, _safety_params(params),
     )  # fmt: skip
-    return settle(motion, intent, plan, crew, rate, velocity, active_rows, infeasible, world, gains)
+    return settle(motion, intent, plan, crew, rate, velocity, active_constraints, infeasible, world, params)
 
 
 @kernel
-def decide(motion: Motion, intent: Intent, world: World, gains: PackedGains) -> tuple[Plan, Ints, Floats, Floats]:
+def decide(motion: Motion, intent: Intent, world: World, params: PackedParameters) -> tuple[Plan, Ints, Floats, Floats]:
     """All before the safety filter.
 
     Returns:
@@ -139,56 +139,78 @@ def decide(motion: Motion, intent: Intent, world: World, gains: PackedGains) -> 
         on true ones; and the measured positions (N, 2) [m].
     """
     seen = motion
-    if gains[0].robots.position_noise > 0.0:
-        seen = as_measured(motion, gains[0].robots)
-    plan = compute(seen, intent, world, gains[0])
-    crew = crews(motion, plan.steered, world, gains[0])
+    if params[0].robots.position_noise > 0.0:
+        seen = as_measured(motion, params[0].robots)
+    plan = compute(seen, intent, world, params[0])
+    crew = crews(motion, plan.steered, world, params[0])
     return plan, crew, growth_rates(motion, crew, world), seen.position
 
 
 @kernel
 def settle(
-    motion: Motion, intent: Intent, plan: Plan, crew: Ints, rate: Floats, velocity: Floats, active_rows: Ints,
-    infeasible: Bools, world: World, packed_gains: PackedGains,
+    motion: Motion, intent: Intent, plan: Plan, crew: Ints, rate: Floats, velocity: Floats, active_constraints: Ints,
+    infeasible: Bools, world: World, packed_params: PackedParameters,
 ) -> tuple[Motion, Trace]:  # fmt: skip
     """All after the safety filter: controlled points move, bodies with them, fires burn, the judges look."""
-    gains = packed_gains[0]
+    params = packed_params[0]
     if intent.stopped:
         velocity = np.zeros(velocity.shape)
-    radius, fire_progress, burning = burn(motion, crew, rate, world, gains)
-    look_ahead, period = gains.robots.look_ahead, gains.safety.control_period
+    radius, fire_progress, burning = burn(motion, crew, rate, world, params)
+    look_ahead, period = params.robots.look_ahead, params.safety.control_period
     moved = Motion(
-        motion.tick + 1, motion.position + period * velocity,
-        headings_after(motion.heading, velocity, look_ahead, period), velocity, plan.intention, plan.target,
-        plan.target_value, plan.side, stalls(motion, plan, velocity, active_rows, crew, world, gains), plan.rung,
-        radius, fire_progress, burning, plan.path_parameter, plan.path_status, plan.path_idle, plan.path_gap,
-        plan.path_left,
-        max(motion.robot_peak, _largest(plan.robot_intention)), max(motion.human_peak, _largest(plan.human_intention)),
-    )  # fmt: skip
+        tick=motion.tick + 1,
+        position=motion.position + period * velocity,
+        heading=headings_after(motion.heading, velocity, look_ahead, period),
+        velocity=velocity,
+        intention=plan.intention,
+        target=plan.target,
+        target_value=plan.target_value,
+        circulation=plan.circulation,
+        stalled=stalls(motion, plan, velocity, active_constraints, crew, world, params),
+        recovery_stage=plan.recovery_stage,
+        fire_radius=radius,
+        fire_progress=fire_progress,
+        fire_burning=burning,
+        path_parameter=plan.path_parameter,
+        path_status=plan.path_status,
+        path_idle=plan.path_idle,
+        path_gap=plan.path_gap,
+        path_left=plan.path_left,
+        robot_peak=max(motion.robot_peak, _largest(plan.robot_intention)),
+        human_peak=max(motion.human_peak, _largest(plan.human_intention)),
+    )
     body = body_centres(moved.position, moved.heading, look_ahead)
-    clearance, barrier = clearances(body, radius, burning, world, gains.body)
+    clearance, barrier = clearances(body, radius, burning, world, params.body)
     trace = Trace(
-        plan.fire_value, _terms(plan), plan.blending, active_rows, infeasible,
-        moved.stalled >= gains.stall.stall_time, clearance, barrier,
-        _pairs(plan.link_start, plan.link_to), plan.component, crew,
-    )  # fmt: skip
+        fire_value=plan.fire_value,
+        terms=_terms(plan),
+        blending=plan.blending,
+        active_constraints=active_constraints,
+        infeasible=infeasible,
+        deadlocked=moved.stalled >= params.stall.stall_time,
+        clearance=clearance,
+        barrier=barrier,
+        links=_pairs(plan.link_start, plan.link_to),
+        component=plan.component,
+        crew=crew,
+    )
     return moved, trace
 
 
 @kernel
-def _safety_gains(gains: PackedGains) -> SafetyGains:
+def _safety_params(params: PackedParameters) -> SafetyParameters:
     """The filter's tunables as the tuple that it carries in its own tuples (a record cannot be part of one)."""
-    safety = gains[0].safety
-    return SafetyGains(
-        safety.robot_clearance, safety.obstacle_clearance, safety.pair_rate, safety.obstacle_rate, safety.speed_limit,
-        safety.control_period, gains[0].forms.h_index,
+    safety = params[0].safety
+    return SafetyParameters(
+        safety.robot_clearance, safety.obstacle_clearance, safety.pair_gain, safety.obstacle_gain, safety.speed_limit,
+        safety.control_period, params[0].forms.h_index,
     )  # fmt: skip
 
 
 @kernel
-def _seen_rate(rate: Floats, gains: PackedGains) -> Floats:
+def _seen_rate(rate: Floats, params: PackedParameters) -> Floats:
     """Growth of the fires (M,) as the filter's rows know it [m/s]; none in [27] as printed."""
-    return np.zeros(rate.shape[0]) if gains[0].forms.fire_row == PRINTED else rate
+    return np.zeros(rate.shape[0]) if params[0].forms.fire_constraint == PRINTED else rate
 
 
 @kernel
@@ -228,7 +250,7 @@ def _pairs(start: Ints, to: Ints) -> Ints:
 
 
 @kernel
-def _roll(motion: Motion, intent: Intent, world: World, gains: PackedGains, ticks: int) -> tuple[Motion, Rollout]:
+def _roll(motion: Motion, intent: Intent, world: World, params: PackedParameters, ticks: int) -> tuple[Motion, Rollout]:
     position = np.empty((ticks, motion.position.shape[0], 2))
     loss = np.empty((ticks, motion.fire_radius.shape[0]))
     clearance = np.empty(ticks)
@@ -236,7 +258,7 @@ def _roll(motion: Motion, intent: Intent, world: World, gains: PackedGains, tick
     deadlocked, infeasible = np.empty(ticks, np.bool_), np.empty(ticks, np.bool_)
     status = np.empty(ticks, np.int64)
     for k in range(ticks):
-        motion, trace = tick(motion, intent, world, gains)
+        motion, trace = tick(motion, intent, world, params)
         position[k] = motion.position
         loss[k] = math.pi * motion.fire_radius**2
         clearance[k] = trace.clearance.min() if trace.clearance.shape[0] > 0 else math.inf
@@ -246,16 +268,16 @@ def _roll(motion: Motion, intent: Intent, world: World, gains: PackedGains, tick
     return motion, Rollout(position, loss, clearance, burning, deadlocked, infeasible, status)
 
 
-def warm_up(state: SimState, world: World, gains: Gains) -> None:
+def warm_up(state: SimState, world: World, params: Parameters) -> None:
     """Compiles everything that a run can call, then forbids compilation: no tick can stall on it."""
-    plan, crew, rate, _ = decide(state.motion, state.intent, world, packed(gains))
+    plan, crew, rate, _ = decide(state.motion, state.intent, world, packed(params))
     robots = len(state.motion.position)
     settle(
         state.motion, state.intent, plan, crew, rate, plan.nominal, np.zeros(robots, np.int64),
-        np.zeros(robots, np.bool_), world, packed(gains),
+        np.zeros(robots, np.bool_), world, packed(params),
     )  # fmt: skip
-    advance(state, world, gains)
-    roll(state, world, gains, 1)
-    field_at(FieldKind.BLENDED, np.zeros((1, 2)), state, world, gains)
+    advance(state, world, params)
+    roll(state, world, params, 1)
+    field_at(FieldKind.BLENDED, np.zeros((1, 2)), state, world, params)
     for function in (decide, settle, tick, _roll):
         closed(function)

@@ -14,7 +14,7 @@ its centre moves by a chord c in the direction theta + y, so p moves by c along 
 with u_e, u_n the parts of u along and across the heading. Nothing is scaled afterwards, so what the filter guarantees
 for p holds. With |u| dt <= 2 l sin(omega_max dt / 2) the limits hold exactly: 2 l |sin y| <= |u| dt gives |omega| <=
 omega_max, and c^2 + (2 l sin y)^2 = (u dt)^2 with 1 / sin^2 y - 1 / y^2 <= 1 gives |v| <= |u| <= v_max.
-`gains.controlled` therefore limits |u| to min(v_max, (2 l / dt) sin(omega_max dt / 2)), nearly l omega_max.
+`params.controlled` therefore limits |u| to min(v_max, (2 l / dt) sin(omega_max dt / 2)), nearly l omega_max.
 """
 
 import math

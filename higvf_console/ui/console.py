@@ -20,8 +20,8 @@ from higvf_console.runtime.history import History
 from higvf_console.runtime.previewer import Choice, Previewer
 from higvf_console.ui import theme
 from higvf_console.ui.interaction import camera, hints, keys, pointer, tools
+from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.interaction.calibration import Calibration
-from higvf_console.ui.interaction.hand import Hand
 from higvf_console.ui.page import page
 from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.panels.edit import EditPanel
@@ -55,7 +55,7 @@ FRAMES_PER_PANEL = 6  # panels are renewed five times a second, in turn, so that
 _log = logging.getLogger(__name__)
 
 
-def add_commands(gui: viser.GuiApi, hand: Hand, roles: Roles) -> None:
+def add_commands(gui: viser.GuiApi, hand: ArenaInteraction, roles: Roles) -> None:
     """Offers what the keys do in the command palette (Ctrl+K) too; STOP to every page."""
     for binding in keys.KEYMAP:
         if binding.name in keys.NAMES:
@@ -65,7 +65,7 @@ def add_commands(gui: viser.GuiApi, hand: Hand, roles: Roles) -> None:
                 roles.allow(page.uuid_of(command))
 
 
-def _trigger(hand: Hand, name: str) -> Callable[[viser.CommandEvent], Coroutine[None, None, None]]:
+def _trigger(hand: ArenaInteraction, name: str) -> Callable[[viser.CommandEvent], Coroutine[None, None, None]]:
     async def react(event: viser.CommandEvent) -> None:
         hand.key(event.client_id or 0, name)
 
@@ -90,10 +90,10 @@ class Console:
         theme.dress(server, session.scenario.title)
         page.install(server, "frames", {})
         self._scene = Scene(server, session.setup, self._view)
-        self._roles = Roles(server, session.pointer, _patience(session.scenario))
+        self._roles = Roles(server, session.pointer, _timeout(session.scenario))
         self._build_panels()
         camera.install(server, self._scene.camera_arena)
-        self._hand = hand = Hand(session, self._view, self._steer, self._roles, self._show_tool)
+        self._hand = hand = ArenaInteraction(session, self._view, self._steer, self._roles, self._show_tool)
         pointer.install(server, hand, theme.CSS.stroke)
         self._calibration = Calibration(server, session.calibrated)  # ahead of the keys: Esc is its own at times
         keys.install(server, hand.key)
@@ -106,7 +106,7 @@ class Console:
     def _build_panels(self) -> None:
         gui, session, sink = self._server.gui, self._session, self._roles
         self._style = gui.add_html(style_html(self._view.look))
-        status = StatusPanel(gui, session.setup.gains.safety.control_period, sink, self._view)
+        status = StatusPanel(gui, session.setup.params.safety.control_period, sink, self._view)
         run = RunPanel(gui, sink)
         gui.add_html(SPACER)
         tabs = gui.add_tab_group()
@@ -184,7 +184,7 @@ class Console:
         """Another scenario is in force: what was chosen, and the picture on the ground, were of the last one."""
         self._scenario = scenario
         self._view.selected = self._view.background = None
-        self._roles.patience = _patience(scenario)
+        self._roles.timeout = _timeout(scenario)
         self._server.gui.set_panel_label(scenario.title)
 
     def _show_scene(self, snapshot: "Snapshot") -> None:
@@ -219,6 +219,6 @@ class Console:
             self._thread = None
 
 
-def _patience(scenario: "Scenario") -> float:
+def _timeout(scenario: "Scenario") -> float:
     """Silence after which the page that steers is lost [s]."""
     return scenario.limits.get("mouse", default_limits("mouse")).lost

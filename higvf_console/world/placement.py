@@ -10,8 +10,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from higvf_console.control.forms import PRINTED
-from higvf_console.control.gains import Gains, controlled
 from higvf_console.control.intention.intention import map_radius
+from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.control.safety.barriers.certificate import check_sampling, least_stand_off
 from higvf_console.core.arrays import Floats, Ints, floats, ints
 from higvf_console.core.errors import FilterError, ScenarioError
@@ -28,7 +28,7 @@ _WEIGHTS = ("decay", "robot_weight", "neighbour_weight", "human_weight")
 
 
 def check_start(
-    position: Floats, fire_radius: Floats, world: World, obstacles: Obstacles, gains: Gains, place: str
+    position: Floats, fire_radius: Floats, world: World, obstacles: Obstacles, params: Parameters, place: str
 ) -> None:
     """Refuses starts that already violate a safety barrier.
 
@@ -37,14 +37,14 @@ def check_start(
         fire_radius: (M,) [m].
         world: fires and walls.
         obstacles: circles, bars and polygons.
-        gains: those of the bodies.
+        params: those of the bodies.
         place: what to call the section in errors.
 
     Raises:
         ScenarioError: two robots overlap, or a robot is too near to an obstacle, a fire or a wall, or inside it.
     """
-    body, point = gains.safety, controlled(gains).safety
-    _check_pairs(position, point.robot_clearance, _clearance("robot", body.robot_clearance, gains), place)
+    body, point = params.safety, controlled(params).safety
+    _check_pairs(position, point.robot_clearance, _clearance("robot", body.robot_clearance, params), place)
     least = point.obstacle_clearance - ROUNDING
     for what, gap in chain(obstacle_gaps(position, obstacles), _other_gaps(position, fire_radius, world)):
         robot = int(np.argmin(gap))
@@ -52,13 +52,13 @@ def check_start(
             x, y = position[robot]
             raise ScenarioError(
                 f"{place}: robot {robot + 1} at ({x:g}, {y:g}) is {gap[robot]:.2f} m from {what}; "
-                f"{_clearance('obstacle', body.obstacle_clearance, gains)}"
+                f"{_clearance('obstacle', body.obstacle_clearance, params)}"
             )
 
 
-def _clearance(kind: str, clearance: float, gains: Gains) -> str:
+def _clearance(kind: str, clearance: float, params: Parameters) -> str:
     """The clearance of bodies in words, and that of controlled points where it differs."""
-    look_ahead, noise = gains.robots.look_ahead, gains.robots.position_noise
+    look_ahead, noise = params.robots.look_ahead, params.robots.position_noise
     causes = [f"look_ahead {look_ahead:g} m"] * (look_ahead > 0.0) + [f"position_noise {noise:g} m"] * (noise > 0.0)
     said = f"{kind}_clearance is {clearance:g} m"
     if not causes:
@@ -123,19 +123,23 @@ class Network(NamedTuple):
     components: int
 
 
-def start_network(position: Floats, links: tuple[tuple[int, int], ...] | None, reach: float) -> Network:
-    """The graph of robots at `position` (N, 2): the given links, or all pairs within `reach` [m]."""
+def start_network(position: Floats, links: tuple[tuple[int, int], ...] | None, activation_distance: float) -> Network:
+    """The graph of robots at `position` (N, 2): the given links, or all pairs within `activation_distance` [m]."""
     robots = len(position)
-    if links is None and np.isinf(reach):
+    if links is None and np.isinf(activation_distance):
         return Network(robots - 1, 1)
-    edges = ints(links, -1, 2) if links is not None else KDTree(position).query_pairs(reach, output_type="ndarray")
+    edges = (
+        ints(links, -1, 2)
+        if links is not None
+        else KDTree(position).query_pairs(activation_distance, output_type="ndarray")
+    )
     graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(robots, robots))
     degree = np.bincount(edges.ravel(), minlength=robots).max()
     return Network(int(degree), int(connected_components(graph, directed=False)[0]))
 
 
 def intention_radius(
-    position: Floats, links: tuple[tuple[int, int], ...] | None, influenced: int, gains: Gains
+    position: Floats, links: tuple[tuple[int, int], ...] | None, influenced: int, params: Parameters
 ) -> float:
     """Spectral radius of the intention update as printed, on the communication graph at the start.
 
@@ -143,31 +147,35 @@ def intention_radius(
         position: (N, 2) [m].
         links: given links; None = all pairs within the communication range.
         influenced: the robot that feels the human.
-        gains: weights and communication range.
+        params: weights and communication range.
     """
     robots = len(position)
-    reach = min(gains.formation.communication_range, 1e9)
-    edges = ints(links, -1, 2) if links is not None else KDTree(position).query_pairs(reach, output_type="ndarray")
-    return map_radius(laplacian(ints(edges, -1, 2), robots), influenced, gains.intention)
+    activation_distance = min(params.formation.communication_range, 1e9)
+    edges = (
+        ints(links, -1, 2)
+        if links is not None
+        else KDTree(position).query_pairs(activation_distance, output_type="ndarray")
+    )
+    return map_radius(laplacian(ints(edges, -1, 2), robots), influenced, params.intention)
 
 
 def convergent(
-    gains: Gains, position: Floats, links: tuple[tuple[int, int], ...] | None, influenced: int
-) -> tuple[Gains, tuple[str, ...]]:
+    params: Parameters, position: Floats, links: tuple[tuple[int, int], ...] | None, influenced: int
+) -> tuple[Parameters, tuple[str, ...]]:
     """The gains with weights for which the printed intention update converges, and a warning if that changed them.
 
     Weights that suit the corrected update make the printed one diverge: they are scaled to `PRINTED_RADIUS`.
     """
-    radius = intention_radius(position, links, influenced, gains)
-    if gains.forms.intention != PRINTED or radius < 1.0:
-        return gains, ()
+    radius = intention_radius(position, links, influenced, params)
+    if params.forms.intention != PRINTED or radius < 1.0:
+        return params, ()
     scale = PRINTED_RADIUS / radius
-    weights = {name: scale * getattr(gains.intention, name) for name in _WEIGHTS}
+    weights = {name: scale * getattr(params.intention, name) for name in _WEIGHTS}
     warning = (
         f"the intention update as printed has spectral radius {radius:.3g} and diverges: "
         f"its weights are multiplied by {scale:.3g}, which makes it {PRINTED_RADIUS:g}"
     )
-    return gains._replace(intention=gains.intention._replace(**weights)), (warning,)
+    return params._replace(intention=params.intention._replace(**weights)), (warning,)
 
 
 def check_intention(radius: float, source: str) -> None:
@@ -183,79 +191,79 @@ def check_intention(radius: float, source: str) -> None:
         )
 
 
-def check_robots(gains: Gains, growth: float, source: str) -> None:
+def check_robots(params: Parameters, growth: float, source: str) -> None:
     """Refuses unicycles that cannot move, and noise under which clearances are not kept.
 
     Args:
-        gains: those of the bodies.
+        params: those of the bodies.
         growth: of the fastest fire [m/s].
         source: the scenario file.
 
     Raises:
         ScenarioError: with the value and the limit.
     """
-    robots = gains.robots
+    robots = params.robots
     if robots.look_ahead > 0.0 and robots.turn_rate_limit == 0.0:
         raise ScenarioError(
             f"{source}: parameters.robots.turn_rate_limit: unicycles that cannot turn cannot follow a velocity; "
             "give more than 0 rad/s, or look_ahead 0 for single integrators"
         )
-    limit = noise_limit(controlled(gains._replace(robots=robots._replace(position_noise=0.0))), growth)
+    limit = noise_limit(controlled(params._replace(robots=robots._replace(position_noise=0.0))), growth)
     if robots.position_noise > limit:
         raise ScenarioError(
             f"{source}: parameters.robots.position_noise: {robots.position_noise:g} m exceeds {limit:.3g} m, up to "
-            "which the barriers keep the true clearances; lower it, or raise the clearances, pair_rate, "
-            "obstacle_rate or speed_limit"
+            "which the barriers keep the true clearances; lower it, or raise the clearances, pair_gain, "
+            "obstacle_gain or speed_limit"
         )
 
 
-def robot_warnings(gains: Gains) -> tuple[str, ...]:
+def robot_warnings(params: Parameters) -> tuple[str, ...]:
     """What the robots' model and noise make of other tunables without need to refuse them."""
-    robots, point, warnings = gains.robots, controlled(gains).safety, list[str]()
+    robots, point, warnings = params.robots, controlled(params).safety, list[str]()
     if robots.look_ahead == 0.0 and np.isfinite(robots.turn_rate_limit):
         warnings.append("robots.turn_rate_limit has no effect on single integrators; unicycles have a look_ahead")
-    if point.speed_limit < gains.safety.speed_limit and point.speed_limit < gains.blending.cruise_speed:
+    if point.speed_limit < params.safety.speed_limit and point.speed_limit < params.blending.cruise_speed:
         warnings.append(
             f"look_ahead and turn_rate_limit let unicycles go {point.speed_limit:.3g} m/s; "
-            f"cruise_speed is {gains.blending.cruise_speed:g} m/s"
+            f"cruise_speed is {params.blending.cruise_speed:g} m/s"
         )
-    if point != gains.safety and gains.rings.repulsive_margin <= point.obstacle_clearance:
+    if point != params.safety and params.boundaries.repulsive_margin <= point.obstacle_clearance:
         warnings.append(
-            f"{_clearance('obstacle', gains.safety.obstacle_clearance, gains)}; it should stay below repulsive_margin "
-            f"({gains.rings.repulsive_margin:g} m), where robots circulate"
+            f"{_clearance('obstacle', params.safety.obstacle_clearance, params)}; it should stay below "
+            f"repulsive_margin ({params.boundaries.repulsive_margin:g} m), where robots circulate"
         )
     return tuple(warnings)
 
 
-def check_barriers(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:
+def check_barriers(world: World, fire_radius: Floats, params: Parameters, source: str) -> None:
     """Refuses gains with which the safety barriers do not hold in discrete time, or no robot could hold at a fire.
 
     Raises:
         ScenarioError: as `check_rates` and `check_stand_off`.
     """
-    check_rates(world, fire_radius, gains, source)
-    check_stand_off(world, fire_radius, gains, source)
+    check_rates(world, fire_radius, params, source)
+    check_stand_off(world, fire_radius, params, source)
 
 
-def check_rates(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:
+def check_rates(world: World, fire_radius: Floats, params: Parameters, source: str) -> None:
     """Refuses gains with which the safety barriers do not hold in discrete time.
 
     Raises:
         ScenarioError: the sampling condition is missed; the message gives limit and value.
     """
     try:
-        check_sampling(world, fire_radius, controlled(gains).safety)
+        check_sampling(world, fire_radius, controlled(params).safety)
     except FilterError as error:
         raise ScenarioError(f"{source}: parameters.safety: {error}") from error
 
 
-def check_stand_off(world: World, fire_radius: Floats, gains: Gains, source: str) -> None:
+def check_stand_off(world: World, fire_radius: Floats, params: Parameters, source: str) -> None:
     """Refuses a stand-off at which no robot could hold at a fire.
 
     Raises:
         ScenarioError: with the least stand-off of the fire.
     """
-    safety, stand_off = controlled(gains).safety, gains.fires.stand_off
+    safety, stand_off = controlled(params).safety, params.fires.stand_off
     for number, (radius, growth) in enumerate(zip(fire_radius, world.fire_growth, strict=True), 1):
         least = least_stand_off(float(radius), float(growth), safety)
         if stand_off < least:
@@ -265,34 +273,34 @@ def check_stand_off(world: World, fire_radius: Floats, gains: Gains, source: str
             )
 
 
-def late_stand_off(fire_radius: Floats, fire_growth: Floats, duration: float, gains: Gains) -> tuple[str, ...]:
+def late_stand_off(fire_radius: Floats, fire_growth: Floats, duration: float, params: Parameters) -> tuple[str, ...]:
     """A warning for each fire that grows, within `duration` [s], until no robot can hold at it."""
     grown = fire_radius + fire_growth * duration
-    safety = controlled(gains).safety
+    safety = controlled(params).safety
     least = [least_stand_off(float(r), float(g), safety) for r, g in zip(grown, fire_growth, strict=True)]
     return tuple(
         f"fire {number} can grow to {radius:.0f} m, where its barrier holds robots {far:.1f} m off; "
-        f"stand_off is {gains.fires.stand_off:g} m"
+        f"stand_off is {params.fires.stand_off:g} m"
         for number, (radius, far) in enumerate(zip(grown, least, strict=True), 1)
-        if far > gains.fires.stand_off
+        if far > params.fires.stand_off
     )
 
 
-def check_formation(degree: int, gains: Gains, source: str) -> None:
+def check_formation(degree: int, params: Parameters, source: str) -> None:
     """Refuses a formation too stiff for the control period (explicit Euler, `FORMATION_LIMIT`).
 
     Args:
         degree: the most links that one robot has.
-        gains: with `formation_rate` and `control_period`.
+        params: with `formation_rate` and `control_period`.
         source: the scenario file.
 
     Raises:
         ScenarioError: dt k_form 2 deg_max is not below the limit.
     """
-    stiffness = 2.0 * gains.safety.control_period * gains.formation.formation_rate * degree
+    stiffness = 2.0 * params.safety.control_period * params.formation.formation_rate * degree
     if stiffness >= FORMATION_LIMIT:
         raise ScenarioError(
             f"{source}: parameters.formation: control_period x formation_rate x 2 x {degree} links of one robot is "
             f"{stiffness:.3g} and must stay below {FORMATION_LIMIT:g}; lower formation_rate "
-            f"({gains.formation.formation_rate:g} 1/s), set communication_range, or give links"
+            f"({params.formation.formation_rate:g} 1/s), set communication_range, or give links"
         )

@@ -8,7 +8,7 @@ from time import monotonic
 
 import numpy as np
 
-from higvf_console.core.commands import Command, Cursor, OperatorCommand, Stop, StrokePoints
+from higvf_console.core.commands import Command, Cursor, EmergencyStop, OperatorCommand, StrokePoints
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.fields import option_fields
@@ -22,8 +22,8 @@ class Mouse:
     """An `Interface` that is also a `PointerSink`.
 
     A full queue makes room by losing least first: all cursors but the newest, then the joints between stroke points
-    (their points stay), then the oldest command that is not the newest `Stop`. So a STOP is never lost, and the end of
-    a stroke only behind thousands of later commands.
+    (their points stay), then the oldest command that is not the newest `EmergencyStop`. So a STOP is never lost, and
+    the end of a stroke only behind thousands of later commands.
     """
 
     def __init__(self, name: str = "mouse", capacity: int = CAPACITY) -> None:
@@ -39,7 +39,7 @@ class Mouse:
         self._lock = threading.Lock()
         self._stamp = Stamp(name)
         self._last_used: float | None = None
-        self._last_beat: float | None = None  # [s] of the wall clock
+        self._last_heartbeat: float | None = None  # [s] of the wall clock
 
     @property
     def name(self) -> str:
@@ -53,9 +53,9 @@ class Mouse:
             if len(self._waiting) > self._capacity:
                 self._waiting = _make_room(self._waiting, self._capacity)
 
-    def beat(self) -> None:
+    def heartbeat(self) -> None:
         """A page is there; from the first time on, silence of all pages counts."""
-        self._last_beat = monotonic()
+        self._last_heartbeat = monotonic()
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """Everything pushed since the last poll, in order, given now."""
@@ -68,8 +68,8 @@ class Mouse:
     def health(self, now: float) -> ChannelHealth:
         """Heard when a page last told that it is there; a hand off the mouse is no fault."""
         used = "not used yet" if self._last_used is None else f"last used {max(0.0, now - self._last_used):.0f} s ago"
-        if self._last_beat is not None:
-            return ChannelHealth(ChannelState.LIVE, used, now - (monotonic() - self._last_beat))
+        if self._last_heartbeat is not None:
+            return ChannelHealth(ChannelState.LIVE, used, now - (monotonic() - self._last_heartbeat))
         if self._last_used is None:
             return ChannelHealth(ChannelState.NEVER_SEEN, "nothing from the browser yet")
         return ChannelHealth(ChannelState.LIVE, used)
@@ -96,7 +96,9 @@ def _by(command: OperatorCommand, context: OperatorContext) -> OperatorContext:
 def _make_room(commands: Iterable[OperatorCommand], capacity: int) -> deque[OperatorCommand]:
     kept = deque(_join_strokes(_newest_cursor(list(commands))))
     if len(kept) > capacity:
-        newest_stop = max((index for index, command in enumerate(kept) if isinstance(command, Stop)), default=-1)
+        newest_stop = max(
+            (index for index, command in enumerate(kept) if isinstance(command, EmergencyStop)), default=-1
+        )
         del kept[1 if newest_stop == 0 else 0]
     return kept
 

@@ -5,13 +5,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
+from higvf_console.analysis.active_constraints import active_constraints
 from higvf_console.analysis.explain import Explanation, Moved, Part, Say, explain
 from higvf_console.analysis.sight import hider_names, sights
-from higvf_console.analysis.tight_rows import tight_rows
 from higvf_console.control.forms import FORMS
-from higvf_console.control.gains import Gains, controlled
+from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.core.arrays import floats
-from higvf_console.core.commands import OperatorCommand, Pause, Prioritise, ResetRun, ShapePath, Stop
+from higvf_console.core.commands import EmergencyStop, OperatorCommand, Pause, Prioritise, ResetRun, ShapePath
 from higvf_console.core.state import PathStatus
 from higvf_console.runtime.run import Run
 from higvf_console.sim.setup import Setup
@@ -19,16 +19,16 @@ from higvf_console.world.polygons import segment_distance
 from tests.teams import stroke, team
 
 PATH = ((150.0, 350.0), (400.0, 300.0), (700.0, 420.0), (1000.0, 350.0))
-CROWD = Gains()._replace(formation=Gains().formation._replace(communication_range=150.0))
+CROWD = Parameters()._replace(formation=Parameters().formation._replace(communication_range=150.0))
 
 
-def crowded(seed: int, gains: Gains = CROWD) -> Setup:
+def crowded(seed: int, params: Parameters = CROWD) -> Setup:
     """Nine robots that set out close together, among random circles and a bar, for two fires."""
     random = np.random.default_rng(seed)
     robots = [(60.0 + 30.0 * (k % 3), 300.0 + 30.0 * (k // 3)) for k in range(9)]
     circles = [(x, y, random.uniform(20.0, 40.0)) for x, y in random.uniform([220, 200], [600, 450], (7, 2))]
     return team(
-        robots, [(700.0, 250.0, 20.0), (600.0, 500.0, 25.0)], circles, [(500.0, 60.0, 520.0, 180.0, 6.0)], gains
+        robots, [(700.0, 250.0, 20.0), (600.0, 500.0, 25.0)], circles, [(500.0, 60.0, 520.0, 180.0, 6.0)], params
     )
 
 
@@ -44,54 +44,54 @@ def periods(setup: Setup, commands: Sequence[OperatorCommand] = (), ticks: int =
     return found
 
 
-def everybody(moved: Moved, gains: Gains) -> Explanation:
-    return explain(moved, gains, np.arange(len(moved.after.position)))
+def everybody(moved: Moved, params: Parameters) -> Explanation:
+    return explain(moved, params, np.arange(len(moved.after.position)))
 
 
-def left_over(moved: Moved, gains: Gains) -> float:
+def left_over(moved: Moved, params: Parameters) -> float:
     """Largest error of the sum of all parts [m/s]."""
-    return float(np.abs(everybody(moved, gains).parts.sum(axis=1) - moved.after.velocity).max())
+    return float(np.abs(everybody(moved, params).parts.sum(axis=1) - moved.after.velocity).max())
 
 
-def lossy(gains: Gains) -> Gains:
-    return gains._replace(robots=gains.robots._replace(packet_loss=0.4, seed=3.0))
+def lossy(params: Parameters) -> Parameters:
+    return params._replace(robots=params.robots._replace(packet_loss=0.4, seed=3.0))
 
 
-def noisy(gains: Gains) -> Gains:
-    return gains._replace(robots=gains.robots._replace(position_noise=0.3))
+def noisy(params: Parameters) -> Parameters:
+    return params._replace(robots=params.robots._replace(position_noise=0.3))
 
 
-def dead_zone(gains: Gains) -> Gains:
-    return gains._replace(intention=gains.intention._replace(dead_zone=0.02))
+def dead_zone(params: Parameters) -> Parameters:
+    return params._replace(intention=params.intention._replace(dead_zone=0.02))
 
 
-def boosted(gains: Gains) -> Gains:
-    return gains._replace(intention=gains.intention._replace(decay=0.0, human_weight=90.0))
+def boosted(params: Parameters) -> Parameters:
+    return params._replace(intention=params.intention._replace(decay=0.0, human_weight=90.0))
 
 
-CHANGES: list[Callable[[Gains], Gains]] = [lambda gains: gains, lossy, dead_zone, noisy, boosted]
+CHANGES: list[Callable[[Parameters], Parameters]] = [lambda params: params, lossy, dead_zone, noisy, boosted]
 
 
 @pytest.mark.parametrize("change", CHANGES, ids=["plain", "lossy", "dead zone", "noisy", "other weights"])
 @pytest.mark.parametrize("commands", [[], stroke(PATH, 4)], ids=["alone", "with a human"])
 def test_the_parts_sum_to_the_commanded_velocity(
-    change: Callable[[Gains], Gains], commands: list[OperatorCommand]
+    change: Callable[[Parameters], Parameters], commands: list[OperatorCommand]
 ) -> None:
-    gains = change(CROWD)
-    moved = [period for seed in range(2) for period in periods(crowded(seed, gains), commands)]
-    assert max(left_over(period, gains) for period in moved) < 1e-9
+    params = change(CROWD)
+    moved = [period for seed in range(2) for period in periods(crowded(seed, params), commands)]
+    assert max(left_over(period, params) for period in moved) < 1e-9
 
 
 @pytest.mark.parametrize("forms", ["zero-in", "printed"])
 def test_they_sum_under_the_paper_s_own_equations_too(forms: str) -> None:
-    gains = CROWD._replace(forms=FORMS[forms])
-    for moved in periods(crowded(0, gains), stroke(PATH, 4), 60):
+    params = CROWD._replace(forms=FORMS[forms])
+    for moved in periods(crowded(0, params), stroke(PATH, 4), 60):
         velocity = moved.after.velocity
         scale = max(1.0, float(np.nan_to_num(np.abs(moved.trace.blended)).max()))
-        assert np.abs(everybody(moved, gains).parts.sum(axis=1) - velocity).max() < 1e-9 * scale
+        assert np.abs(everybody(moved, params).parts.sum(axis=1) - velocity).max() < 1e-9 * scale
 
 
-@pytest.mark.parametrize("command", [Pause(), Stop()])
+@pytest.mark.parametrize("command", [Pause(), EmergencyStop()])
 def test_a_pause_or_stop_is_a_part_of_its_own(command: OperatorCommand) -> None:
     run = Run(crowded(0))
     for _ in range(100):
@@ -128,11 +128,11 @@ def test_the_weight_of_a_human_that_was_raised_in_a_deadlock_is_found() -> None:
 def test_each_part_belongs_to_whom_it_is_named_after() -> None:
     lone = team([(100.0, 300.0)], [(900.0, 300.0, 30.0)], needs=1)
     moved = periods(lone, ticks=1)[0]
-    parts = everybody(moved, lone.gains).parts[0]
+    parts = everybody(moved, lone.params).parts[0]
     assert parts[Part.TARGET, 0] > 0.5
     assert not parts[[Part.HUMAN, Part.NEIGHBOURS, Part.FORMATION, Part.ROUND, Part.HOLD, Part.SAFETY]].any()
     led = team([(100.0, 300.0)])
-    parts = everybody(periods(led, stroke(PATH), 1)[0], led.gains).parts[0]
+    parts = everybody(periods(led, stroke(PATH), 1)[0], led.params).parts[0]
     assert np.hypot(*parts[Part.HUMAN]) > 1.0
     assert not parts[Part.TARGET].any()
 
@@ -158,13 +158,13 @@ def test_some_robots_are_explained_as_in_the_whole_team() -> None:
 
 
 def test_tight_rows_are_those_that_the_velocity_meets_with_equality() -> None:
-    setup = crowded(0)._replace(gains=CROWD)
+    setup = crowded(0)._replace(params=CROWD)
     least = controlled(CROWD).safety
     named: set[str] = set()
     for moved in periods(setup, stroke(PATH, 4), 900):
-        for robot in np.flatnonzero(moved.trace.active_rows):
-            rows = tight_rows(int(robot), moved, setup)
-            assert len(rows) == moved.trace.active_rows[robot]
+        for robot in np.flatnonzero(moved.trace.active_constraints):
+            rows = active_constraints(int(robot), moved, setup)
+            assert len(rows) == moved.trace.active_constraints[robot]
             for row in rows:
                 expected = distance_to(row.name, int(robot), moved, setup)
                 assert row.distance == pytest.approx(expected)
@@ -181,7 +181,7 @@ def circle_slack(name: str, robot: int, moved: Moved, setup: Setup) -> float:
     safety, to = controlled(CROWD).safety, floats([x, y]) - moved.before.motion.position[robot]
     distance, clearance = float(np.hypot(*to)), radius + safety.obstacle_clearance
     h = (distance / clearance) ** 2 - 1.0
-    bound = 0.5 * safety.obstacle_rate * clearance**2 * (h**3 if h >= 0.0 else h) / distance
+    bound = 0.5 * safety.obstacle_gain * clearance**2 * (h**3 if h >= 0.0 else h) / distance
     return bound - float(to @ moved.after.velocity[robot]) / distance
 
 
@@ -207,9 +207,11 @@ def test_a_wall_and_a_fire_that_hold_a_robot_back_are_named() -> None:
         start = walled.start._replace(motion=held._replace(position=floats([position])))
         run = Run(walled._replace(start=start))
         down = run.last._replace(after=run.last.after._replace(velocity=floats([[0.0, -1.0]])))
-        counted = down._replace(trace=down.trace._replace(active_rows=np.array([1])))
-        assert [row.name for row in tight_rows(0, counted, walled)] == [name]
-    assert tight_rows(0, down._replace(trace=down.trace._replace(active_rows=np.array([0]))), walled) == []
+        counted = down._replace(trace=down.trace._replace(active_constraints=np.array([1])))
+        assert [row.name for row in active_constraints(0, counted, walled)] == [name]
+    assert (
+        active_constraints(0, down._replace(trace=down.trace._replace(active_constraints=np.array([0]))), walled) == []
+    )
 
 
 def test_what_hides_a_fire_is_named_and_nothing_else_is() -> None:
@@ -225,8 +227,8 @@ def test_what_hides_a_fire_is_named_and_nothing_else_is() -> None:
 
 
 def test_a_fire_beyond_the_perception_range_is_out_of_range_not_hidden() -> None:
-    gains = Gains()._replace(perception=Gains().perception._replace(perception_range=300.0))
-    setup = team([(100.0, 300.0)], [(900.0, 300.0, 30.0)], [(500.0, 310.0, 40.0)], gains=gains)
+    params = Parameters()._replace(perception=Parameters().perception._replace(perception_range=300.0))
+    setup = team([(100.0, 300.0)], [(900.0, 300.0, 30.0)], [(500.0, 310.0, 40.0)], params=params)
     (far,) = sights(0, Run(setup).last, setup)
     assert not far.in_range
     assert far.value == 0.0

@@ -49,7 +49,7 @@ def foreseen(setup: Setup, state: SimState, horizon: float = 5.0) -> Preview:
 def run_on(setup: Setup, state: SimState, ticks: int) -> list[SimState]:
     states = [state]
     for _ in range(ticks):
-        states.append(advance(states[-1], setup.world, setup.gains)[0])
+        states.append(advance(states[-1], setup.world, setup.params)[0])
     return states
 
 
@@ -68,15 +68,15 @@ def test_what_is_foreseen_of_a_repair_of_a_pending_path_is_bit_for_bit_what_its_
     setup: Setup,
 ) -> None:
     waits = after(setup, [*DRAWING, StrokeEnd(robot=1, preview=True)], moved_on(setup))
-    drawing = after(
+    pointer_state = after(
         setup, [StrokeBegin(), StrokePoints(floats([(300.0, 400.0), (400.0, 500.0), (500.0, 350.0)]))], waits
     )
-    wished = wish(drawing, setup, StrokeEnd(use="amend"))
+    wished = wish(pointer_state, setup, StrokeEnd(use="redraw"))
     assert wished is not None
-    preview = foresee(drawing, wished, setup, 5.0)
+    preview = foresee(pointer_state, wished, setup, 5.0)
     assert preview is not None
-    assert preview.start.intent.path.length > waits.drawing.pending.length
-    states = run_on(setup, after(setup, [StrokeEnd(use="amend", preview=True), Confirm()], drawing), 250)
+    assert preview.start.intent.path.length > waits.pointer_state.pending.length
+    states = run_on(setup, after(setup, [StrokeEnd(use="redraw", preview=True), Confirm()], pointer_state), 250)
     assert_happens(preview, states)
 
 
@@ -150,7 +150,7 @@ def test_the_path_is_marked_where_it_enters_a_repulsive_area(setup: Setup) -> No
     wished = wish(after(setup, DRAWING), setup)
     assert wished is not None
     pieces = repulsive_pieces(wished.intent.path, wished.motion, setup)
-    margin = setup.gains.rings.repulsive_margin
+    margin = setup.params.boundaries.repulsive_margin
     gap = np.hypot(*(pieces.mean(axis=1) - [300.0, 380.0]).T) - 15.0
     near_fire = np.hypot(*(pieces.mean(axis=1) - [400.0, 420.0]).T) - 20.0
     assert len(pieces)
@@ -172,7 +172,7 @@ def test_inside_an_irregular_obstacle_the_distance_is_negative_and_an_extinguish
 ROUND_FIRE_2 = [(650.0, 200.0), (750.0, 200.0), (750.0, 300.0), (650.0, 300.0)]
 OTHER_WAY = [(250.0, 400.0), (300.0, 470.0), (400.0, 480.0), (430.0, 370.0)]
 ENDS = [
-    (OTHER_WAY, StrokeEnd(use="amend")),
+    (OTHER_WAY, StrokeEnd(use="redraw")),
     (ROUND_FIRE_2, StrokeEnd(use="priority")),
     (OTHER_WAY, StrokeEnd(ending="hold", pace=0.6, duration=3.0)),
     (OTHER_WAY, StrokeEnd(ending="loop", pace=1.4)),
@@ -206,7 +206,7 @@ def test_a_priority_changes_the_order_that_is_foreseen() -> None:
 
 def test_nothing_is_foreseen_of_a_part_drawn_beside_the_path_nor_of_an_obstacle(setup: Setup) -> None:
     state = after(setup, [*DRAWING, StrokeEnd(), StrokeBegin(), StrokePoints(floats(ROUND_FIRE_2))])
-    assert wish(state, setup, StrokeEnd(use="amend")) is None
+    assert wish(state, setup, StrokeEnd(use="redraw")) is None
     assert wish(state, setup, StrokeEnd(use="obstacle")) is None
     elsewhere = after(setup, [StrokeBegin(), StrokePoints(floats(OTHER_WAY[:3]))])
     assert wish(elsewhere, setup, StrokeEnd(use="priority")) is None

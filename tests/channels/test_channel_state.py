@@ -22,13 +22,13 @@ LIVE, STALE, LOST, BACK = ChannelState.LIVE, ChannelState.STALE, ChannelState.LO
 LIMITS = Limits(0.5, 2.0)
 
 
-def heard_at(time: float) -> ChannelHealth:
+def last_seen_at(time: float) -> ChannelHealth:
     return ChannelHealth(LIVE, "", time)
 
 
 @pytest.mark.parametrize(("quiet", "state"), [(0.0, LIVE), (0.5, LIVE), (0.51, STALE), (2.0, STALE), (2.01, LOST)])
 def test_silence_is_judged_by_the_limits(quiet: float, state: ChannelState) -> None:
-    assert judged(heard_at(10.0), 10.0 + quiet, LIMITS) is state
+    assert judged(last_seen_at(10.0), 10.0 + quiet, LIMITS) is state
 
 
 def test_a_quiet_replay_is_not_dead() -> None:
@@ -57,7 +57,7 @@ def test_a_channel_that_is_back_can_be_lost_again_and_its_pauses_do_not_count() 
 def test_nothing_resumes_by_itself(quiet: list[float]) -> None:
     state, lost = LIVE, False
     for silence in quiet:
-        state = observed(state, judged(heard_at(0.0), silence, LIMITS))
+        state = observed(state, judged(last_seen_at(0.0), silence, LIMITS))
         lost = lost or state is LOST
         assert (state in OUT_OF_SERVICE) == lost
 

@@ -9,7 +9,7 @@ import pytest
 
 from higvf_console.channels import channels
 from higvf_console.channels.channels import GROUP, interface_names, open_interface
-from higvf_console.cli.main import main as cli
+from higvf_console.cli.main import main
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
 
@@ -45,7 +45,7 @@ def test_an_interface_that_is_no_python_is_one_clear_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     installed(monkeypatch, tmp_path, "x = (")
-    assert cli.main(["check-interface", "glove"]) == 2
+    assert main(["check-interface", "glove"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("higvf: interface 'glove' (torn_glove:open_glove) does not load: '(' was never closed")
 
@@ -55,9 +55,9 @@ def test_an_interface_that_crashes_while_it_opens_is_one_clear_line_and_breaks_t
 ) -> None:
     installed(monkeypatch, tmp_path, "def open_glove(spec): raise OSError(5, 'cannot open', spec.source)")
     crash = "interface 'glove' does not open: OSError: [Errno 5] cannot open: 'left'"
-    assert cli.main(["run", "empty", "--headless", "--input", "glove=left"]) == 2
+    assert main(["run", "empty", "--headless", "--input", "glove=left"]) == 2
     assert capsys.readouterr().err == f"higvf: {crash}\n"
-    assert cli.main(["check-interface", "glove", "--input", "glove=left"]) == 1
+    assert main(["check-interface", "glove", "--input", "glove=left"]) == 1
     assert capsys.readouterr().out == f"BROKEN opens, or refuses its input with InputError: {crash}\n"
 
 
@@ -77,5 +77,5 @@ def test_an_interface_that_opens_as_nothing_is_one_clear_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     installed(monkeypatch, tmp_path, "def open_glove(spec): pass")
-    assert cli.main(["run", "empty", "--headless", "--input", "glove"]) == 2
+    assert main(["run", "empty", "--headless", "--input", "glove"]) == 2
     assert capsys.readouterr().err == "higvf: interface 'glove' opens as None, without name, poll, health, close\n"

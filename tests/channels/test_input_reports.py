@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_interfaces import FakeInterface
 
 from higvf_console.channels.attention_report import attention_section, coarse
 from higvf_console.channels.input_reports import calibrations_of
@@ -17,12 +16,32 @@ from higvf_console.runtime.headless import run_headless
 from higvf_console.runtime.recording import Recorder, read_recording, replay
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario
+from tests.fake_interfaces import FakeInterface
 
 HEAT = np.arange(12.0).reshape(3, 4)
-ATTENTION = AttentionReport(HEAT, Arena(0, 0, 4, 3), 1.0, floats([1.25, 0]), floats([0.5]), 3.0, 2.5, 0.3, float("nan"))
+ATTENTION = AttentionReport(
+    heat=HEAT,
+    extent=Arena(0, 0, 4, 3),
+    degree=1.0,
+    fires=floats([1.25, 0]),
+    robots=floats([0.5]),
+    elsewhere=3.0,
+    fixation_rate=2.5,
+    fixation_duration=0.3,
+    transition_entropy=float("nan"),
+)
 SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 EYE = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-CALIBRATION = CalibrationReport("c.yaml", "2026-03-02", (1920.0, 1080.0), SQUARE, SQUARE, EYE, 4.2, 1.5)
+CALIBRATION = CalibrationReport(
+    file="c.yaml",
+    made="2026-03-02",
+    screen_px=(1920.0, 1080.0),
+    points_px=SQUARE,
+    points_m=SQUARE,
+    homography=EYE,
+    residual_px=4.2,
+    residual_m=1.5,
+)
 
 
 class Telling(FakeInterface):
@@ -42,7 +61,24 @@ class Telling(FakeInterface):
         return DwellReport(0.5, floats([], 0, 2))
 
     def decision_report(self, now: float) -> DecisionReport:
-        return DecisionReport(f"at {now:.1f}", None, "passed", 1, 1, 1, 0, 1, 0, 0, "", 0, 1, 0, 0, ())
+        return DecisionReport(
+            label=f"at {now:.1f}",
+            confidence=None,
+            stage="passed",
+            votes=1,
+            votes_needed=1,
+            of=1,
+            threshold=0,
+            support=1,
+            enter=0,
+            leave=0,
+            active="",
+            refractory=0,
+            passed=1,
+            proposed=0,
+            unknown=0,
+            held=(),
+        )
 
     def calibration_report(self) -> CalibrationReport | None:
         return self.calibration

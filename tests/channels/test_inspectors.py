@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from higvf_console.channels import inspection
-from higvf_console.cli.main import main as cli
+from higvf_console.cli.main import main
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
 
@@ -77,11 +77,11 @@ def test_the_command_takes_options_behind_the_file(
     installed: list[SimpleNamespace], capsys: pytest.CaptureFixture[str]
 ) -> None:
     installed.append(point("a", tells))
-    assert cli.main(["inspect", "look.csv:frame=screen,stream=2", "--json", "--steps", "--plot", "p.png"]) == 0
+    assert main(["inspect", "look.csv:frame=screen,stream=2", "--json", "--steps", "--plot", "p.png"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert (told["source"], told["options"]) == ("look.csv", {"frame": "screen", "stream": "2"})
     assert (told["plot"], told["steps"]) == ("p.png", True)
-    assert cli.main(["inspect", "look.csv"]) == 0
+    assert main(["inspect", "look.csv"]) == 0
     assert capsys.readouterr().out.startswith("format: horoscope\n")
 
 
@@ -89,7 +89,7 @@ def test_a_refusal_is_one_line_and_status_2(
     installed: list[SimpleNamespace], capsys: pytest.CaptureFixture[str]
 ) -> None:
     installed.append(point("a", knows_nothing))
-    assert cli.main(["inspect", "look.csv"]) == 2
+    assert main(["inspect", "look.csv"]) == 2
     assert capsys.readouterr().err == "higvf: look.csv: no idea\n"
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from higvf_console.channels import interface_check
 from higvf_console.channels.interface_check import check_interface
-from higvf_console.cli.main import main as cli
+from higvf_console.cli.main import main
 from higvf_console.core.commands import Cursor, OperatorCommand, Pause, Pick, Resume, StrokePoints
 from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 
@@ -171,9 +171,9 @@ def test_the_command_tells_each_rule_and_its_exit_status(
     def opened(_: InputSpec) -> Any:
         return ClosedOnce("mouse")
 
-    assert cli.main(["check-interface", "mouse", "--seconds", "1"]) == 0
+    assert main(["check-interface", "mouse", "--seconds", "1"]) == 0
     monkeypatch.setattr(interface_check, "open_interface", opened)
-    assert cli.main(["check-interface", "mouse", "--seconds", "1"]) == 1
+    assert main(["check-interface", "mouse", "--seconds", "1"]) == 1
     assert "BROKEN close may be called twice: OSError: already closed" in capsys.readouterr().out
-    assert cli.main(["check-interface", "mouse", "--input", "gaze=a.tsv"]) == 2
+    assert main(["check-interface", "mouse", "--input", "gaze=a.tsv"]) == 2
     assert "is not for the interface 'mouse'" in capsys.readouterr().err

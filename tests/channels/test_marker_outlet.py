@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_interfaces import FakeInterface
 
 from higvf_console.channels import marker_outlet
 from higvf_console.channels.marker_outlet import MarkerOutlet
@@ -14,6 +13,7 @@ from higvf_console.core.commands import Cursor, Pause, Pick
 from higvf_console.core.errors import InputError
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario
+from tests.fake_interfaces import FakeInterface
 
 
 class Outlet:

@@ -8,7 +8,7 @@ import pytest
 
 from higvf_console.channels.channels import interface_names, open_interface
 from higvf_console.channels.interface_check import check_interface
-from higvf_console.cli.main import main as cli
+from higvf_console.cli.main import main
 from higvf_console.core.commands import Pause, Resume
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
@@ -57,7 +57,7 @@ def test_it_steers_a_session(presses: str, team: Scenario) -> None:
 
 
 def test_it_is_checked_from_the_command_line(presses: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["check-interface", "gamepad", "--input", f"gamepad={presses}", "--seconds", "1"]) == 0
+    assert main(["check-interface", "gamepad", "--input", f"gamepad={presses}", "--seconds", "1"]) == 0
     assert "ok     gives only known commands: 2 seen" in capsys.readouterr().out
 
 

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_interfaces import FakeInterface
 
 from higvf_console.channels.faults import Line
 from higvf_console.core.commands import (
@@ -13,6 +12,7 @@ from higvf_console.core.commands import (
     Confirm,
     ControlChange,
     Cursor,
+    EmergencyStop,
     FaultKind,
     HandOver,
     InjectFault,
@@ -24,7 +24,6 @@ from higvf_console.core.commands import (
     Prioritise,
     ResetRun,
     Resume,
-    Stop,
     StrokeBegin,
     StrokeEnd,
     StrokePoints,
@@ -35,6 +34,7 @@ from higvf_console.core.state import PathKind, PathStatus
 from higvf_console.runtime.recording import Recorder, read_recording, replay
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario, parse_scenario
+from tests.fake_interfaces import FakeInterface
 
 STROKE = np.array([[600.0, 350.0], [500.0, 400.0], [400.0, 400.0], [300.0, 300.0]])
 BEGIN = [StrokeBegin(source="gaze"), StrokePoints(STROKE, source="gaze")]
@@ -49,8 +49,8 @@ class Device(FakeInterface):
         self.silent, self.back = silent, back
 
     def health(self, now: float) -> ChannelHealth:
-        heard = self.silent if self.silent < now < self.back else now
-        return ChannelHealth(ChannelState.LIVE, "a device", heard)
+        last_seen = self.silent if self.silent < now < self.back else now
+        return ChannelHealth(ChannelState.LIVE, "a device", last_seen)
 
 
 def limited(team: Scenario, on_lost: str) -> Scenario:
@@ -145,8 +145,8 @@ def test_a_change_of_control_gets_through_a_lost_channel_and_a_fault_and_is_no_a
 
 def test_the_human_intention_fades_within_a_few_time_constants_and_without_a_jump(team: Scenario) -> None:
     session = Session(limited(team, "autonomy"), [Device(*at_once(*DRAWN), silent=0.0)])
-    weights = session.setup.gains.intention
-    rate, dt = weights.decay + weights.robot_weight, session.setup.gains.safety.control_period
+    weights = session.setup.params.intention
+    rate, dt = weights.decay + weights.robot_weight, session.setup.params.safety.control_period
     run_to(session, 1.9)
     leader = session.snapshot.state.intent.influenced
     gaps: list[float] = []
@@ -165,7 +165,7 @@ def test_the_human_intention_fades_within_a_few_time_constants_and_without_a_jum
 def test_a_stroke_that_was_growing_is_dropped_and_the_path_of_another_stays(team: Scenario) -> None:
     mouse = FakeInterface("mouse", *at_once(StrokeBegin(), StrokePoints(STROKE), StrokeEnd()))
     session = run_to(Session(team, [Device(*at_once(*BEGIN, time=0.5)), mouse]), 3.3)
-    assert session.snapshot.state.drawing.stroke_source == ""
+    assert session.snapshot.state.pointer_state.stroke_source == ""
     assert session.snapshot.state.intent.path.kind != PathKind.NONE
     assert session.snapshot.state.motion.path_status == PathStatus.FOLLOWING
 
@@ -179,7 +179,7 @@ def test_a_channel_that_did_not_steer_is_lost_without_consequence(team: Scenario
 
 def test_a_clutch_that_a_lost_channel_held_opens(team: Scenario) -> None:
     session = run_to(Session(team, [Device(*at_once(Clutch(closed=True, source="gaze")))]), 3.3)
-    assert not session.snapshot.state.drawing.clutch
+    assert not session.snapshot.state.pointer_state.clutch
 
 
 def test_what_is_back_commands_nothing_but_stop_and_pause_before_it_is_acknowledged(team: Scenario) -> None:
@@ -241,7 +241,7 @@ def test_a_short_freeze_only_makes_commands_late(team: Scenario) -> None:
 def test_a_stop_passes_every_fault(team: Scenario) -> None:
     faults = [(0.0, InjectFault(channel="mouse", kind=kind, seconds=60.0)) for kind in FaultKind]
     for fault in faults:
-        mouse = FakeInterface("mouse", (1.0, Stop()))
+        mouse = FakeInterface("mouse", (1.0, EmergencyStop()))
         session = run_to(Session(team, [mouse, FakeInterface("script", fault)]), 1.1)
         assert session.snapshot.state.intent.stopped
 
@@ -280,14 +280,14 @@ def test_a_reset_run_starts_with_sound_lines(team: Scenario) -> None:
 def test_a_line_delays_drops_or_holds_back_and_nothing_overtakes(
     kind: FaultKind, come: dict[float, list[float]]
 ) -> None:
-    line, heard = Line(), dict[float, list[float]]()
+    line, last_seen = Line(), dict[float, list[float]]()
     for now in (0.9, 1.0, 1.5, 1.6, 2.0, 2.1, 2.5, 2.6, 3.1, 3.6):
         if now == 1.0:
             line.inject(InjectFault(channel="emg", kind=kind, seconds=2.0, delay=0.6), now)
         said = [Pick(0, time=now)] if now in (0.9, 1.0, 1.5, 2.0, 2.5, 3.1) else []
         for command in line.carry(said, now):
-            heard.setdefault(now, []).append(command.time)
-    assert heard == come
+            last_seen.setdefault(now, []).append(command.time)
+    assert last_seen == come
 
 
 @pytest.mark.parametrize("on_lost", ["autonomy", "hold"])

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import higvf_console
-from higvf_console.cli.main import main as cli
+from higvf_console.cli.main import main
 from higvf_console.runtime.recording import read_recording
 from higvf_console.scenario.scenario import scenario_names
 
@@ -18,13 +18,13 @@ from higvf_console.scenario.scenario import scenario_names
 @pytest.fixture(scope="module", autouse=True)
 def _compiled() -> None:
     """A compiling engine says so on stderr, where these tests count lines."""
-    assert cli.main(["compile"]) == 0
+    assert main(["compile"]) == 0
 
 
 def test_help_loads_neither_numba_nor_scipy() -> None:
     code = (
-        "import sys; from higvf_console import cli\n"
-        "try: cli.main(['run', '--help'])\n"
+        "import sys; from higvf_console.cli.main import main\n"
+        "try: main(['run', '--help'])\n"
         "except SystemExit: pass\n"
         "print(sorted({'numba', 'scipy', 'numpy', 'viser', 'yaml'} & set(sys.modules)), file=sys.stderr)"
     )
@@ -42,48 +42,48 @@ def test_every_public_name_can_be_imported_and_nothing_else() -> None:
 
 
 def test_scenarios_are_listed_with_their_descriptions(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["scenarios"]) == 0
+    assert main(["scenarios"]) == 0
     listed = capsys.readouterr().out.splitlines()
     assert tuple(line.split()[0] for line in listed) == scenario_names()
     assert all(len(line.split()) > 3 for line in listed)
 
 
 def test_a_headless_run_writes_its_report_to_standard_output(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["run", "empty", "--headless", "--duration", "0.2", "--seed", "4"]) == 0
+    assert main(["run", "empty", "--headless", "--duration", "0.2", "--seed", "4"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert (report["scenario"], report["ticks"], report["seed"]) == ("empty", 10, 4)
 
 
 def test_a_report_may_go_to_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["run", "empty", "--headless", "--duration", "0.2", "--report", str(tmp_path / "report.json")]
-    assert cli.main(arguments) == 0
+    assert main(arguments) == 0
     assert json.loads((tmp_path / "report.json").read_text())["scenario"] == "empty"
     assert capsys.readouterr().out == ""
 
 
 def test_a_recorded_run_replays_and_a_forged_one_does_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "run.jsonl"
-    assert cli.main(["run", "firefighting", "--headless", "--duration", "1.5", "--record", str(file)]) == 0
+    assert main(["run", "firefighting", "--headless", "--duration", "1.5", "--record", str(file)]) == 0
     digest = json.loads(capsys.readouterr().out)["digest"]
-    assert cli.main(["replay", str(file)]) == 0
+    assert main(["replay", str(file)]) == 0
     assert capsys.readouterr().out == f"The run of 75 ticks agrees: {digest}\n"
     file.write_text(file.read_text().replace("[700, 300]", "[700, 301]"))
-    assert cli.main(["replay", str(file)]) == 1
+    assert main(["replay", str(file)]) == 1
     assert "The run differs after tick 0" in capsys.readouterr().out
 
 
 def test_a_replay_of_a_cut_recording_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "run.jsonl"
-    assert cli.main(["run", "empty", "--headless", "--duration", "2.5", "--record", str(file)]) == 0
+    assert main(["run", "empty", "--headless", "--duration", "2.5", "--record", str(file)]) == 0
     file.write_text(file.read_text()[:-40])
-    assert cli.main(["replay", str(file)]) == 0
+    assert main(["replay", str(file)]) == 0
     assert "the recording was cut off; its readable part has 100 ticks" in capsys.readouterr().err
 
 
 def test_a_script_steers_a_headless_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     script = tmp_path / "script.yaml"
     script.write_text("- {at_s: 0.1, do: pick, robot: 2}\n")
-    assert cli.main(["run", "empty", "--headless", "--duration", "0.4", "--script", str(script)]) == 0
+    assert main(["run", "empty", "--headless", "--duration", "0.4", "--script", str(script)]) == 0
     (command,) = json.loads(capsys.readouterr().out)["commands"]
     assert (command["kind"], command["source"]) == ("Pick", "script")
     assert command["time"] == pytest.approx(0.1)
@@ -112,7 +112,7 @@ def test_a_script_steers_a_headless_run(tmp_path: Path, capsys: pytest.CaptureFi
 def test_bad_input_is_one_line_and_exit_2(
     arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main(arguments) == 2
+    assert main(arguments) == 2
     told = capsys.readouterr()
     assert sentence in told.err
     assert told.err.count("\n") == 1
@@ -136,7 +136,7 @@ def test_a_wrong_command_line_is_one_line_and_exit_2(
     arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as ended:
-        cli.main(arguments)
+        main(arguments)
     assert ended.value.code == 2
     told = capsys.readouterr()
     assert sentence in told.err
@@ -174,12 +174,12 @@ def test_a_live_run_may_end_by_itself() -> None:
 
 
 def test_an_address_that_cannot_be_served_is_one_line_and_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["run", "empty", "--host", "203.0.113.7"]) == 2
+    assert main(["run", "empty", "--host", "203.0.113.7"]) == 2
     assert "higvf: host 203.0.113.7 is no address of this machine" in capsys.readouterr().err
 
 
 def test_compile_says_how_long_it_took(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["compile"]) == 0
+    assert main(["compile"]) == 0
     assert capsys.readouterr().out.startswith("The engine is compiled (")
 
 

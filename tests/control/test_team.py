@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from higvf_console.control.forms import Forms
-from higvf_console.control.gains import BlendingGains, FormationGains, IntentionGains
 from higvf_console.control.intention.blending import blended_velocity, blending_weight
 from higvf_console.control.intention.formation import formation_velocity
 from higvf_console.control.intention.intention import shared_intention
+from higvf_console.control.parameters import BlendingParameters, FormationParameters, IntentionParameters
 from higvf_console.core.arrays import Floats, Ints, floats, ints
 
-FORMATION, INTENTION, BLENDING = FormationGains(), IntentionGains(), BlendingGains()
+FORMATION, INTENTION, BLENDING = FormationParameters(), IntentionParameters(), BlendingParameters()
 PAIR = ints([0, 1, 2]), ints([1, 0])
 
 
@@ -58,13 +58,13 @@ def test_the_formation_velocity_is_capped() -> None:
     assert velocity == pytest.approx((0.6 * FORMATION.formation_speed, 0.8 * FORMATION.formation_speed))
 
 
-def step(state: Floats, robot: Floats, human: Floats, dt: float, gains: IntentionGains = INTENTION) -> Floats:
+def step(state: Floats, robot: Floats, human: Floats, dt: float, params: IntentionParameters = INTENTION) -> Floats:
     start, to = complete(len(state))
 
     def after(i: int) -> tuple[float, float]:
         (vx, vy), (rx, ry), (hx, hy) = state[i], robot[i], human[i]
         psi = 1.0 if i == 0 else 0.0
-        return shared_intention(i, vx, vy, rx, ry, hx, hy, psi, state, start, to, gains, Forms(), dt)
+        return shared_intention(i, vx, vy, rx, ry, hx, hy, psi, state, start, to, params, Forms(), dt)
 
     return floats([after(i) for i in range(len(state))])
 
@@ -100,11 +100,11 @@ def test_the_shared_intention_keeps_its_bound(robots: int, seed: int) -> None:
 
 
 def test_neighbours_within_the_dead_zone_have_no_influence() -> None:
-    gains = INTENTION._replace(dead_zone=0.5)
+    params = INTENTION._replace(dead_zone=0.5)
     near = floats([(0.0, 0.0), (0.4, 0.0)])
-    assert step(near, np.zeros((2, 2)), np.zeros((2, 2)), 0.02, gains)[0].tolist() == [0.0, 0.0]
+    assert step(near, np.zeros((2, 2)), np.zeros((2, 2)), 0.02, params)[0].tolist() == [0.0, 0.0]
     far = floats([(0.0, 0.0), (0.6, 0.0)])
-    assert step(far, np.zeros((2, 2)), np.zeros((2, 2)), 0.02, gains)[0, 0] > 0.0
+    assert step(far, np.zeros((2, 2)), np.zeros((2, 2)), 0.02, params)[0, 0] > 0.0
 
 
 def test_an_endless_step_gives_the_fixed_point() -> None:

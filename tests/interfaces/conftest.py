@@ -5,10 +5,10 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from lsl_devices import isolated_library
 
 from higvf_console.core.interface import OperatorContext
 from higvf_console.core.viewport import Viewport
+from tests.interfaces.live.lsl_devices import isolated_library
 
 ContextAt = Callable[..., OperatorContext]
 
@@ -26,7 +26,16 @@ def at() -> ContextAt:
         viewport: Viewport | None = None,
         robots: int = 3,
     ) -> OperatorContext:
-        return OperatorContext(time, "operator", viewport, clutch, paused, 0, extinguished, robots)
+        return OperatorContext(
+            time=time,
+            operator="operator",
+            viewport=viewport,
+            clutch=clutch,
+            paused=paused,
+            influenced=0,
+            extinguished=extinguished,
+            robots=robots,
+        )
 
     return context
 

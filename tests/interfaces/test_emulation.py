@@ -110,7 +110,17 @@ def test_a_script_can_be_late_and_lossy_but_its_strokes_stay_whole(write: Write,
 def gaze() -> GazeRecording:
     time = floats(np.arange(0, 120, 0.01))
     points = floats(np.tile([900.0, 500.0], (len(time), 1)))
-    return GazeRecording(time, points, bools(np.ones(len(time))), None, "screen", None, 0.0, "test", ())
+    return GazeRecording(
+        time=time,
+        points=points,
+        valid=bools(np.ones(len(time))),
+        confidence=None,
+        frame="screen",
+        screen=None,
+        epoch=0.0,
+        format="test",
+        notes=(),
+    )
 
 
 def test_gaze_is_as_noisy_and_drifts_as_fast_as_asked_for() -> None:

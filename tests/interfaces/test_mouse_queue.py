@@ -9,10 +9,10 @@ import pytest
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import (
     Cursor,
+    EmergencyStop,
     OperatorCommand,
     Pause,
     Pick,
-    Stop,
     StrokeBegin,
     StrokeCancel,
     StrokeEnd,
@@ -90,10 +90,10 @@ def test_stroke_points_of_two_strokes_are_not_joined(at: ContextAt) -> None:
 def test_stop_survives_any_flood(at: ContextAt, place: int) -> None:
     mouse = Mouse(capacity=10)
     for k in range(100):
-        mouse.push(Stop() if k == place else Pick(k))
+        mouse.push(EmergencyStop() if k == place else Pick(k))
     taken = mouse.poll(at(0.0))
     assert len(taken) == 10
-    assert kinds(taken).count("Stop") == 1
+    assert kinds(taken).count("EmergencyStop") == 1
 
 
 def test_a_flood_of_points_stays_bounded(at: ContextAt) -> None:
@@ -127,18 +127,18 @@ def test_a_hand_off_the_mouse_is_no_fault(at: ContextAt) -> None:
     mouse.push(Pause())
     mouse.poll(at(1.0))
     assert mouse.health(900.0)[:2] == (ChannelState.LIVE, "last used 899 s ago")
-    assert mouse.health(900.0).heard is None, "no page has ever told that it is there, so none can be missed"
+    assert mouse.health(900.0).last_seen is None, "no page has ever told that it is there, so none can be missed"
 
 
 def test_once_a_page_has_told_that_it_is_there_its_silence_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     wall = [50.0]
     monkeypatch.setattr("higvf_interfaces.mouse.monotonic", lambda: wall[0])
     mouse = open_mouse(InputSpec("mouse"))
-    mouse.beat()
+    mouse.heartbeat()
     wall[0] += 3.0
-    assert mouse.health(20.0).heard == pytest.approx(17.0)
-    mouse.beat()
-    assert mouse.health(20.0).heard == pytest.approx(20.0)
+    assert mouse.health(20.0).last_seen == pytest.approx(17.0)
+    mouse.heartbeat()
+    assert mouse.health(20.0).last_seen == pytest.approx(20.0)
 
 
 def test_an_unknown_option_is_refused() -> None:

@@ -16,17 +16,17 @@ from higvf_console.core.commands import (
     ControlChange,
     Cursor,
     Discard,
+    EmergencyStop,
     HandOver,
     NextTask,
     OperatorCommand,
     Pause,
     Pick,
     ProposePick,
+    ResetEmergencyStop,
     ResetRun,
-    ResetStop,
     Resume,
     ReversePath,
-    Stop,
     StrokeBegin,
     StrokeCancel,
     StrokeEnd,
@@ -62,24 +62,24 @@ def test_a_stroke_becomes_the_path_of_the_robot_that_it_names(setup: Setup) -> N
     assert state.motion.path_status == PathStatus.FOLLOWING
     assert state.intent.path.length == pytest.approx(400.0, abs=1.0)
     assert "new open path of 400 m" in events[-1].text
-    assert len(state.drawing.stroke) == 0
+    assert len(state.pointer_state.stroke) == 0
 
 
 def test_a_growing_stroke_is_seen_and_not_felt(setup: Setup) -> None:
     state, _ = after(setup, [StrokeBegin(), StrokePoints(floats(LINE)), StrokePoints(floats([(600, 400)]))])
-    assert len(state.drawing.stroke) == 4
+    assert len(state.pointer_state.stroke) == 4
     assert state.intent.path.kind == PathKind.NONE
 
 
 def test_points_of_another_source_do_not_enter_a_stroke(setup: Setup) -> None:
     state, _ = after(setup, [StrokeBegin(source="gaze"), StrokePoints(floats(LINE), source="mouse")])
-    assert len(state.drawing.stroke) == 0
+    assert len(state.pointer_state.stroke) == 0
 
 
 def test_a_cancelled_stroke_leaves_the_path_in_force(setup: Setup) -> None:
     state, _ = after(setup, [*stroke(LINE), StrokeBegin(), StrokePoints(floats(LINE)), StrokeCancel()])
     assert state.intent.path.length == pytest.approx(400.0, abs=1.0)
-    assert len(state.drawing.stroke) == 0
+    assert len(state.pointer_state.stroke) == 0
 
 
 def test_a_stroke_under_three_distinct_points_is_refused_with_the_reason_and_the_path_stays(setup: Setup) -> None:
@@ -109,7 +109,7 @@ def test_open_closed_and_self_crossing_strokes_make_paths(setup: Setup) -> None:
 def test_picking_another_robot_keeps_path_and_progress(setup: Setup) -> None:
     state, _ = after(setup, stroke(LINE, robot=0))
     for _ in range(100):
-        state, _ = advance(state, setup.world, setup.gains)
+        state, _ = advance(state, setup.world, setup.params)
     picked, events = after(setup, [Pick(2)], state)
     assert picked.intent.influenced == 2
     assert picked.intent.path is state.intent.path
@@ -136,7 +136,7 @@ def test_a_stroke_that_waits_changes_nothing_that_a_robot_feels(setup: Setup) ->
     before, _ = after(setup, [*stroke(UP), Pick(1)])
     state, events = after(setup, drawn(robot=2), before)
     assert (state.motion, state.intent) == (before.motion, before.intent)
-    assert state.drawing.pending.length == pytest.approx(400.0, abs=1.0)
+    assert state.pointer_state.pending.length == pytest.approx(400.0, abs=1.0)
     assert "400 m waits" in events[-1].text
 
 
@@ -147,8 +147,8 @@ def test_a_confirmed_path_is_joined_from_where_the_robot_is_by_then(setup: Setup
     position = waits.motion.position + np.array([600.0 - waits.motion.position[0, 0], 200.0])  # above the centre
     state, events = after(setup, [Confirm()], waits._replace(motion=waits.motion._replace(position=position)))
     assert state.motion.path_parameter == pytest.approx(150.0 * np.pi / 2, abs=2.0)
-    assert state.intent.path is waits.drawing.pending
-    assert state.drawing.pending is NO_PATH
+    assert state.intent.path is waits.pointer_state.pending
+    assert state.pointer_state.pending is NO_PATH
     assert "Robot 1 follows" in events[-1].text
 
 
@@ -158,13 +158,14 @@ def test_a_path_that_waits_is_the_named_robot_s_or_that_of_the_one_influenced_at
 
 
 @pytest.mark.parametrize(
-    "ending", [[Discard()], [Discard(proposal=False)], [Stop()], [ResetRun()], [ClearPath(), *stroke(UP), ClearPath()]]
+    "ending",
+    [[Discard()], [Discard(proposal=False)], [EmergencyStop()], [ResetRun()], [ClearPath(), *stroke(UP), ClearPath()]],
 )
 def test_a_discard_a_stop_a_reset_and_a_new_path_drop_the_path_that_waits(
     setup: Setup, ending: list[OperatorCommand]
 ) -> None:
     state, _ = after(setup, [*drawn(), *ending])
-    assert state.drawing.pending is NO_PATH
+    assert state.pointer_state.pending is NO_PATH
     confirmed, events = after(setup, [Confirm()], state)
     assert confirmed.intent.path is NO_PATH
     assert events[-1].text == "There is nothing to confirm."
@@ -174,19 +175,19 @@ def test_a_discard_a_stop_a_reset_and_a_new_path_drop_the_path_that_waits(
 def test_a_stroke_that_comes_to_nothing_leaves_the_path_that_waits(setup: Setup, end: OperatorCommand) -> None:
     before, _ = after(setup, drawn())
     state, _ = after(setup, [StrokeBegin(), StrokePoints(floats([(600, 400)])), end], before)
-    assert state.drawing.pending is before.drawing.pending
+    assert state.pointer_state.pending is before.pointer_state.pending
 
 
 def test_a_path_alone_can_be_discarded_and_the_proposed_robot_stays(setup: Setup) -> None:
     state, events = after(setup, [*drawn(), ProposePick(2, within=5.0), Discard(proposal=False)])
-    assert (state.drawing.pending, state.drawing.proposed) == (NO_PATH, 2)
+    assert (state.pointer_state.pending, state.pointer_state.proposed) == (NO_PATH, 2)
     assert events[-1].text == "What waited is discarded."
     assert after(setup, [Discard(proposal=False)], state) == (state, [])
 
 
 def test_a_stroke_that_waits_for_a_robot_that_does_not_exist_is_refused(setup: Setup) -> None:
     state, events = after(setup, drawn(robot=7))
-    assert state.drawing.pending is NO_PATH
+    assert state.pointer_state.pending is NO_PATH
     assert "no robot 8" in events[-1].text
 
 
@@ -195,7 +196,7 @@ def test_a_proposed_robot_waits_and_is_picked_by_a_confirm(setup: Setup) -> None
     assert proposed.intent.influenced == 0
     assert "Robot 3 is proposed (confidence 0.55)" in events[-1].text
     picked, _ = after(setup, [Confirm(source="emg")], proposed)
-    assert (picked.intent.influenced, picked.drawing.proposed) == (2, NOBODY)
+    assert (picked.intent.influenced, picked.pointer_state.proposed) == (2, NOBODY)
 
 
 def test_a_confirm_makes_all_real_that_waits_the_path_for_the_proposed_robot(setup: Setup) -> None:
@@ -203,7 +204,7 @@ def test_a_confirm_makes_all_real_that_waits_the_path_for_the_proposed_robot(set
     assert (state.intent.influenced, state.intent.path.kind) == (1, PathKind.SPLINE)
 
 
-@pytest.mark.parametrize("ending", [Discard(), Stop(), ResetRun(), Pick(1), ProposePick(0)])
+@pytest.mark.parametrize("ending", [Discard(), EmergencyStop(), ResetRun(), Pick(1), ProposePick(0)])
 def test_a_discard_a_stop_a_reset_and_a_sure_pick_drop_the_proposed_robot(
     setup: Setup, ending: OperatorCommand
 ) -> None:
@@ -214,7 +215,7 @@ def test_a_discard_a_stop_a_reset_and_a_sure_pick_drop_the_proposed_robot(
 def test_a_proposal_lapses(setup: Setup) -> None:
     state, _ = after(setup, [ProposePick(2, within=0.5)])
     for _ in range(26):
-        state, _ = advance(state, setup.world, setup.gains)
+        state, _ = advance(state, setup.world, setup.params)
     late, events = after(setup, [Confirm()], state)
     assert late.intent.influenced == 0
     assert events[-1].kind == "refused"
@@ -222,7 +223,7 @@ def test_a_proposal_lapses(setup: Setup) -> None:
 
 def test_a_proposal_of_a_robot_that_does_not_exist_is_refused(setup: Setup) -> None:
     state, events = after(setup, [ProposePick(3)])
-    assert state.drawing.proposed == NOBODY
+    assert state.pointer_state.proposed == NOBODY
     assert "no robot 4" in events[-1].text
 
 
@@ -242,33 +243,37 @@ def test_next_task_ends_the_human_intention_and_keeps_the_path_to_see(setup: Set
 
 
 def test_a_stop_is_latched_until_two_steps_and_leaves_the_team_paused(setup: Setup) -> None:
-    stopped, _ = after(setup, [Stop()])
+    stopped, _ = after(setup, [EmergencyStop()])
     assert stopped.intent.stopped
-    still, events = after(setup, [Resume(), ResetStop()], stopped)
+    still, events = after(setup, [Resume(), ResetEmergencyStop()], stopped)
     assert still.intent.stopped
     assert [e.kind for e in events] == ["refused", "refused"]
-    free, _ = after(setup, [AskReset(), ResetStop()], stopped)
+    free, _ = after(setup, [AskReset(), ResetEmergencyStop()], stopped)
     assert (free.intent.stopped, free.intent.paused) == (False, True)
     assert not after(setup, [Resume()], free)[0].intent.paused
 
 
 def test_a_second_stop_forgets_a_half_made_reset(setup: Setup) -> None:
-    state, _ = after(setup, [Stop(), AskReset(), Stop(), ResetStop()])
+    state, _ = after(setup, [EmergencyStop(), AskReset(), EmergencyStop(), ResetEmergencyStop()])
     assert state.intent.stopped
 
 
 def test_pause_resume_clutch_and_cursor_are_state(setup: Setup) -> None:
     state, _ = after(setup, [Pause(), Clutch(True), Cursor(floats([3.0, 4.0]))])
-    assert (state.intent.paused, state.drawing.clutch, state.drawing.cursor.tolist()) == (True, True, [3.0, 4.0])
+    assert (state.intent.paused, state.pointer_state.clutch, state.pointer_state.cursor.tolist()) == (
+        True,
+        True,
+        [3.0, 4.0],
+    )
     state, _ = after(setup, [Resume(), Clutch(False), Cursor(floats([math.nan, math.nan]))], state)
-    assert (state.intent.paused, state.drawing.clutch) == (False, False)
-    assert np.isnan(state.drawing.cursor).all()
+    assert (state.intent.paused, state.pointer_state.clutch) == (False, False)
+    assert np.isnan(state.pointer_state.cursor).all()
 
 
 def test_a_reset_run_starts_from_the_scenarios_own_state(setup: Setup) -> None:
     state, _ = after(setup, stroke(LINE))
     for _ in range(20):
-        state, _ = advance(state, setup.world, setup.gains)
+        state, _ = advance(state, setup.world, setup.params)
     assert after(setup, [ResetRun()], state)[0] == setup.start
 
 
@@ -296,14 +301,14 @@ def test_a_stroke_for_nothing_that_is_known_is_refused_with_the_choices() -> Non
     given = [StrokeBegin(), StrokePoints(floats(LINE, -1, 2)), StrokeEnd(use="nonsense")]
     state, events = after(setup, given)
     assert state.intent.path.kind == PathKind.NONE
-    assert state.drawing.stroke_source == ""
-    assert "'nonsense': choose path, amend, priority, obstacle" in events[-1].text
+    assert state.pointer_state.stroke_source == ""
+    assert "'nonsense': choose path, redraw, priority, obstacle" in events[-1].text
 
 
 def test_a_reset_of_the_run_leaves_a_stop_latched(setup: Setup) -> None:
-    state, _ = after(setup, [Stop(), ResetRun()])
+    state, _ = after(setup, [EmergencyStop(), ResetRun()])
     assert state.intent.stopped and state.intent.paused
-    state, _ = after(setup, [AskReset(), ResetStop(), ResetRun()], state)
+    state, _ = after(setup, [AskReset(), ResetEmergencyStop(), ResetRun()], state)
     assert not state.intent.stopped and not state.intent.paused
 
 
@@ -312,7 +317,7 @@ def test_a_stroke_for_a_robot_that_is_not_there_is_refused_as_a_whole(setup: Set
     assert [event.kind for event in events] == ["refused"]
     assert "There is no robot 9" in events[0].text
     assert state.intent.path.kind == PathKind.NONE
-    assert state.drawing.paths == ()
+    assert state.pointer_state.paths == ()
 
 
 @pytest.mark.parametrize("end", [StrokeEnd, StrokeCancel])
@@ -325,4 +330,4 @@ def test_a_stroke_is_ended_by_nobody_but_the_interface_that_draws_it_and_the_ses
     assert state is drawn and events == []
     for source in ("mouse", "session"):
         state, _ = after(setup, [end(source=source)], drawn)
-        assert len(state.drawing.stroke) == 0
+        assert len(state.pointer_state.stroke) == 0

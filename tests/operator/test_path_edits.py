@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from higvf_console.control.guidance.paths import EVERYWHERE, circle_path, line_path, nearest, path_points, sketch_path
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import (
-    BendPath,
     ClearPath,
     Confirm,
     ForgetPath,
+    MovePathPoint,
     OperatorCommand,
     ReversePath,
     ShapePath,
@@ -25,7 +25,7 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.errors import PathError
 from higvf_console.core.state import NO_PATH, Path, PathEnding, PathStatus, SimState
-from higvf_console.operator.path_edits import amended, bent, reclosed
+from higvf_console.operator.path_edits import bent, reclosed, redrawn
 from higvf_console.operator.reducer import apply_command
 from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
@@ -49,7 +49,7 @@ def along(path: Path, count: int = 80) -> Floats:
 
 def test_a_part_drawn_anew_replaces_what_lies_between_its_ends_and_nothing_else() -> None:
     detour = floats([[400.0, 352.0], [450.0, 500.0], [550.0, 500.0], [600.0, 350.0]])
-    new = amended(OPEN, detour, 0.0)
+    new = redrawn(OPEN, detour, 0.0)
     assert distances(new, detour[1:-1]).max() < 5.0
     kept = along(OPEN)
     kept = kept[(kept[:, 0] < 340.0) | (kept[:, 0] > 660.0)]
@@ -60,7 +60,7 @@ def test_a_part_drawn_anew_replaces_what_lies_between_its_ends_and_nothing_else(
 
 def test_a_part_may_be_drawn_against_the_path() -> None:
     detour = floats([[600.0, 350.0], [550.0, 500.0], [450.0, 500.0], [400.0, 352.0]])
-    new = amended(OPEN, detour, 0.0)
+    new = redrawn(OPEN, detour, 0.0)
     np.testing.assert_allclose(along(new)[[0, -1]], along(OPEN)[[0, -1]], atol=1e-6)
     assert distances(new, detour[1:-1]).max() < 5.0
 
@@ -68,7 +68,7 @@ def test_a_part_may_be_drawn_against_the_path() -> None:
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_a_stroke_that_leaves_an_open_path_is_its_new_end_as_it_is_followed(direction: float) -> None:
     path = OPEN._replace(direction=direction)
-    new = amended(path, floats([[500.0, 345.0], [520.0, 450.0], [520.0, 600.0]]), 0.0)
+    new = redrawn(path, floats([[500.0, 345.0], [520.0, 450.0], [520.0, 600.0]]), 0.0)
     points = along(new) if direction > 0.0 else along(new)[::-1]
     start = WAY[0] if direction > 0.0 else WAY[-1]
     np.testing.assert_allclose(points[0], start, atol=1e-6)
@@ -78,7 +78,7 @@ def test_a_stroke_that_leaves_an_open_path_is_its_new_end_as_it_is_followed(dire
 @pytest.mark.parametrize("turn", [1, -1])
 def test_on_a_closed_path_the_shorter_way_round_is_replaced(turn: int) -> None:
     bulge = floats([[684.0, 430.0], [800.0, 350.0], [684.0, 270.0]])[::turn]
-    new = amended(CLOSED, bulge, 0.0)
+    new = redrawn(CLOSED, bulge, 0.0)
     assert new.closed
     assert distances(new, bulge).max() < 6.0
     kept = along(CLOSED)
@@ -98,7 +98,7 @@ def test_on_a_closed_path_the_shorter_way_round_is_replaced(turn: int) -> None:
 )
 def test_a_part_that_cannot_be_drawn_is_refused(path: Path, points: list[list[float]], message: str) -> None:
     with pytest.raises(PathError, match=message):
-        amended(path, floats(points), 0.0)
+        redrawn(path, floats(points), 0.0)
 
 
 @pytest.mark.parametrize("path", [OPEN, CLOSED], ids=["open", "closed"])
@@ -131,7 +131,7 @@ def test_an_end_may_be_joined_to_the_start_and_opened_again() -> None:
 
 def test_a_repaired_path_is_followed_as_before() -> None:
     path = OPEN._replace(direction=-1.0, ending=int(PathEnding.HOLD), pace=0.5, duration=40.0)
-    for new in (amended(path, WAY[1:4] + 5.0, 0.0), bent(path, WAY[2], WAY[2] + 30.0)):
+    for new in (redrawn(path, WAY[1:4] + 5.0, 0.0), bent(path, WAY[2], WAY[2] + 30.0)):
         assert (new.direction, new.ending, new.pace, new.duration) == (-1.0, PathEnding.HOLD, 0.5, 40.0)
 
 
@@ -148,7 +148,7 @@ def commanded(setup: Setup, state: SimState, commands: Sequence[OperatorCommand]
 
 def gone_on(setup: Setup, state: SimState, ticks: int) -> SimState:
     for _ in range(ticks):
-        state, _ = advance(state, setup.world, setup.gains)
+        state, _ = advance(state, setup.world, setup.params)
     return state
 
 
@@ -159,13 +159,13 @@ def test_a_path_repaired_while_it_is_followed_goes_on_from_where_it_is() -> None
     drawn: list[OperatorCommand] = [
         StrokeBegin(),
         StrokePoints(floats([[600, 350], [650, 450], [700, 360]])),
-        StrokeEnd(use="amend"),
+        StrokeEnd(use="redraw"),
     ]
-    for commands in (drawn, [BendPath(floats([700.0, 350.0]), floats([700.0, 420.0]))]):
+    for commands in (drawn, [MovePathPoint(floats([700.0, 350.0]), floats([700.0, 420.0]))]):
         new = commanded(setup, state, commands)
         assert new.intent.path.length > state.intent.path.length
         assert new.motion.path_parameter == pytest.approx(done, abs=10.0)
-        assert new.drawing.paths == (new.intent.path,)
+        assert new.pointer_state.paths == (new.intent.path,)
 
 
 DETOUR = floats([[600.0, 350.0], [650.0, 450.0], [700.0, 360.0]])
@@ -174,12 +174,12 @@ GRIP, POINT = floats([700.0, 350.0]), floats([700.0, 420.0])
 
 def repairs(waits: bool) -> dict[str, list[OperatorCommand]]:
     return {
-        "amend": [StrokeBegin(), StrokePoints(DETOUR), StrokeEnd(use="amend", preview=waits)],
-        "bend": [BendPath(GRIP, POINT, preview=waits)],
+        "redraw": [StrokeBegin(), StrokePoints(DETOUR), StrokeEnd(use="redraw", preview=waits)],
+        "move_point": [MovePathPoint(GRIP, POINT, preview=waits)],
     }
 
 
-@pytest.mark.parametrize("repair", ["amend", "bend"])
+@pytest.mark.parametrize("repair", ["redraw", "move_point"])
 def test_a_repair_that_waits_moves_nothing_and_once_confirmed_is_the_repair_at_once(repair: str) -> None:
     setup, state = following()
     waits = commanded(setup, state, repairs(True)[repair])
@@ -187,8 +187,8 @@ def test_a_repair_that_waits_moves_nothing_and_once_confirmed_is_the_repair_at_o
     confirmed, at_once = commanded(setup, waits, [Confirm()]), commanded(setup, state, repairs(False)[repair])
     assert confirmed.intent.path.length == at_once.intent.path.length > state.intent.path.length
     assert confirmed.motion.path_parameter == at_once.motion.path_parameter > 50.0, "it goes on where it was"
-    assert confirmed.drawing.paths == (confirmed.intent.path,), "in the list it takes the place of the old one"
-    assert (confirmed.drawing.pending, confirmed.drawing.pending_mends) == (NO_PATH, False)
+    assert confirmed.pointer_state.paths == (confirmed.intent.path,), "in the list it takes the place of the old one"
+    assert (confirmed.pointer_state.pending, confirmed.pointer_state.pending_repairs) == (NO_PATH, False)
 
 
 @pytest.mark.parametrize(
@@ -205,31 +205,31 @@ def test_while_a_path_waits_it_is_the_one_that_is_repaired(commands: list[Operat
     waits = commanded(setup, state, [*drawn[:2], StrokeEnd(smoothing=0.0, preview=True)])
     new = commanded(setup, waits, commands)
     assert (new.motion, new.intent) == (state.motion, state.intent)
-    path, old = new.drawing.pending, waits.drawing.pending
+    path, old = new.pointer_state.pending, waits.pointer_state.pending
     assert path is not old
     assert (path.length > old.length) is longer
     confirmed = commanded(setup, new, [Confirm()])
     assert confirmed.intent.path is path
-    assert len(confirmed.drawing.paths) == 2, "it is a path of its own"
+    assert len(confirmed.pointer_state.paths) == 2, "it is a path of its own"
 
 
 def test_a_repair_that_waits_for_a_path_that_has_been_cleared_since_becomes_a_path_of_its_own() -> None:
     setup, state = following()
-    state = commanded(setup, state, [*repairs(True)["bend"], ClearPath(), Confirm()])
+    state = commanded(setup, state, [*repairs(True)["move_point"], ClearPath(), Confirm()])
     assert state.motion.path_status == PathStatus.FOLLOWING
-    assert state.drawing.paths[-1] is state.intent.path
+    assert state.pointer_state.paths[-1] is state.intent.path
 
 
-def test_a_bend_stays_within_the_arena() -> None:
+def test_a_moved_point_stays_within_the_arena() -> None:
     setup, state = following()
-    new = commanded(setup, state, [BendPath(floats([500.0, 340.0]), floats([500.0, 5000.0]))])
+    new = commanded(setup, state, [MovePathPoint(floats([500.0, 340.0]), floats([500.0, 5000.0]))])
     assert along(new.intent.path)[:, 1].max() < 720.0
 
 
 def test_without_a_path_every_repair_is_refused_and_changes_nothing() -> None:
     setup = team()
     grip = floats([1.0, 1.0])
-    for command in (BendPath(grip, grip), ShapePath(pace=0.5), ReversePath(), TakeUpPath(0), ForgetPath(2)):
+    for command in (MovePathPoint(grip, grip), ShapePath(pace=0.5), ReversePath(), TakeUpPath(0), ForgetPath(2)):
         state, events = apply_command(setup.start, command, setup)
         assert state is setup.start
         assert [event.kind for event in events] == ["refused"]
@@ -242,7 +242,7 @@ def test_without_a_path_every_repair_is_refused_and_changes_nothing() -> None:
         (ShapePath(pace=3.0), "a pace of 3 is not within 0.2 to 1.5"),
         (ShapePath(duration=-1.0), "a duration of -1 s is not from 0 s"),
         (ShapePath(duration=math.nan), "a duration of nan s is not from 0 s"),
-        (BendPath(floats([500.0, 350.0]), floats([math.nan, 0.0])), "not finite"),
+        (MovePathPoint(floats([500.0, 350.0]), floats([math.nan, 0.0])), "not finite"),
     ],
 )
 def test_what_a_path_cannot_be_is_refused_with_the_choices(command: OperatorCommand, message: str) -> None:
@@ -257,10 +257,10 @@ def test_paths_are_taken_up_again_and_leave_the_list_by_number() -> None:
     first = state.intent.path
     state = commanded(setup, state, stroke([(100.0, 300.0), (300.0, 100.0), (600.0, 100.0)]))
     second = state.intent.path
-    assert state.drawing.paths == (first, second)
+    assert state.pointer_state.paths == (first, second)
     state = commanded(setup, state, [TakeUpPath(0)])
     assert state.intent.path is first
     assert state.motion.path_status == PathStatus.FOLLOWING
     state = commanded(setup, state, [ForgetPath(0)])
-    assert state.drawing.paths == (second,)
+    assert state.pointer_state.paths == (second,)
     assert state.intent.path is first

@@ -26,7 +26,7 @@ def led(setup: Setup, *commands: OperatorCommand) -> SimState:
 def histories(setup: Setup, state: SimState, ticks: int) -> list[SimState]:
     states = [state]
     for _ in range(ticks):
-        states.append(advance(states[-1], setup.world, setup.gains)[0])
+        states.append(advance(states[-1], setup.world, setup.params)[0])
     return states
 
 
@@ -81,7 +81,7 @@ def test_the_pace_is_a_share_of_the_velocity(pace: float) -> None:
 
 def test_nobody_is_ever_faster_than_the_limit_at_any_pace() -> None:
     setup = team()
-    limit = setup.gains.safety.speed_limit
+    limit = setup.params.safety.speed_limit
     for state in histories(setup, led(setup, ShapePath(pace=1.5)), 200):
         assert np.hypot(*state.motion.velocity.T).max() <= limit + 1e-9
 
@@ -90,7 +90,7 @@ def test_nobody_is_ever_faster_than_the_limit_at_any_pace() -> None:
 def test_when_its_time_is_over_a_path_ends(ending: str, status: str) -> None:
     setup = team()
     states = histories(setup, led(setup, ShapePath(ending=ending, duration=1.0)), 80)
-    period = setup.gains.safety.control_period
+    period = setup.params.safety.control_period
     over = next(k for k, state in enumerate(states) if state.motion.path_status != PathStatus.FOLLOWING)
     assert over * period == pytest.approx(1.0, abs=2.0 * period)
     assert states[-1].motion.path_status == PathStatus[status]

@@ -23,7 +23,7 @@ def after(setup: Setup, *commands: OperatorCommand) -> SimState:
 
 
 def targets(setup: Setup, state: SimState) -> list[int]:
-    return advance(state, setup.world, setup.gains)[0].motion.target.tolist()
+    return advance(state, setup.world, setup.params)[0].motion.target.tolist()
 
 
 def test_a_robot_goes_to_the_fire_that_it_is_pointed_to_and_the_others_by_what_they_see() -> None:
@@ -35,11 +35,11 @@ def test_a_robot_goes_to_the_fire_that_it_is_pointed_to_and_the_others_by_what_t
 def test_a_fire_behind_an_obstacle_is_valued_as_if_nothing_hid_it() -> None:
     setup = team([(100.0, 350.0)], FIRES, bars=[(400.0, 200.0, 400.0, 500.0, 6.0)])
     plain, pointed = (
-        advance(state, setup.world, setup.gains)[1].fire_value[0]
+        advance(state, setup.world, setup.params)[1].fire_value[0]
         for state in (setup.start, after(setup, Prioritise(fires=(1,), factor=3.0)))
     )
     free = team([(100.0, 350.0)], FIRES[1:])
-    seen = advance(free.start, free.world, free.gains)[1].fire_value[0, 0]
+    seen = advance(free.start, free.world, free.params)[1].fire_value[0, 0]
     assert plain[1] == 0.0
     assert pointed.tolist() == [plain[0], pytest.approx(3.0 * seen)]
 
@@ -47,9 +47,9 @@ def test_a_fire_behind_an_obstacle_is_valued_as_if_nothing_hid_it() -> None:
 def test_a_stroke_round_a_fire_gives_it_priority_with_the_influenced_robot() -> None:
     setup = team(fires=FIRES)
     state = after(setup, StrokeBegin(), StrokePoints(floats(ROUND_SECOND)), StrokeEnd(use="priority"))
-    assert state.intent.priority.tolist() == [[0.0, 1.0, setup.gains.perception.priority]]
+    assert state.intent.priority.tolist() == [[0.0, 1.0, setup.params.perception.priority]]
     assert state.intent.path is setup.start.intent.path
-    assert len(state.drawing.stroke) == 0
+    assert len(state.pointer_state.stroke) == 0
 
 
 def test_a_stroke_round_no_burning_fire_is_refused() -> None:

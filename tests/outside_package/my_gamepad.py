@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from higvf_console.core.commands import NextTask, OperatorCommand, Pause, Resume, Stop
+from higvf_console.core.commands import EmergencyStop, NextTask, OperatorCommand, Pause, Resume
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 
-BUTTONS = {"A": Pause(), "B": Resume(), "X": NextTask(), "Y": Stop()}
+BUTTONS = {"A": Pause(), "B": Resume(), "X": NextTask(), "Y": EmergencyStop()}
 
 
 class Gamepad:

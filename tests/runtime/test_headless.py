@@ -10,16 +10,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_interfaces import BrokenInterface, FakeInterface
 
 from higvf_console.channels import channels
-from higvf_console.cli.main import main as cli
+from higvf_console.cli.main import main
 from higvf_console.core.commands import Cursor, Freeze, OperatorCommand, Pick, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.core.interface import InputSpec, Interface
 from higvf_console.runtime.headless import run_headless
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario, load_scenario
 from higvf_console.sim.simulation import advance, roll
+from tests.fake_interfaces import BrokenInterface, FakeInterface
 
 STROKE = np.array([[650.0, 250.0], [500.0, 400.0], [400.0, 400.0], [300.0, 300.0]])
 KEYS = [
@@ -77,13 +77,13 @@ def test_a_headless_run_warns_of_an_input_that_fails(
         return BrokenInterface(spec.channel)
 
     monkeypatch.setattr(channels, "open_interface", opened)
-    assert cli.main(["run", "empty", "--headless", "--duration", "0.2", "--input", "glove"]) == 0
+    assert main(["run", "empty", "--headless", "--duration", "0.2", "--input", "glove"]) == 0
     assert "s: Input 'glove' failed and is off: RuntimeError: cable pulled\n" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
 def test_a_headless_run_warns_of_a_recording_that_cannot_be_completed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["run", "firefighting", "--headless", "--duration", "0.2", "--record", "/dev/full"]) == 0
+    assert main(["run", "firefighting", "--headless", "--duration", "0.2", "--record", "/dev/full"]) == 0
     assert "The recording ends here: No space left on device" in capsys.readouterr().err
 
 
@@ -135,7 +135,7 @@ def test_the_digest_is_the_hash_of_the_trajectory(team: Scenario) -> None:
     setup = team.setup(0)
     state, expected = setup.start, hashlib.sha256()
     for _ in range(25):
-        state, _ = advance(state, setup.world, setup.gains)
+        state, _ = advance(state, setup.world, setup.params)
         motion = state.motion
         for part in (motion.position, motion.velocity, motion.fire_radius, motion.fire_burning):
             expected.update(part.tobytes())
@@ -145,7 +145,7 @@ def test_the_digest_is_the_hash_of_the_trajectory(team: Scenario) -> None:
 
 def test_a_headless_run_ends_where_a_roll_ends(team: Scenario) -> None:
     setup = team.setup(0)
-    rolled, _ = roll(setup.start, setup.world, setup.gains, 100)
+    rolled, _ = roll(setup.start, setup.world, setup.params, 100)
     session = Session(team, [])
     run_headless(session, 2.0)
     assert session.snapshot.state.motion.position.tobytes() == rolled.motion.position.tobytes()

@@ -10,6 +10,7 @@ from higvf_console.core.commands import (
     AskReset,
     ClearPath,
     Clutch,
+    EmergencyStop,
     LoadScenario,
     OperatorCommand,
     Pause,
@@ -17,21 +18,20 @@ from higvf_console.core.commands import (
     Prioritise,
     ProposePick,
     Redo,
+    ResetEmergencyStop,
     ResetRun,
-    ResetStop,
     Resume,
     ShapePath,
-    Stop,
     StrokeBegin,
     StrokeEnd,
     StrokePoints,
     Undo,
 )
-from higvf_console.core.edits import AddThing, ChangeThing, DeleteThing, MoveThing, SetParameters
+from higvf_console.core.edits import AddEntity, ChangeEntity, DeleteEntity, MoveEntity, SetParameters
 from higvf_console.core.state import NOBODY, PathKind, PathStatus
 from higvf_console.runtime.history import KEPT
 from tests.teams import stroke
-from tests.world.editing.deeds import GIVEN, HAIR, SCENE, assert_same, edited_run, give, go, refused, shortfalls
+from tests.world.editing.actions import GIVEN, HAIR, SCENE, assert_same, edited_run, give, go, refused, shortfalls
 
 WAY = stroke([(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)])
 
@@ -45,7 +45,7 @@ def test_without_a_deed_there_is_nothing_to_undo_or_redo() -> None:
 def test_robots_that_a_deed_did_not_move_stay_where_they_have_come_to() -> None:
     run = edited_run(ticks=10)
     started = run.state.motion.position[1].copy()
-    give(run, MoveThing("robot", 1, floats([200.0, 600.0])))
+    give(run, MoveEntity("robot", 1, floats([200.0, 600.0])))
     go(run)
     came_to = run.state.motion.position.copy()
     give(run, Undo())
@@ -56,7 +56,7 @@ def test_robots_that_a_deed_did_not_move_stay_where_they_have_come_to() -> None:
 
 def test_a_fire_keeps_what_it_has_grown_and_a_deleted_one_comes_back_as_it_was() -> None:
     run = edited_run(ticks=10)
-    give(run, MoveThing("fire", 1, floats([1000.0, 100.0])), DeleteThing("fire", 0))
+    give(run, MoveEntity("fire", 1, floats([1000.0, 100.0])), DeleteEntity("fire", 0))
     then = run.history.done[-1].before.state.motion.fire_radius[0]
     go(run)
     grown = run.state.motion.fire_radius[0]
@@ -68,9 +68,9 @@ def test_a_fire_keeps_what_it_has_grown_and_a_deleted_one_comes_back_as_it_was()
 def test_a_robot_that_was_deleted_comes_back_where_it_was_or_as_near_as_is_safe() -> None:
     run = edited_run(ticks=10)
     place = run.state.motion.position[2].copy()
-    give(run, DeleteThing("robot", 2))
+    give(run, DeleteEntity("robot", 2))
     assert len(run.state.motion.position) == 3
-    give(run, MoveThing("robot", 0, place))
+    give(run, MoveEntity("robot", 0, place))
     give(run, Undo(), Undo())
     assert run.state.motion.position[2].tolist() == place.tolist()
     give(run, Redo())
@@ -81,7 +81,7 @@ def test_a_robot_that_was_deleted_comes_back_where_it_was_or_as_near_as_is_safe(
 
 def test_robots_that_stand_where_a_body_comes_back_are_set_aside_and_that_is_said() -> None:
     run = edited_run()
-    give(run, DeleteThing("circle", 1))
+    give(run, DeleteEntity("circle", 1))
     driven = run.state.motion.position + floats([-50.0, 100.0])
     run.state = run.state._replace(motion=run.state.motion._replace(position=driven))
     (event,) = give(run, Undo())
@@ -104,7 +104,7 @@ def test_what_is_new_takes_the_place_of_what_was_undone() -> None:
 
 def test_the_history_says_what_was_done_and_when() -> None:
     run = edited_run(ticks=50)
-    give(run, Pick(1), ChangeThing("fire", 0, "growth", 2.0), Undo())
+    give(run, Pick(1), ChangeEntity("fire", 0, "growth", 2.0), Undo())
     assert [(entry.time, entry.text, entry.undone) for entry in run.history.entries()] == [
         (1.0, "Robot 2 feels the human intention.", False),
         (1.0, "Fire 1 has growth 2 m/s.", True),
@@ -120,14 +120,14 @@ def test_only_so_many_deeds_are_kept() -> None:
 
 def test_after_a_stop_no_undo_sets_the_team_in_motion() -> None:
     run = edited_run()
-    give(run, *WAY, Pause(), Pick(2), Resume(), MoveThing("robot", 3, floats([200.0, 600.0])))
+    give(run, *WAY, Pause(), Pick(2), Resume(), MoveEntity("robot", 3, floats([200.0, 600.0])))
     go(run, 20)
-    give(run, Stop())
+    give(run, EmergencyStop())
     for command in (Undo(), Undo(), Undo(), Redo(), Redo()):
         run.apply(command)
         assert run.state.intent.stopped
         assert run.state.intent.paused
-    give(run, AskReset(), ResetStop())
+    give(run, AskReset(), ResetEmergencyStop())
     for command in (Undo(), Undo(), Undo(), Redo(), Redo()):
         run.apply(command)
         assert run.state.intent.paused
@@ -150,11 +150,11 @@ def test_whatever_was_done_undo_and_redo_never_lift_a_stop_or_the_pause_after_it
             go(run, step)
         else:
             give(run, *step)
-    give(run, Stop())
+    give(run, EmergencyStop())
     for command in after:
         run.apply(command)
         assert run.state.intent.stopped
-    give(run, AskReset(), ResetStop())
+    give(run, AskReset(), ResetEmergencyStop())
     for command in after:
         run.apply(command)
         assert run.state.intent.paused
@@ -178,7 +178,7 @@ def test_the_influenced_robot_and_its_path_come_back_when_its_deletion_is_undone
     run = edited_run()
     give(run, Pick(2), *WAY)
     go(run, 20)
-    give(run, DeleteThing("robot", 2))
+    give(run, DeleteEntity("robot", 2))
     assert run.state.intent.influenced == 0
     assert run.state.motion.path_status == PathStatus.FINISHED
     go(run, 10)
@@ -191,9 +191,9 @@ def test_priorities_follow_their_robots_and_fires_and_come_back() -> None:
     run = edited_run()
     give(run, Prioritise(fires=(1,), robot=2))
     go(run, 5)
-    give(run, DeleteThing("fire", 0))
+    give(run, DeleteEntity("fire", 0))
     assert run.state.intent.priority[:, :2].tolist() == [[2, 0]]
-    give(run, DeleteThing("robot", 0))
+    give(run, DeleteEntity("robot", 0))
     assert run.state.intent.priority[:, :2].tolist() == [[1, 0]]
     go(run, 5)
     give(run, Undo(), Undo())
@@ -205,9 +205,9 @@ def test_priorities_follow_their_robots_and_fires_and_come_back() -> None:
 def test_a_reset_and_another_scenario_are_undone_as_a_whole() -> None:
     for command in (ResetRun(), LoadScenario(text=SCENE.replace("radius_m: 30", "radius_m: 10"), name="other.yaml")):
         run = edited_run(ticks=30)
-        before = run.moment
+        before = run.run_state
         run.apply(command)
-        after = run.moment
+        after = run.run_state
         go(run, 5)
         give(run, Undo())
         assert run.scenario is before.scenario
@@ -222,7 +222,7 @@ def test_numbers_of_fires_that_are_out_follow_the_edits() -> None:
     while not run.tally.extinguished:
         run.step()
     assert run.tally.extinguished == (0,)
-    give(run, AddThing("fire", floats([1000.0, 200.0])), DeleteThing("fire", 0))
+    give(run, AddEntity("fire", floats([1000.0, 200.0])), DeleteEntity("fire", 0))
     assert run.tally.extinguished == ()
     go(run, 5)
     give(run, Undo())
@@ -235,9 +235,9 @@ def test_a_second_undo_takes_out_the_deed_before(command: OperatorCommand) -> No
     run = edited_run()
     give(run, *WAY)
     go(run, 5)
-    before = run.moment
+    before = run.run_state
     run.apply(command)
-    give(run, AddThing("circle", floats([900.0, 100.0])))
+    give(run, AddEntity("circle", floats([900.0, 100.0])))
     give(run, Undo(), Undo())
     assert run.setup is before.setup
     assert_same(run.state.intent, before.state.intent)
@@ -248,7 +248,7 @@ def test_a_larger_scenario_that_was_loaded_is_undone_and_loaded_again() -> None:
     larger = SCENE.replace("[640, 300]]", "[640, 300], [760, 300], [760, 250]]").replace(
         "fires: [", "fires: [{at_m: [1100, 100], radius_m: 10}, "
     )
-    before = run.moment
+    before = run.run_state
     give(run, Pick(1), LoadScenario(text=larger, name="larger.yaml"))
     assert (len(run.state.motion.position), len(run.state.motion.fire_radius)) == (6, 3)
     give(run, Undo())
@@ -261,22 +261,22 @@ def test_undoing_a_reset_leaves_the_hand_as_it_is() -> None:
     run = edited_run(ticks=5)
     hand = (Clutch(True), StrokeBegin(source="gaze"), StrokePoints(floats([[700, 300], [500, 450]]), source="gaze"))
     give(run, *hand, ProposePick(2), ResetRun(), Clutch(False), Undo())
-    drawing = run.state.drawing
-    assert (drawing.clutch, drawing.stroke_source, len(drawing.stroke)) == (False, "", 0)
-    assert drawing.proposed == NOBODY
-    give(run, Stop(), AskReset(), LoadScenario(text=SCENE, name="other.yaml"), Undo())
-    assert refused(run.apply(ResetStop()))
+    pointer_state = run.state.pointer_state
+    assert (pointer_state.clutch, pointer_state.stroke_source, len(pointer_state.stroke)) == (False, "", 0)
+    assert pointer_state.proposed == NOBODY
+    give(run, EmergencyStop(), AskReset(), LoadScenario(text=SCENE, name="other.yaml"), Undo())
+    assert refused(run.apply(ResetEmergencyStop()))
 
 
 def test_a_path_that_waited_comes_back_with_the_run_that_was_reset() -> None:
     run = edited_run(ticks=5)
     give(run, *WAY[:2], StrokeEnd(robot=2, preview=True))
-    waits = run.state.drawing.pending
+    waits = run.state.pointer_state.pending
     give(run, ResetRun())
-    assert run.state.drawing.pending.kind == PathKind.NONE
+    assert run.state.pointer_state.pending.kind == PathKind.NONE
     give(run, Undo())
-    assert run.state.drawing.pending is waits
-    assert run.state.drawing.pending_robot == 2
+    assert run.state.pointer_state.pending is waits
+    assert run.state.pointer_state.pending_robot == 2
 
 
 def test_a_clipped_stroke_stands_in_the_history_as_the_path_that_it_is() -> None:

@@ -6,7 +6,7 @@ import pytest
 from higvf_console.control.guidance.paths import path_points
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import (
-    BendPath,
+    MovePathPoint,
     NextTask,
     OperatorCommand,
     Redo,
@@ -18,12 +18,12 @@ from higvf_console.core.commands import (
 from higvf_console.core.state import PathStatus
 from higvf_console.runtime.run import Run
 from tests.teams import stroke
-from tests.world.editing.deeds import edited_run, give, go
+from tests.world.editing.actions import edited_run, give, go
 
 WAY = stroke([(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)])
 REPAIRS = [
     ShapePath(pace=0.9), ShapePath(ending="hold"), ReversePath(),
-    BendPath(floats([300.0, 450.0]), floats([300.0, 480.0])),
+    MovePathPoint(floats([300.0, 450.0]), floats([300.0, 480.0])),
 ]  # fmt: skip
 
 

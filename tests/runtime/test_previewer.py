@@ -5,16 +5,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_interfaces import FakeInterface
 
 from higvf_console.analysis.preview import Preview, foresee
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import (
     Confirm,
     Discard,
+    EmergencyStop,
     LoadScenario,
     OperatorCommand,
-    Stop,
     StrokeBegin,
     StrokeCancel,
     StrokeEnd,
@@ -25,6 +24,7 @@ from higvf_console.runtime.previewer import Choice, Previewer
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
+from tests.fake_interfaces import FakeInterface
 
 LINE = floats([[700.0, 300.0], [500.0, 320.0], [300.0, 250.0], [200.0, 300.0]])
 DRAWING: list[OperatorCommand] = [StrokeBegin(), StrokePoints(LINE[:3])]
@@ -89,7 +89,7 @@ def test_nothing_is_foreseen_once_the_stroke_is_cancelled_or_followed(desk: Desk
     assert desk.give(ending) is None
 
 
-@pytest.mark.parametrize("ending", [Discard(), Confirm(), Stop()])
+@pytest.mark.parametrize("ending", [Discard(), Confirm(), EmergencyStop()])
 def test_nothing_is_foreseen_once_nothing_waits(desk: Desk, ending: OperatorCommand) -> None:
     assert desk.give(*DRAWING, StrokeEnd(preview=True)) is not None
     assert desk.give(ending) is None

@@ -9,11 +9,9 @@ from typing import Any, get_args, get_type_hints
 import cv2
 import numpy as np
 import pytest
-from fake_interfaces import FakeInterface
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import (
-    BendPath,
     Clutch,
     Confirm,
     ControlChange,
@@ -22,6 +20,7 @@ from higvf_console.core.commands import (
     Freeze,
     HandOver,
     LoadScenario,
+    MovePathPoint,
     OperatorCommand,
     Pause,
     Pick,
@@ -38,12 +37,12 @@ from higvf_console.core.commands import (
     Undo,
 )
 from higvf_console.core.edits import (
+    AddEntity,
     AddOutlines,
-    AddThing,
-    ChangeThing,
-    DeleteThing,
+    ChangeEntity,
+    DeleteEntity,
     LinkByRange,
-    MoveThing,
+    MoveEntity,
     SetArena,
     SetParameters,
     ToggleLink,
@@ -53,6 +52,7 @@ from higvf_console.runtime.headless import run_headless
 from higvf_console.runtime.recording import Recorder, read_recording, replay
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario, parse_scenario
+from tests.fake_interfaces import FakeInterface
 from tests.teams import stroke
 
 STROKE = np.array([[650.1, 250.0], [500.0, 400.0], [400.0, 1.0 / 3.0], [300.0, 300.0]])
@@ -213,24 +213,24 @@ def test_a_full_disk_ends_the_recording_and_not_the_run(
 
 OUTLINE = floats([[100.0, 500.0], [200.0, 500.0], [150.0, 600.0 + 1.0 / 3.0]])
 DEEDS: list[tuple[float, OperatorCommand]] = [
-    (0.2, AddThing("robot", floats([300.0, 600.0]), source="plan")),
+    (0.2, AddEntity("robot", floats([300.0, 600.0]), source="plan")),
     (0.2, AddOutlines((OUTLINE, OUTLINE + 150.0), source="plan")),
-    (0.4, MoveThing("robot", 1, floats([900.0, 1.0 / 3.0 + 100.0]), source="plan")),
+    (0.4, MoveEntity("robot", 1, floats([900.0, 1.0 / 3.0 + 100.0]), source="plan")),
     (0.6, ToggleLink(0, 1, source="plan")),
     (0.6, SetParameters({"perception.perception_range": math.inf, "blending.cruise_speed": 70.1}, source="plan")),
     (0.8, Prioritise(fires=(0,), robot=1, factor=3.0, source="plan")),
     *((0.8, part) for part in stroke([(700.0, 300.0), (500.0, 450.0), (200.0, 500.0)])[:2]),
     (0.8, StrokeEnd(ending="hold", pace=0.7, duration=math.inf)),
-    (1.2, BendPath(floats([500.0, 450.0]), floats([520.0, 480.0]))),
+    (1.2, MovePathPoint(floats([500.0, 450.0]), floats([520.0, 480.0]))),
     (1.4, Undo()),
     (1.5, ShapePath(closed=True)),
-    (1.6, DeleteThing("robot", 0)),
+    (1.6, DeleteEntity("robot", 0)),
     (1.8, Undo()),
     (1.8, Undo()),
     (2.0, Redo()),
     (2.0, SetArena(floats([-10.0, 0.0, 1300.0, 700.0]), walls=False)),
     (2.2, LinkByRange()),
-    (2.4, ChangeThing("fire", 0, "radius", 40.0)),
+    (2.4, ChangeEntity("fire", 0, "radius", 40.0)),
 ]
 
 
@@ -295,7 +295,7 @@ def test_a_loaded_scenario_replays_without_the_images_that_it_needed(team: Scena
     plan: list[tuple[float, OperatorCommand]] = [
         (0.4, LoadScenario(text=MASKED, name=str(folder / "masked.yaml"))),
         (0.6, LoadScenario(text=MASKED.replace("plan.png", "none.png"), name=str(folder / "none.yaml"))),
-        (1.0, AddThing("robot", floats([300.0, 600.0]))),
+        (1.0, AddEntity("robot", floats([300.0, 600.0]))),
         (2.0, Undo()),
         (2.0, Undo()),
         (3.0, Redo()),

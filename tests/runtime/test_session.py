@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_interfaces import BrokenInterface, FakeInterface
 
 from higvf_console.analysis.baseline import compute_baseline
 from higvf_console.core.commands import (
     Clutch,
     Cursor,
+    EmergencyStop,
     Freeze,
     InjectFault,
     OperatorCommand,
@@ -21,7 +21,6 @@ from higvf_console.core.commands import (
     ResetRun,
     SetSpeed,
     Step,
-    Stop,
     StrokeBegin,
     StrokeEnd,
     StrokePoints,
@@ -33,6 +32,7 @@ from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.session import EVENTS_KEPT, Session
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario
 from higvf_console.sim.simulation import advance
+from tests.fake_interfaces import BrokenInterface, FakeInterface
 
 STROKE = np.array([[600.0, 350.0], [500.0, 400.0], [400.0, 400.0], [300.0, 300.0]])
 
@@ -54,7 +54,7 @@ def test_a_tick_is_one_advance(team: Scenario) -> None:
     session = Session(team, [])
     state = session.setup.start
     for _ in range(5):
-        state, _ = advance(state, session.setup.world, session.setup.gains)
+        state, _ = advance(state, session.setup.world, session.setup.params)
         session.tick()
     assert session.snapshot.state.motion.position.tobytes() == state.motion.position.tobytes()
     assert session.snapshot.time == pytest.approx(0.1)
@@ -89,8 +89,8 @@ def test_interfaces_are_told_what_they_may_know(team: Scenario) -> None:
 
 
 def test_commands_of_all_interfaces_steer_the_same_tick_in_order(team: Scenario) -> None:
-    drawing = [StrokeBegin(source="gaze"), StrokePoints(STROKE, source="gaze"), StrokeEnd(source="gaze")]
-    gaze = FakeInterface("gaze", *((0.0, command) for command in drawing))
+    pointer_state = [StrokeBegin(source="gaze"), StrokePoints(STROKE, source="gaze"), StrokeEnd(source="gaze")]
+    gaze = FakeInterface("gaze", *((0.0, command) for command in pointer_state))
     bci = FakeInterface("bci", (0.0, Pick(2, source="bci")))
     session = Session(team, [gaze, bci])
     session.tick()
@@ -101,7 +101,7 @@ def test_commands_of_all_interfaces_steer_the_same_tick_in_order(team: Scenario)
 
 def test_a_view_pushes_through_the_interface_named_mouse(team: Scenario) -> None:
     session = Session(team, [FakeInterface("emg"), FakeInterface("mouse")])
-    session.pointer.push(Stop())
+    session.pointer.push(EmergencyStop())
     session.tick()
     assert session.snapshot.state.intent.stopped
     assert not session.snapshot.state.motion.velocity.any()
@@ -136,10 +136,10 @@ def test_the_stroke_of_an_interface_that_fails_is_dropped(team: Scenario) -> Non
     gaze = BrokenInterface("gaze", (0.0, StrokeBegin(source="gaze")), (0.0, StrokePoints(STROKE, source="gaze")))
     session = Session(team, [gaze])
     session.tick()
-    assert session.snapshot.state.drawing.stroke_source == "gaze"
+    assert session.snapshot.state.pointer_state.stroke_source == "gaze"
     session.tick()
-    assert session.snapshot.state.drawing.stroke_source == ""
-    assert len(session.snapshot.state.drawing.stroke) == 0
+    assert session.snapshot.state.pointer_state.stroke_source == ""
+    assert len(session.snapshot.state.pointer_state.stroke) == 0
 
 
 def test_a_channel_whose_health_raises_is_shown_as_lost(team: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -255,7 +255,7 @@ def test_cursors_are_not_kept_as_commands(team: Scenario) -> None:
     session = Session(team, [FakeInterface("gaze", (0.0, Cursor(np.array([1.0, 2.0]))))])
     session.tick()
     assert session.commands == []
-    np.testing.assert_array_equal(session.snapshot.state.drawing.cursor, [1.0, 2.0])
+    np.testing.assert_array_equal(session.snapshot.state.pointer_state.cursor, [1.0, 2.0])
 
 
 def test_warnings_of_the_scenario_are_the_first_events(team: Scenario) -> None:

@@ -129,7 +129,7 @@ def test_a_polygon_hides_of_a_fire_what_lies_behind_it() -> None:
     star = np.array([500.0, 300.0]) + radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     text = f"{BASE}fires: [{{at_m: [300, 300], radius_m: 40}}]\n"
     setup = parse_scenario(f"{text}obstacles: {{polygons: [{{points_m: {star.tolist()}}}]}}", "t.yaml").setup()
-    world, reach = setup.world, setup.gains.perception.perception_range
+    world, reach = setup.world, setup.params.perception.perception_range
     room = interval_room(world.circles, world.bars)
     seen: list[float] = []
     for x, y in ((700.0, 300.0), (700.0, 260.0), (680.0, 420.0), (650.0, 150.0), (300.0, 600.0)):

@@ -51,7 +51,7 @@ MISTAKES = {
     ),
     "unknown parameter group": ("parameters: {saftey: {}}", "parameters.saftey: unknown key (did you mean 'safety'?)"),
     "point of three": ("fires: [{at_m: [1, 2, 3], radius_m: 3}]", "[1].at_m: [1, 2, 3] is not a point [x, y] in m"),
-    "section as list": ("parameters: []", "parameters: [] is not a section with the keys path, rings,"),
+    "section as list": ("parameters: []", "parameters: [] is not a section with the keys path, boundaries,"),
     "list as section": ("fires: {}", "fires: {} is not a list"),
     "text wanted": ("title: 5", "title: 5 is not a text"),
     "flag wanted": ("arena: {size_m: [1200, 700], walls: off}", "arena.walls: 'off' is not true or false"),
@@ -170,9 +170,9 @@ MISTAKES = {
     "nobody influenced": ("influenced: 4", "influenced: 4 is not a robot's number, a whole number from 1 to 3"),
     "stroke of two": ("strokes: [{name: a, points_m: [[1, 1], [2, 2]]}]", "strokes[1].points_m: 2 points are too few"),
     "settings as text": ("inputs: {emg: loud}", "inputs.emg: 'loud' is not a section of settings"),
-    "rings the wrong way": (
-        "parameters: {rings: {reactive_margin: 14}}",
-        "parameters.rings: reactive_margin is 14 m and must be above repulsive_margin, 14 m",
+    "boundaries the wrong way": (
+        "parameters: {boundaries: {reactive_margin: 14}}",
+        "parameters.boundaries: reactive_margin is 14 m and must be above repulsive_margin, 14 m",
     ),
     "too fast for the control period": (
         "parameters: {blending: {cruise_speed: 400}}",

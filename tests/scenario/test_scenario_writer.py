@@ -13,11 +13,11 @@ from higvf_console.control.guidance.paths import EVERYWHERE, nearest, path_point
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand, Pick, Prioritise, ShapePath
 from higvf_console.core.edits import (
-    AddThing,
-    ChangeThing,
-    DeleteThing,
+    AddEntity,
+    ChangeEntity,
+    DeleteEntity,
     LinkByRange,
-    MoveThing,
+    MoveEntity,
     SetArena,
     SetParameters,
     ToggleLink,
@@ -57,11 +57,11 @@ def assert_same_start(run: Run, again: Setup) -> None:
     world = run.setup.world
     fires = {name: getattr(world, name)[burning] for name in ("fire_position", "fire_growth", "fire_needs")}
     same_bytes(world._replace(**fires), again.world)
-    gains = run.setup.gains
-    assert again.gains._replace(robots=again.gains.robots._replace(seed=gains.robots.seed)) == gains
+    params = run.setup.params
+    assert again.params._replace(robots=again.params.robots._replace(seed=params.robots.seed)) == params
     motion, start = run.state.motion, again.start.motion
     assert start.fire_radius.tobytes() == motion.fire_radius[burning].tobytes()
-    if gains.robots.look_ahead > 0.0:
+    if params.robots.look_ahead > 0.0:
         np.testing.assert_allclose(start.position, motion.position, atol=1e-9)
         np.testing.assert_allclose(np.cos(start.heading - motion.heading), 1.0, atol=1e-12)
     else:
@@ -113,16 +113,16 @@ THINGS = st.sampled_from(["robot", "fire", "circle", "bar", "polygon"])
 NUMBERS = st.sampled_from(["x", "y", "radius", "growth", "needs", "length", "half width", "angle", "size"])
 PARAMETERS = st.one_of(
     st.floats(30.0, 80.0).map(lambda speed: {"blending.cruise_speed": speed}),
-    st.floats(2.0, 11.0).map(lambda rate: {"safety.pair_rate": rate}),
+    st.floats(2.0, 11.0).map(lambda rate: {"safety.pair_gain": rate}),
     st.floats(1.0, 9.0).map(lambda factor: {"perception.priority": factor}),
 )
 EDITS = st.one_of(
-    st.builds(AddThing, thing=THINGS, point=PLACES),
-    st.builds(MoveThing, thing=THINGS, index=st.integers(0, 3), point=PLACES),
+    st.builds(AddEntity, thing=THINGS, point=PLACES),
+    st.builds(MoveEntity, thing=THINGS, index=st.integers(0, 3), point=PLACES),
     st.builds(
-        ChangeThing, thing=THINGS, index=st.integers(0, 3), name=NUMBERS, value=st.floats(0.3, 180.0)
+        ChangeEntity, thing=THINGS, index=st.integers(0, 3), name=NUMBERS, value=st.floats(0.3, 180.0)
     ),
-    st.builds(DeleteThing, thing=THINGS, index=st.integers(0, 3)),
+    st.builds(DeleteEntity, thing=THINGS, index=st.integers(0, 3)),
     st.builds(ToggleLink, first=st.integers(0, 3), second=st.integers(0, 3)),
     st.builds(LinkByRange),
     st.builds(SetArena, sides=st.just(floats([-10.5, 0.0, 1300.25, 720.0])), walls=st.booleans()),
@@ -140,12 +140,12 @@ def test_an_edited_world_is_read_as_it_was_written(edits: list[OperatorCommand],
 
 def test_walls_from_an_image_become_polygons_with_their_free_areas() -> None:
     scenario = load_scenario("building")
-    text = scenario_yaml(*moment(run_of(scenario)), scenario)
+    text = scenario_yaml(*run_state(run_of(scenario)), scenario)
     assert "masks" not in text
     assert len(parse_scenario(text, "again.yaml").obstacles.polygons) == len(scenario.obstacles.polygons)
 
 
-def moment(run: Run) -> tuple[Setup, Any]:
+def run_state(run: Run) -> tuple[Setup, Any]:
     return run.setup, run.state
 
 
@@ -208,9 +208,9 @@ def test_a_line_and_a_backward_circle_come_back() -> None:
 
 def test_forms_of_the_equations_come_back_by_name_or_one_by_one(team: Scenario) -> None:
     printed = team.with_forms(FORMS["printed"])
-    assert written(run_of(printed)).gains.forms == FORMS["printed"]
+    assert written(run_of(printed)).params.forms == FORMS["printed"]
     mixed = team.with_forms(FORMS["corrected"]._replace(bump=1.0))
-    assert written(run_of(mixed)).gains.forms == mixed.gains.forms
+    assert written(run_of(mixed)).params.forms == mixed.params.forms
 
 
 def test_words_that_look_like_numbers_come_back_as_text() -> None:
@@ -225,12 +225,12 @@ def quoted(text: str) -> str:
 
 def test_a_stroke_for_a_robot_that_is_gone_is_for_whoever_is_influenced() -> None:
     scenario = parse_scenario(SCENE + "strokes: [{name: a, robot: 4, points_m: [[0, 0], [9, 9], [20, 0]]}]\n", "s.yaml")
-    run = run_of(scenario, DeleteThing("robot", 3))
+    run = run_of(scenario, DeleteEntity("robot", 3))
     assert written(run).strokes[0].robot is None
 
 
 def test_every_unicycle_has_its_own_heading() -> None:
-    run = run_of(load_scenario("unicycles"), ChangeThing("robot", 1, "heading", -31.4))
+    run = run_of(load_scenario("unicycles"), ChangeEntity("robot", 1, "heading", -31.4))
     again = written(run).setup()
     np.testing.assert_allclose(np.degrees(again.start.motion.heading), [90.0, -31.4, 90.0], rtol=1e-14)
 

@@ -140,8 +140,8 @@ def test_settings_of_an_interface_that_is_not_installed_are_a_warning() -> None:
     ],
 )
 def test_what_unicycles_make_of_other_tunables_is_a_warning(robots: str, sentence: str) -> None:
-    rings = ", rings: {repulsive_margin: 13}" if "turn" not in robots else ""
-    text = BASE + f"parameters: {{robots: {{{robots}}}{rings}}}"
+    boundaries = ", boundaries: {repulsive_margin: 13}" if "turn" not in robots else ""
+    text = BASE + f"parameters: {{robots: {{{robots}}}{boundaries}}}"
     (warning,) = parse_scenario(text, "t.yaml").warnings
     assert warning.startswith(sentence)
 
@@ -162,12 +162,12 @@ def test_barriers_are_judged_at_the_speed_that_unicycles_can_go() -> None:
 
 def test_the_seed_of_a_run_is_that_of_its_errors_and_losses() -> None:
     scenario = load_scenario("unicycles")
-    assert [scenario.setup(seed).gains.robots.seed for seed in (0, 5, 2**53 + 1)] == [0.0, 5.0, 1.0]
+    assert [scenario.setup(seed).params.robots.seed for seed in (0, 5, 2**53 + 1)] == [0.0, 5.0, 1.0]
 
 
 def test_the_speed_limit_follows_the_cruise_speed_unless_it_is_given() -> None:
     def limit(parameters: str) -> float:
-        return parse_scenario(f"{BASE}parameters: {parameters}", "t.yaml").gains.safety.speed_limit
+        return parse_scenario(f"{BASE}parameters: {parameters}", "t.yaml").params.safety.speed_limit
 
     assert limit("{blending: {cruise_speed: 80}}") == 120.0
     assert limit("{blending: {cruise_speed: 80}, safety: {speed_limit: 95}}") == 95.0
@@ -175,14 +175,14 @@ def test_the_speed_limit_follows_the_cruise_speed_unless_it_is_given() -> None:
 
 
 def test_whole_numbers_become_floats_for_the_kernels() -> None:
-    gains = parse_scenario(BASE + "parameters: {safety: {robot_clearance: 20}}", "t.yaml").gains
-    assert isinstance(gains.safety.robot_clearance, float)
+    params = parse_scenario(BASE + "parameters: {safety: {robot_clearance: 20}}", "t.yaml").params
+    assert isinstance(params.safety.robot_clearance, float)
 
 
 def test_numbers_may_be_written_as_in_yaml_1_2() -> None:
     scenario = parse_scenario(BASE + "duration_s: 1e2\nparameters: {perception: {perception_range: .inf}}", "t.yaml")
     assert scenario.duration == 100.0
-    assert math.isinf(scenario.gains.perception.perception_range)
+    assert math.isinf(scenario.params.perception.perception_range)
 
 
 def test_on_and_off_stay_words_for_the_adapters() -> None:

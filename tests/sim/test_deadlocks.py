@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from higvf_console.control.gains import Gains, PerceptionGains
-from higvf_console.control.guidance.deadlock import ASK, OTHER_SIDE, passes
 from higvf_console.control.guidance.paths import WINDOW, sketch_path
+from higvf_console.control.guidance.recovery import ASK, OTHER_DIRECTION, passes
+from higvf_console.control.parameters import Parameters, PerceptionParameters
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.state import PathStatus, SimState, Trace
 from higvf_console.operator.path_commands import follow
@@ -24,7 +24,7 @@ def led(setup: Setup, points: Floats, seconds: float) -> tuple[SimState, list[Tr
     """Follows a stroke until it is finished or given up."""
     state, traces = follow(setup.start, sketch_path(points, 4.0)), list[Trace]()
     for _ in range(round(seconds / 0.02)):
-        state, trace = advance(state, setup.world, setup.gains)
+        state, trace = advance(state, setup.world, setup.params)
         traces.append(trace)
         if state.motion.path_status in (PathStatus.FINISHED, PathStatus.BLOCKED):
             break
@@ -56,16 +56,16 @@ def test_a_held_team_tries_the_other_side_then_asks_and_forgets_when_it_is_free(
     walls = [(400, 300, 400, 400, 5), (430, 270, 500, 270, 5), (430, 430, 500, 430, 5)]
     setup = team(robots=[(374.0, 350.0)], bars=walls)
     state = follow(setup.start, sketch_path(floats([(370, 350), (500, 350), (700, 350)]), 4.0))
-    held = state.motion._replace(stalled=np.array([0.99]), side=np.ones_like(state.motion.side))
-    state, _ = advance(state._replace(motion=held), setup.world, setup.gains)
+    held = state.motion._replace(stalled=np.array([0.99]), circulation=np.ones_like(state.motion.circulation))
+    state, _ = advance(state._replace(motion=held), setup.world, setup.params)
     stalled = state.motion._replace(stalled=np.array([1.0]))
-    state, _ = advance(state._replace(motion=stalled), setup.world, setup.gains)
-    assert state.motion.rung.tolist() == [OTHER_SIDE]
-    assert state.motion.side[0, 0] == -3
+    state, _ = advance(state._replace(motion=stalled), setup.world, setup.params)
+    assert state.motion.recovery_stage.tolist() == [OTHER_DIRECTION]
+    assert state.motion.circulation[0, 0] == -3
     for _ in range(1500):
-        state, _ = advance(state, setup.world, setup.gains)
+        state, _ = advance(state, setup.world, setup.params)
     assert state.motion.path_status == PathStatus.FINISHED
-    assert state.motion.rung.tolist() == [0]
+    assert state.motion.recovery_stage.tolist() == [0]
 
 
 def test_the_operator_is_asked_when_nothing_else_has_helped() -> None:
@@ -73,25 +73,25 @@ def test_the_operator_is_asked_when_nothing_else_has_helped() -> None:
     setup = team(robots=[(600.0, 350.0)], polygons=[box])
     state, _ = led(setup, floats([(600, 350), (700, 350), (800, 350)]), 30.0)
     assert state.motion.path_status == PathStatus.BLOCKED
-    assert state.motion.rung[0] >= ASK
+    assert state.motion.recovery_stage[0] >= ASK
 
 
 def test_fires_that_grow_to_obstacles_are_passed_without_violation() -> None:
     setup = team(circles=[(500, 300, 25), (500, 420, 25)], fires=[(560, 360, 20)], growth=2.0, needs=3)
-    gains = setup.gains._replace(perception=PerceptionGains(perception_range=0.0))
-    state, traces = led(setup._replace(gains=gains), floats([(100, 350), (400, 350), (900, 350)]), 60.0)
+    params = setup.params._replace(perception=PerceptionParameters(perception_range=0.0))
+    state, traces = led(setup._replace(params=params), floats([(100, 350), (400, 350), (900, 350)]), 60.0)
     assert state.motion.path_status == PathStatus.FINISHED
     assert min(trace.clearance.min() for trace in traces) >= 0.0
 
 
 def test_a_team_leaves_its_path_for_a_great_fire_and_returns_where_it_was() -> None:
-    perception = PerceptionGains(perception_range=120.0, break_away=0.2)
-    setup = team(fires=[(400, 450, 20)], gains=Gains(perception=perception))
+    perception = PerceptionParameters(perception_range=120.0, break_away=0.2)
+    setup = team(fires=[(400, 450, 20)], params=Parameters(perception=perception))
     state = follow(setup.start, sketch_path(floats([(100, 350), (500, 350), (900, 350)]), 4.0))
     seen: list[int] = []
     kept: list[float] = []
     for _ in range(4000):
-        state, _ = advance(state, setup.world, setup.gains)
+        state, _ = advance(state, setup.world, setup.params)
         if not seen or state.motion.path_status != seen[-1]:
             seen.append(state.motion.path_status)
             kept.append(state.motion.path_parameter)
@@ -103,4 +103,4 @@ def test_a_team_leaves_its_path_for_a_great_fire_and_returns_where_it_was() -> N
 
 
 def test_without_a_threshold_nobody_breaks_away() -> None:
-    assert Gains().perception.break_away == math.inf
+    assert Parameters().perception.break_away == math.inf

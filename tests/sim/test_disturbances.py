@@ -6,9 +6,16 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from higvf_console.control.gains import Gains, PackedGains, RobotGains, SafetyGains, controlled, packed
-from higvf_console.control.intention.messages import MEASURING, chance, heard
+from higvf_console.control.intention.messages import MEASURING, chance, delivered
 from higvf_console.control.intention.neighbours import within
+from higvf_console.control.parameters import (
+    PackedParameters,
+    Parameters,
+    RobotParameters,
+    SafetyParameters,
+    controlled,
+    packed,
+)
 from higvf_console.control.safety.safety_filter import filter_velocities
 from higvf_console.core.arrays import Floats, bools, floats
 from higvf_console.operator.reducer import apply_command
@@ -20,8 +27,8 @@ NOTHING = np.zeros((0, 2))
 MASK = 2**64 - 1
 
 
-def disturbed(noise: float = 0.0, loss: float = 0.0, seed: float = 0.0) -> PackedGains:
-    return packed(Gains(robots=RobotGains(position_noise=noise, packet_loss=loss, seed=seed)))
+def disturbed(noise: float = 0.0, loss: float = 0.0, seed: float = 0.0) -> PackedParameters:
+    return packed(Parameters(robots=RobotParameters(position_noise=noise, packet_loss=loss, seed=seed)))
 
 
 def split_mix(state: int) -> int:
@@ -73,29 +80,29 @@ def test_links_are_lost_at_the_given_rate_in_both_directions_together() -> None:
     start, to = within(floats(np.random.default_rng(2).uniform(0, 100, (30, 2))), math.inf)
     kept = 0
     for tick in range(40):
-        heard_start, heard_to = heard(start, to, tick, disturbed(loss=0.3)[0].robots)
-        rows = [set(heard_to[heard_start[i] : heard_start[i + 1]].tolist()) for i in range(30)]
+        delivered_start, delivered_to = delivered(start, to, tick, disturbed(loss=0.3)[0].robots)
+        rows = [set(delivered_to[delivered_start[i] : delivered_start[i + 1]].tolist()) for i in range(30)]
         assert all(i in rows[j] for i in range(30) for j in rows[i])
-        kept += len(heard_to)
+        kept += len(delivered_to)
     assert kept / (40 * len(to)) == pytest.approx(0.7, abs=0.015)
 
 
 def test_without_loss_every_link_is_heard_and_with_certain_loss_none() -> None:
     start, to = within(np.zeros((4, 2)), math.inf)
-    all_start, everyone = heard(start, to, 3, disturbed()[0].robots)
+    all_start, everyone = delivered(start, to, 3, disturbed()[0].robots)
     assert (all_start.tolist(), everyone.tolist()) == (start.tolist(), to.tolist())
-    no_start, nobody = heard(start, to, 3, disturbed(loss=1.0)[0].robots)
+    no_start, nobody = delivered(start, to, 3, disturbed(loss=1.0)[0].robots)
     assert (no_start.tolist(), nobody.tolist()) == ([0] * 5, [])
 
 
 def test_a_team_that_hears_nothing_stays_one_component_but_its_robots_are_on_their_own() -> None:
-    gains = Gains(robots=RobotGains(packet_loss=1.0))
-    setup = team(gains=gains)
+    params = Parameters(robots=RobotParameters(packet_loss=1.0))
+    setup = team(params=params)
     state = setup.start
     for command in stroke([(120, 350), (300, 350), (420, 450)], robot=0):
         state, _ = apply_command(state, command, setup)
     for _ in range(50):
-        state, trace = advance(state, setup.world, gains)
+        state, trace = advance(state, setup.world, params)
         assert trace.component.tolist() == [0, 0, 0]
         assert not trace.formation.any()
     assert np.hypot(*state.motion.intention[0]) > 0.5
@@ -103,29 +110,29 @@ def test_a_team_that_hears_nothing_stays_one_component_but_its_robots_are_on_the
 
 
 def test_the_shared_intention_keeps_its_bound_whatever_is_lost() -> None:
-    gains = Gains(robots=RobotGains(packet_loss=0.5, position_noise=2.0, seed=8.0))
-    setup = team(fires=[(600.0, 350.0, 30.0)], gains=gains)
+    params = Parameters(robots=RobotParameters(packet_loss=0.5, position_noise=2.0, seed=8.0))
+    setup = team(fires=[(600.0, 350.0, 30.0)], params=params)
     state = setup.start
     for command in stroke([(120, 350), (300, 350), (420, 450), (520, 600)], robot=0):
         state, _ = apply_command(state, command, setup)
-    w0, w1, _, w3, _ = gains.intention
+    w0, w1, _, w3, _ = params.intention
     for _ in range(300):
-        state, _ = advance(state, setup.world, gains)
+        state, _ = advance(state, setup.world, params)
         robot, human = w1 * state.motion.robot_peak, w3 * state.motion.human_peak
         bound = max(robot / (w0 + w1), (robot + human) / (w0 + w1 + w3))
         assert np.hypot(*state.motion.intention.T).max() <= bound * (1.0 + 1e-12)
 
 
 def test_a_robot_yields_where_it_measures_itself_not_where_it_is() -> None:
-    gains = Gains(robots=RobotGains(position_noise=1.0, seed=2.0))
-    setup = team(robots=[(100.0, 100.0)], circles=[(100.0, 100.0 + 20.0 + 13.0, 20.0)], gains=gains)
+    params = Parameters(robots=RobotParameters(position_noise=1.0, seed=2.0))
+    setup = team(robots=[(100.0, 100.0)], circles=[(100.0, 100.0 + 20.0 + 13.0, 20.0)], params=params)
     state = setup.start._replace(intent=setup.start.intent._replace(paused=True))
-    assert float(packed(gains)[0].safety.obstacle_clearance) == 13.0  # it stands where it would stay without errors
+    assert float(packed(params)[0].safety.obstacle_clearance) == 13.0  # it stands where it would stay without errors
     moved = 0
     for _ in range(100):
         before = state.motion
-        state, trace = advance(state, setup.world, gains)
-        step = gains.safety.control_period * state.motion.velocity
+        state, trace = advance(state, setup.world, params)
+        step = params.safety.control_period * state.motion.velocity
         assert (state.motion.position == before.position + step).all()
         assert trace.clearance[0] >= 0.0
         moved += bool(state.motion.velocity.any())
@@ -133,7 +140,7 @@ def test_a_robot_yields_where_it_measures_itself_not_where_it_is() -> None:
     assert state.motion.position[0, 1] < 100.0
 
 
-def one_step(robots: Floats, errors: Floats, nominal: Floats, safety: SafetyGains, **dangers: Floats) -> Floats:
+def one_step(robots: Floats, errors: Floats, nominal: Floats, safety: SafetyParameters, **dangers: Floats) -> Floats:
     """True positions after one control period of robots that measure theirs with errors (all (N, 2))."""
     fire = dangers.get("fire", np.zeros((0, 4)))
     velocity, _, infeasible = filter_velocities(
@@ -149,9 +156,9 @@ def polar(radius: float | Floats, angle: float | Floats) -> Floats:
     return floats(np.stack(np.broadcast_arrays(radius * np.cos(angle), radius * np.sin(angle)), axis=-1))
 
 
-BODY = Gains()
+BODY = Parameters()
 NOISE = 0.999 * noise_limit(BODY, 3.0)
-POINT = controlled(BODY._replace(robots=RobotGains(position_noise=NOISE))).safety
+POINT = controlled(BODY._replace(robots=RobotParameters(position_noise=NOISE))).safety
 
 
 def circle_gap(rng: np.random.Generator, noise: float) -> float:

@@ -26,7 +26,7 @@ def order_and_loss(
     state, out = setup.start, list[int]()
     for _ in range(6000):
         was = state.motion.fire_burning
-        state, trace = advance(state, setup.world, setup.gains)
+        state, trace = advance(state, setup.world, setup.params)
         assert trace.clearance.min() >= 0.0
         gone = [int(fire) + 1 for fire in np.flatnonzero(was & ~state.motion.fire_burning)]
         out += gone
@@ -70,7 +70,7 @@ def near_a_fire(robots: int, needs: int) -> Setup:
 def advanced(setup: Setup, ticks: int) -> SimState:
     state = setup.start
     for _ in range(ticks):
-        state, _ = advance(state, setup.world, setup.gains)
+        state, _ = advance(state, setup.world, setup.params)
     return state
 
 
@@ -83,7 +83,7 @@ def test_a_fire_with_too_small_a_crew_grows_and_one_with_enough_stands_still() -
 
 def test_a_fire_goes_out_after_kappa_times_its_radius() -> None:
     setup = near_a_fire(2, needs=2)
-    seconds = setup.gains.fires.extinguish_time * 30.0
+    seconds = setup.params.fires.extinguish_time * 30.0
     assert advanced(setup, round(seconds / 0.02) - 1).motion.fire_burning[0]
     assert not advanced(setup, round(seconds / 0.02) + 1).motion.fire_burning[0]
 
@@ -92,7 +92,7 @@ def test_progress_is_kept_while_the_crew_is_away() -> None:
     setup = near_a_fire(2, needs=2)
     worked = advanced(setup, 25)
     apart = worked._replace(motion=worked.motion._replace(position=worked.motion.position + 400.0))
-    left, _ = advance(apart, setup.world, setup.gains)
+    left, _ = advance(apart, setup.world, setup.params)
     assert left.motion.fire_progress[0] == worked.motion.fire_progress[0] > 0.0
     assert left.motion.fire_radius[0] > 30.0
 
@@ -102,7 +102,7 @@ def test_robots_led_by_the_human_do_not_extinguish() -> None:
     state = setup.start
     for command in stroke([(150, 100), (180, 100), (400, 100)], robot=0):
         state, _ = apply_command(state, command, setup)
-    _, trace = advance(state, setup.world, setup.gains)
+    _, trace = advance(state, setup.world, setup.params)
     assert trace.crew.tolist() == [0]
 
 
@@ -111,8 +111,8 @@ def test_the_end_of_a_fire_is_an_event_with_its_loss() -> None:
     before = advanced(setup, 74)
     found: list[str] = []
     for _ in range(4):
-        state, trace = advance(before, setup.world, setup.gains)
-        found += [e.text for e in events_between(before, state, None, trace, setup.gains)]
+        state, trace = advance(before, setup.world, setup.params)
+        found += [e.text for e in events_between(before, state, None, trace, setup.params)]
         before = state
     assert found == ["Fire 1 is out; it burnt 2,827 m²."]
 
@@ -124,6 +124,6 @@ def test_a_stopped_robot_that_a_fire_grows_to_is_told_once_and_a_paused_one_yiel
         state, trace = setup.start._replace(intent=setup.start.intent._replace(stopped=stopped, paused=True)), None
         for _ in range(500):
             before, last = state, trace
-            state, trace = advance(state, setup.world, setup.gains)
-            texts += [e.text for e in events_between(before, state, last, trace, setup.gains) if e.kind == "clearance"]
+            state, trace = advance(state, setup.world, setup.params)
+            texts += [e.text for e in events_between(before, state, last, trace, setup.params) if e.kind == "clearance"]
     assert told == {True: ["Robot 1 is nearer to something than its clearance."], False: []}

@@ -33,16 +33,16 @@ def digest(state: SimState) -> str:
 def ran(setup: Setup, ticks: int, state: SimState | None = None) -> SimState:
     state = setup.start if state is None else state
     for _ in range(ticks):
-        state, _ = advance(state, setup.world, setup.gains)
+        state, _ = advance(state, setup.world, setup.params)
     return state
 
 
 def test_a_roll_gives_the_states_of_repeated_advances_bit_for_bit() -> None:
     setup = firefighting()
-    rolled, history = roll(setup.start, setup.world, setup.gains, 900)
+    rolled, history = roll(setup.start, setup.world, setup.params, 900)
     state = setup.start
     for k in range(900):
-        state, trace = advance(state, setup.world, setup.gains)
+        state, trace = advance(state, setup.world, setup.params)
         assert history.position[k].tobytes() == state.motion.position.tobytes()
         assert history.clearance[k] == trace.clearance.min()
     for one, other in zip(rolled.motion, state.motion, strict=True):
@@ -57,14 +57,14 @@ def test_another_process_computes_the_same_bytes() -> None:
     )
     there = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     setup = firefighting()
-    assert there.stdout.strip() == digest(roll(setup.start, setup.world, setup.gains, 900)[0])
+    assert there.stdout.strip() == digest(roll(setup.start, setup.world, setup.params, 900)[0])
 
 
 def test_a_step_changes_nothing_of_the_state_that_it_was_given() -> None:
     setup = firefighting()
     state = ran(setup, 100)
     before = [np.array(part) for part in state.motion]
-    advance(state, setup.world, setup.gains)
+    advance(state, setup.world, setup.params)
     for one, other in zip(before, state.motion, strict=True):
         assert (one == np.asarray(other)).all()
 
@@ -84,7 +84,7 @@ def test_a_paused_robot_yields_to_a_fire_that_grows_towards_it() -> None:
     state = setup.start._replace(intent=setup.start.intent._replace(paused=True))
     nearest = 1e9
     for _ in range(1500):
-        state, trace = advance(state, setup.world, setup.gains)
+        state, trace = advance(state, setup.world, setup.params)
         nearest = min(nearest, trace.clearance.min())
     assert state.motion.position[0, 0] < 100.0
     assert nearest >= 0.0
@@ -95,7 +95,7 @@ def test_a_stopped_team_does_not_move_at_all_not_even_from_a_fire_that_reaches_i
     state = setup.start._replace(intent=setup.start.intent._replace(stopped=True))
     nearest = 1e9
     for _ in range(1000):
-        state, trace = advance(state, setup.world, setup.gains)
+        state, trace = advance(state, setup.world, setup.params)
         nearest = min(nearest, trace.clearance.min())
     assert (state.motion.position == setup.start.motion.position).all()
     assert not state.motion.velocity.any()
@@ -111,7 +111,7 @@ def test_an_idle_team_has_no_intention() -> None:
 
 def test_robots_set_out_after_the_start_delay() -> None:
     base = team(fires=FIRES)
-    setup = base._replace(gains=base.gains._replace(fires=base.gains.fires._replace(start_delay=1.0)))
+    setup = base._replace(params=base.params._replace(fires=base.params.fires._replace(start_delay=1.0)))
     waiting = ran(setup, 50)
     assert (waiting.motion.position == setup.start.motion.position).all()
     assert ran(setup, 60, waiting).motion.position[0, 0] > setup.start.motion.position[0, 0]
@@ -123,11 +123,11 @@ def test_the_influenced_robot_follows_a_stroke_and_then_the_team_is_released() -
     for command in stroke([(120, 350), (300, 350), (420, 450), (520, 600)], robot=0):
         state, _ = apply_command(state, command, setup)
     for _ in range(2000):
-        state, _ = advance(state, setup.world, setup.gains)
+        state, _ = advance(state, setup.world, setup.params)
         if state.motion.path_status != PathStatus.FOLLOWING:
             break
     assert state.motion.path_status == PathStatus.FINISHED
-    assert np.hypot(*(state.motion.position[0] - (520, 600))) <= setup.gains.path.end_radius
+    assert np.hypot(*(state.motion.position[0] - (520, 600))) <= setup.params.path.end_radius
     resting = ran(setup, 300, state)
     assert np.hypot(*resting.motion.velocity.T).max() < 1.0
 
@@ -148,7 +148,7 @@ def test_a_path_whose_end_cannot_be_reached_is_given_up_and_flagged() -> None:
     for command in stroke([(120, 350), (300, 350), (500, 350)], robot=0):
         state, _ = apply_command(state, command, setup)
     for _ in range(3000):
-        state, trace = advance(state, setup.world, setup.gains)
+        state, trace = advance(state, setup.world, setup.params)
         assert trace.clearance.min() >= 0.0
         if state.motion.path_status == PathStatus.BLOCKED:
             return
@@ -161,7 +161,7 @@ def test_a_path_whose_end_cannot_be_reached_is_given_up_and_flagged() -> None:
 def test_after_one_lap_the_influenced_robot_is_within_one_percent_of_the_circle(name: str) -> None:
     setup = load_scenario(name).setup(0)
     centre = setup.start.intent.path.shape[:2]
-    _, history = roll(setup.start, setup.world, setup.gains, 6000)
+    _, history = roll(setup.start, setup.world, setup.params, 6000)
     offset = history.position[:, setup.start.intent.influenced] - centre
     angle = np.unwrap(np.arctan2(offset[:, 1], offset[:, 0]))
     after = np.abs(angle - angle[0]) > 2.0 * np.pi
@@ -173,7 +173,7 @@ def test_after_one_lap_the_influenced_robot_is_within_one_percent_of_the_circle(
 
 def test_obstacles_on_the_circle_are_passed_lap_after_lap() -> None:
     setup = load_scenario("circle-obstacles").setup(0)
-    _, history = roll(setup.start, setup.world, setup.gains, 6000)
+    _, history = roll(setup.start, setup.world, setup.params, 6000)
     robot, centre = setup.start.intent.influenced, setup.start.intent.path.shape[:2]
     offset = history.position[:, robot] - centre
     angle = np.unwrap(np.arctan2(offset[:, 1], offset[:, 0]))
@@ -189,7 +189,7 @@ def test_the_centralised_filter_keeps_clearance_and_the_order_of_fires() -> None
     state, out = setup.start, []
     for _ in range(5000):
         was = state.motion.fire_burning
-        state, trace = advance_coupled(state, setup.world, setup.gains, safety)
+        state, trace = advance_coupled(state, setup.world, setup.params, safety)
         out += list(np.flatnonzero(was & ~state.motion.fire_burning))
         assert trace.clearance.min() >= 0.0
         if not state.motion.fire_burning.any():
@@ -200,16 +200,16 @@ def test_the_centralised_filter_keeps_clearance_and_the_order_of_fires() -> None
 def test_the_drawn_field_is_zero_without_a_path_and_the_path_field_with_one() -> None:
     setup = team()
     points = np.array([[300.0, 350.0], [10.0, 10.0]])
-    assert not field_at(FieldKind.PATH, points, setup.start, setup.world, setup.gains).any()
+    assert not field_at(FieldKind.PATH, points, setup.start, setup.world, setup.params).any()
     state = follow(setup.start, circle_path(300, 350, 100))
-    field = field_at(FieldKind.PATH, points, state, setup.world, setup.gains)
+    field = field_at(FieldKind.PATH, points, state, setup.world, setup.params)
     assert np.hypot(*field.T) == pytest.approx([60.0, 60.0])
 
 
 def test_the_blended_field_where_the_influenced_robot_stands_is_what_it_settles_to() -> None:
     setup = team()
     state = ran(setup, 400, follow(setup.start, circle_path(300, 350, 200)))
-    state, trace = advance(state, setup.world, setup.gains)
+    state, trace = advance(state, setup.world, setup.params)
     here = state.motion.position[:1]
-    field = field_at(FieldKind.BLENDED, np.ascontiguousarray(here), state, setup.world, setup.gains)
+    field = field_at(FieldKind.BLENDED, np.ascontiguousarray(here), state, setup.world, setup.params)
     assert field[0] == pytest.approx(trace.blended[0], abs=3.0)

@@ -10,15 +10,15 @@ from playwright.sync_api import Browser, Page
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import (
     AskReset,
+    EmergencyStop,
     Freeze,
     OperatorCommand,
     Pause,
     Pick,
+    ResetEmergencyStop,
     ResetRun,
-    ResetStop,
     SetSpeed,
     Step,
-    Stop,
 )
 from higvf_console.core.interface import ChannelState
 from higvf_console.core.state import PathKind
@@ -211,7 +211,7 @@ def test_a_stop_from_the_page_stands_the_team_still_within_two_ticks_of_its_arri
     push = running.session.pointer.push
 
     def noted(command: OperatorCommand) -> None:
-        if isinstance(command, Stop):
+        if isinstance(command, EmergencyStop):
             arrived.append(running.state.motion.tick)
         push(command)
 
@@ -220,11 +220,11 @@ def test_a_stop_from_the_page_stands_the_team_still_within_two_ticks_of_its_arri
     wait_until(lambda: bool(running.state.motion.velocity.any()))
     page.keyboard.press("Space")
     wait_until(lambda: running.state.intent.stopped)
-    period = running.session.setup.gains.safety.control_period
-    applied = next(a.time for a in running.session.commands if isinstance(a.command, Stop))
+    period = running.session.setup.params.safety.control_period
+    applied = next(a.time for a in running.session.commands if isinstance(a.command, EmergencyStop))
     assert round(applied / period) - arrived[0] <= 1  # and the step of that tick has no velocity
     assert not running.state.motion.velocity.any()
-    running.push(AskReset(), ResetStop())
+    running.push(AskReset(), ResetEmergencyStop())
     wait_until(lambda: not running.state.intent.stopped)
     close_notifications(page)
 
@@ -332,8 +332,8 @@ def test_a_panel_that_fails_does_not_stop_the_scene(
 
 
 def test_an_open_page_keeps_the_mouse_alive(running: Running, page: Page) -> None:  # noqa: ARG001 - it must be open
-    def heard() -> bool:
+    def last_seen() -> bool:
         mouse = dict(running.session.snapshot.channels)["mouse"]
-        return mouse.state is ChannelState.LIVE and mouse.heard is not None
+        return mouse.state is ChannelState.LIVE and mouse.last_seen is not None
 
-    wait_until(heard)
+    wait_until(last_seen)

@@ -3,19 +3,19 @@
 import math
 
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import RingGains
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import BoundaryParameters
 
 
 @kernel
-def zero_in(distance: float, radius: float, rings: RingGains, forms: Forms) -> float:
+def zero_in(distance: float, radius: float, boundaries: BoundaryParameters, forms: Forms) -> float:
     """S at `distance` [m] from the centre of an obstacle of `radius` [m]: 0 inside Q, 1 outside R, C-infinity between.
 
     With varphi = distance^2 / rho_R^2 - 1 and c = rho_Q^2 / rho_R^2 - 1 both dimensionless, S falls over the whole
     ring; in squared lengths, as printed, it jumps within 0.01 m.
     """
-    reactive = radius + rings.reactive_margin
-    repulsive = radius + rings.repulsive_margin
+    reactive = radius + boundaries.reactive_margin
+    repulsive = radius + boundaries.repulsive_margin
     varphi = (distance / reactive) ** 2 - 1.0
     c = (repulsive / reactive) ** 2 - 1.0
     if forms.bump == PRINTED:
@@ -24,5 +24,5 @@ def zero_in(distance: float, radius: float, rings: RingGains, forms: Forms) -> f
         return 1.0
     if varphi <= c:
         return 0.0
-    exponent = rings.bump_out / varphi - rings.bump_in / (c - varphi)
+    exponent = boundaries.bump_out / varphi - boundaries.bump_in / (c - varphi)
     return 0.0 if exponent > 700.0 else 1.0 / (1.0 + math.exp(exponent))

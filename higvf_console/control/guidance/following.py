@@ -2,15 +2,15 @@
 
 import math
 
-from higvf_console.control.gains import Gains
-from higvf_console.control.guidance.deadlock import EN_ROUTE_PATIENCE, GIVE_UP
 from higvf_console.control.guidance.obstacles import part_at
 from higvf_console.control.guidance.paths import WINDOW, nearest, point_at, travel_left
+from higvf_console.control.guidance.recovery import EN_ROUTE_TIMEOUTS, GIVE_UP
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.state import NOBODY, Intent, Motion, Path, PathEnding, PathKind, PathStatus, World
 
-VAIN_PATIENCE = 10.0  # as EN_ROUTE_PATIENCE, where no robot can come near enough to the path's end
+VAIN_TIMEOUTS = 10.0  # as EN_ROUTE_TIMEOUTS, where no robot can come near enough to the path's end
 
 
 @kernel
@@ -20,7 +20,9 @@ def following(motion: Motion, intent: Intent) -> bool:
 
 
 @kernel
-def broken_away(motion: Motion, intent: Intent, value: Floats, target: Ints, component: Ints, gains: Gains) -> int:
+def broken_away(
+    motion: Motion, intent: Intent, value: Floats, target: Ints, component: Ints, params: Parameters
+) -> int:
     """Path status (a `PathStatus`) after a look at the fires: a great one makes the team leave its path for the time.
 
     A fire that looks larger than `break_away` to a robot of the influenced one's component starts it; it ends, with w
@@ -32,30 +34,30 @@ def broken_away(motion: Motion, intent: Intent, value: Floats, target: Ints, com
         value: (N, M) observed fire values [rad].
         target: (N,) the fires that the robots want.
         component: (N,) names of connected components.
-        gains: with the threshold.
+        params: with the threshold.
     """
-    leaving = following(motion, intent) and gains.perception.break_away < math.inf
+    leaving = following(motion, intent) and params.perception.break_away < math.inf
     away = motion.path_status == PathStatus.BREAK_AWAY
     if not leaving and not away:
         return motion.path_status
     found = False
     for i in range(target.shape[0]):
         if component[i] == component[intent.influenced] and target[i] != NOBODY:
-            found = found or away or value[i, target[i]] >= gains.perception.break_away
+            found = found or away or value[i, target[i]] >= params.perception.break_away
     return PathStatus.BREAK_AWAY.value if found else PathStatus.FOLLOWING.value
 
 
 @kernel
 def progress(
-    motion: Motion, intent: Intent, status: int, rung: int, world: World, gains: Gains
+    motion: Motion, intent: Intent, status: int, recovery_stage: int, world: World, params: Parameters
 ) -> tuple[float, int, float, float, float]:
     """Path parameter w [m], status, idle time [s], least travel [m] and time [s] left, one control period on.
 
     An open path is finished when w is at its end and the robot within the end radius of it; a looping one then starts
     again. When its time is over, any path is finished. Without progress (no new
-    least travel left, or on an endless path no motion) for `patience` it is given up and flagged as BLOCKED; a robot
-    that still moves, or climbs the ladder out of a deadlock (`rung` is its own), is granted forty times that; ten times
-    where no robot can come near enough to the end.
+    least travel left, or on an endless path no motion) for `progress_timeout` it is given up and flagged as BLOCKED.
+    A robot that still moves, or is in a stage of deadlock recovery (`recovery_stage` is its own), is granted forty
+    times that; ten times where no robot can come near enough to the end.
     """
     idle, gap, time = motion.path_idle, motion.path_gap, motion.path_left
     if intent.path.kind == PathKind.NONE or status != PathStatus.FOLLOWING:
@@ -66,27 +68,27 @@ def progress(
     left = travel_left(path, w, x, y)
     if left < math.inf:
         along = path.length - w if path.direction > 0.0 else w
-        if along <= 1e-9 and left <= gains.path.end_radius:
+        if along <= 1e-9 and left <= params.path.end_radius:
             if path.ending == PathEnding.LOOP:
                 return path.length - w, status, 0.0, math.inf, time
             return w, _ended(path), 0.0, left, time
     if intent.paused or intent.stopped:
         return w, status, idle, gap, time
-    time -= gains.safety.control_period
+    time -= params.safety.control_period
     if time <= 0.0:
         return w, _ended(path), 0.0, gap, 0.0
     moving = math.hypot(motion.velocity[robot, 0], motion.velocity[robot, 1]) > (
-        gains.stall.stall_fraction * gains.blending.cruise_speed
+        params.stall.stall_fraction * params.blending.cruise_speed
     )
     if left < gap - 1e-6 or (left == math.inf and moving):
         idle, gap = 0.0, min(gap, left)
     else:
-        hopeful = moving or 0 < rung < GIVE_UP
-        patience = EN_ROUTE_PATIENCE if hopeful else 1.0
-        if hopeful and idle > 0.05 * gains.path.patience and beyond_reach(path, motion, world, gains):
-            patience = VAIN_PATIENCE
-        idle += gains.safety.control_period / patience
-    if idle >= gains.path.patience:
+        hopeful = moving or 0 < recovery_stage < GIVE_UP
+        timeouts = EN_ROUTE_TIMEOUTS if hopeful else 1.0
+        if hopeful and idle > 0.05 * params.path.progress_timeout and beyond_reach(path, motion, world, params):
+            timeouts = VAIN_TIMEOUTS
+        idle += params.safety.control_period / timeouts
+    if idle >= params.path.progress_timeout:
         status = PathStatus.BLOCKED.value
     return w, status, idle, gap, time
 
@@ -98,10 +100,10 @@ def _ended(path: Path) -> int:
 
 
 @kernel
-def beyond_reach(path: Path, motion: Motion, world: World, gains: Gains) -> bool:
+def beyond_reach(path: Path, motion: Motion, world: World, params: Parameters) -> bool:
     """Whether every point within the end radius of an open path's end is too near to one obstacle or burning fire."""
     x, y = destination(path, 0.0)
-    room = gains.safety.obstacle_clearance - gains.path.end_radius
+    room = params.safety.obstacle_clearance - params.path.end_radius
     if path.closed or math.isnan(x):
         return False
     for k in range(world.circles.shape[0] + world.bars.shape[0]):

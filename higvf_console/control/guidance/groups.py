@@ -13,7 +13,7 @@ from scipy.ndimage import label as label_regions
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-from higvf_console.control.guidance.rings import capsule_corners, convex_hull
+from higvf_console.control.guidance.boundaries import capsule_corners, convex_hull
 from higvf_console.core.arrays import Bools, Floats, Ints, floats, ints
 
 _CELLS = 48  # of a pocket's grid along its longer side, at most
@@ -25,8 +25,8 @@ _STEPS = ((0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (1, -2), (2, -1))  # 
 class Groups(NamedTuple):
     """Groups of parts, as `state.World` holds them; see there."""
 
-    ring: Floats
-    ring_start: Ints
+    boundary: Floats
+    boundary_start: Ints
     hull: Floats
     part: Ints
     pocket: Floats
@@ -43,24 +43,24 @@ def group_obstacles(circles: Floats, bars: Floats, clearance: float) -> Groups:
     parts = np.concatenate([circles[:, [0, 1, 0, 1, 2]], bars]) if len(circles) + len(bars) else np.zeros((0, 5))
     label = _labels(parts, 2.0 * clearance)
     members = [np.flatnonzero(label == name) for name in range(label.max(initial=-1) + 1)]
-    ring = np.zeros((len(members), 9))
+    boundary = np.zeros((len(members), 9))
     hulls, pockets = [np.zeros((0, 2))], [np.zeros((0, 3))]
     for g, group in enumerate(members):
         if len(group) == 1:
-            ring[g, :5] = parts[group[0]]
+            boundary[g, :5] = parts[group[0]]
             hulls.append(np.zeros((0, 2)))
             pockets.append(np.zeros((0, 3)))
             continue
         hull = _hull(parts[group])
         centre = (hull.min(axis=0) + hull.max(axis=0)) / 2
-        ring[g, :5] = [*centre, *centre, np.hypot(*(hull - centre).T).max()]
-        ring[g, 5:], pocket = _pocket(parts[group], hull, clearance)
+        boundary[g, :5] = [*centre, *centre, np.hypot(*(hull - centre).T).max()]
+        boundary[g, 5:], pocket = _pocket(parts[group], hull, clearance)
         hulls.append(hull)
         pockets.append(pocket)
     starts = [np.cumsum([len(piece) for piece in pieces]) for pieces in (hulls, pockets)]
     part_start = np.concatenate([[0], np.cumsum([len(group) for group in members])])
     return Groups(
-        floats(ring),
+        floats(boundary),
         ints([starts[0], part_start, starts[1]]),
         floats(np.concatenate(hulls)),
         ints(np.concatenate(members) if members else [], -1),
@@ -90,7 +90,7 @@ def _neighbours(hulls: list[Floats], least: float) -> list[tuple[int, int]]:
     """Pairs i > j of hulls whose bounding boxes are nearer than `least` [m]."""
     if not hulls:
         return []
-    low, high = (np.array([side(hull, axis=0) for hull in hulls]) for side in (np.min, np.max))
+    low, high = (np.array([circulation(hull, axis=0) for hull in hulls]) for circulation in (np.min, np.max))
     apart = np.maximum(low[:, None] - high[None], low[None] - high[:, None]).max(axis=2)
     return [(int(i), int(j)) for i, j in np.argwhere(np.tril(apart < least, -1))]
 
@@ -145,7 +145,7 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
     """
     low, high = hull.min(axis=0), hull.max(axis=0)
     cell = max(_LEAST_CELL, float((high - low).max()) / _CELLS)
-    columns, rows = (math.ceil(side / cell) + 3 for side in high - low)
+    columns, rows = (math.ceil(circulation / cell) + 3 for circulation in high - low)
     xs, ys = low[0] + cell * (np.arange(columns) - 1), low[1] + cell * (np.arange(rows) - 1)
     nodes = np.stack([axis.ravel() for axis in np.meshgrid(xs, ys)], axis=1)
     depth = _depth(hull, nodes)

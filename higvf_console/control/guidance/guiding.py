@@ -11,18 +11,20 @@ import math
 import numpy as np
 
 from higvf_console.control.forms import Forms
-from higvf_console.control.gains import PathGains, RingGains
+from higvf_console.control.guidance.boundaries import ALONE, TOGETHER, Boundaries, boundary_at, has_hull, opened, row_of
 from higvf_console.control.guidance.bump import zero_in
 from higvf_console.control.guidance.obstacles import part_at, part_radius
 from higvf_console.control.guidance.paths import nearest
-from higvf_console.control.guidance.rings import ALONE, TOGETHER, Rings, has_hull, opened, ring_at, row_of
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import BoundaryParameters, PathParameters
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.state import NOBODY, Motion, Path, World
 
 
 @kernel
-def guiding_vector(path: Path, w: float, window: float, x: float, y: float, gains: PathGains) -> tuple[float, float]:
+def guiding_vector(
+    path: Path, w: float, window: float, x: float, y: float, params: PathParameters
+) -> tuple[float, float]:
     """Unit guiding vector at (x, y), [2] with signed distance over capture distance.
 
     X_hat = (gamma t - k e n) / sqrt(1 + (k e)^2); past the end of an open path it points back to the end.
@@ -33,8 +35,8 @@ def guiding_vector(path: Path, w: float, window: float, x: float, y: float, gain
         (gamma > 0.0 and w >= path.length) or (gamma < 0.0 and w <= 0.0 and path.length < math.inf)
     ):
         gamma = 0.0
-    vx = gamma * tx - (x - fx) / gains.capture_distance
-    vy = gamma * ty - (y - fy) / gains.capture_distance
+    vx = gamma * tx - (x - fx) / params.capture_distance
+    vy = gamma * ty - (y - fy) / params.capture_distance
     norm = math.sqrt(vx * vx + vy * vy)
     if norm == 0.0:
         return path.direction * tx, path.direction * ty
@@ -43,8 +45,8 @@ def guiding_vector(path: Path, w: float, window: float, x: float, y: float, gain
 
 @kernel
 def composite_velocity(
-    vx: float, vy: float, x: float, y: float, i: int, side: Ints, own_ring: int, goal_x: float, goal_y: float,
-    rings: Rings, world: World, margins: RingGains, forms: Forms,
+    vx: float, vy: float, x: float, y: float, i: int, circulation: Ints, own_boundary: int, goal_x: float,
+    goal_y: float, boundaries: Boundaries, world: World, margins: BoundaryParameters, forms: Forms,
 ) -> tuple[float, float]:  # fmt: skip
     """Turns robot i's velocity towards circulation inside the rings it heads into, [8].
 
@@ -58,35 +60,35 @@ def composite_velocity(
         x: position [m].
         y: position [m].
         i: robot index.
-        side: (N, K) circulation sides.
-        own_ring: ring of the robot's goal, no obstacle to it, or NOBODY.
+        circulation: (N, K) circulation sides.
+        own_boundary: ring of the robot's goal, no obstacle to it, or NOBODY.
         goal_x: where the robot is bound for [m]; NaN for nowhere.
         goal_y: where the robot is bound for [m].
-        rings: from `rings.find_rings`.
+        boundaries: from `boundaries.find_boundaries`.
         world: the parts of the rings.
         margins: margins and bump rates.
         forms: of the bump.
     """
     speed = math.sqrt(vx * vx + vy * vy)
     path_weight, bump_sum, turn_x, turn_y = 1.0, 0.0, 0.0, 0.0
-    for k in range(rings.capsule.shape[0]):
-        row = row_of(rings, k, own_ring, goal_x, goal_y)
+    for k in range(boundaries.capsule.shape[0]):
+        row = row_of(boundaries, k, own_boundary, goal_x, goal_y)
         if row == NOBODY:
             continue
-        gap, nx, ny = ring_at(rings, row, k, x, y)
+        gap, nx, ny = boundary_at(boundaries, row, k, x, y)
         if gap >= margins.reactive_margin:
             continue
-        around = 1.0 if side[i, k] >= 0 else -1.0
-        hull = has_hull(rings, row, k)
-        if hull and row == ALONE and opened(rings, ALONE, k, goal_x, goal_y):
-            if gap < 0.0 and world.ring[k, 8] > 0.0:
+        around = 1.0 if circulation[i, k] >= 0 else -1.0
+        hull = has_hull(boundaries, row, k)
+        if hull and row == ALONE and opened(boundaries, ALONE, k, goal_x, goal_y):
+            if gap < 0.0 and world.boundary[k, 8] > 0.0:
                 gap, nx, ny = smoothed_gap(k, x, y, world)
                 zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, 0.0, around, False, margins, forms)
                 path_weight *= 1.0 - zero_out
                 bump_sum += zero_out
                 turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
                 continue
-            for p in range(world.ring_start[1, k], world.ring_start[1, k + 1]):
+            for p in range(world.boundary_start[1, k], world.boundary_start[1, k + 1]):
                 part = world.part[p]
                 gap, nx, ny = part_at(part, x, y, world)
                 zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, part_radius(part, world), around, False, margins, forms)
@@ -95,10 +97,10 @@ def composite_velocity(
                 turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
             continue
         if hull and gap < 0.0:
-            out_x, out_y = way_out(rings, row, k, x, y, world)
+            out_x, out_y = way_out(boundaries, row, k, x, y, world)
             if out_x != 0.0 or out_y != 0.0:
                 return speed * out_x, speed * out_y
-        radius = 0.0 if hull else float(rings.capsule[k, 4])
+        radius = 0.0 if hull else float(boundaries.capsule[k, 4])
         zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, radius, around, hull, margins, forms)
         path_weight *= 1.0 - zero_out
         bump_sum += zero_out
@@ -112,7 +114,7 @@ def composite_velocity(
 @kernel
 def _turn(
     vx: float, vy: float, gap: float, nx: float, ny: float, radius: float, around: float, hull: bool,
-    margins: RingGains, forms: Forms,
+    margins: BoundaryParameters, forms: Forms,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Bump Z of a ring and the direction tau that it wants; Z = 0 for a robot outside or heading out.
 
@@ -126,17 +128,17 @@ def _turn(
 
 
 @kernel
-def way_out(rings: Rings, row: int, k: int, x: float, y: float, world: World) -> tuple[float, float]:
+def way_out(boundaries: Boundaries, row: int, k: int, x: float, y: float, world: World) -> tuple[float, float]:
     """Unit vector of the shortest way out of the hull that holds (x, y); zero where there is no grid for it."""
-    for g in range(world.ring.shape[0]):
-        member = g == k if row == ALONE else rings.cluster[g] == k
-        columns = int(world.ring[g, 8])
-        if not member or columns == 0 or ring_at(rings, ALONE, g, x, y)[0] >= 0.0:
+    for g in range(world.boundary.shape[0]):
+        member = g == k if row == ALONE else boundaries.cluster[g] == k
+        columns = int(world.boundary[g, 8])
+        if not member or columns == 0 or boundary_at(boundaries, ALONE, g, x, y)[0] >= 0.0:
             continue
-        first, last = world.ring_start[2, g], world.ring_start[2, g + 1]
+        first, last = world.boundary_start[2, g], world.boundary_start[2, g + 1]
         rows = (last - first) // columns
-        u = min(max((x - world.ring[g, 5]) / world.ring[g, 7], 0.0), columns - 1.001)
-        v = min(max((y - world.ring[g, 6]) / world.ring[g, 7], 0.0), rows - 1.001)
+        u = min(max((x - world.boundary[g, 5]) / world.boundary[g, 7], 0.0), columns - 1.001)
+        v = min(max((y - world.boundary[g, 6]) / world.boundary[g, 7], 0.0), rows - 1.001)
         column, line = int(u), int(v)
         u, v = u - column, v - line
         at = first + line * columns + column
@@ -158,12 +160,12 @@ def smoothed_gap(g: int, x: float, y: float, world: World) -> tuple[float, float
     A uniform cubic B-spline over the distances at the nodes of the group's grid: where parts meet at an angle, the
     distance itself has edges. Barrier rows keep to the exact distances.
     """
-    columns = int(world.ring[g, 8])
-    first = world.ring_start[2, g]
-    rows = (world.ring_start[2, g + 1] - first) // columns
-    cell = world.ring[g, 7]
-    u = min(max((x - world.ring[g, 5]) / cell, 1.0), columns - 2.001)
-    v = min(max((y - world.ring[g, 6]) / cell, 1.0), rows - 2.001)
+    columns = int(world.boundary[g, 8])
+    first = world.boundary_start[2, g]
+    rows = (world.boundary_start[2, g + 1] - first) // columns
+    cell = world.boundary[g, 7]
+    u = min(max((x - world.boundary[g, 5]) / cell, 1.0), columns - 2.001)
+    v = min(max((y - world.boundary[g, 6]) / cell, 1.0), rows - 2.001)
     column, line = int(u), int(v)
     gap, slope_x, slope_y = 0.0, 0.0, 0.0
     for down in range(4):
@@ -192,7 +194,9 @@ def _spline(t: float, node: int) -> tuple[float, float]:
 
 
 @kernel
-def zero_in_product(x: float, y: float, motion: Motion, world: World, margins: RingGains, forms: Forms) -> float:
+def zero_in_product(
+    x: float, y: float, motion: Motion, world: World, margins: BoundaryParameters, forms: Forms
+) -> float:
     """prod_j S_j at (x, y) over all obstacles and burning fires: the factor of [9], [13] and [14] as printed."""
     product = 1.0
     for k in range(world.circles.shape[0] + world.bars.shape[0]):
@@ -206,9 +210,9 @@ def zero_in_product(x: float, y: float, motion: Motion, world: World, margins: R
 
 
 @kernel
-def agree_sides(
-    blended: Floats, position: Floats, before: Ints, component: Ints, influenced: int, flip: Bools, rings: Rings,
-    margins: RingGains,
+def agree_circulation(
+    blended: Floats, position: Floats, before: Ints, component: Ints, influenced: int, flip: Bools,
+    boundaries: Boundaries, margins: BoundaryParameters,
 ) -> Ints:  # fmt: skip
     """The circulation side of each ring, (N, K), agreed in each connected component, one for all rings of a cluster.
 
@@ -223,7 +227,7 @@ def agree_sides(
         component: (N,) names of connected components.
         influenced: the robot that feels the human, or NOBODY.
         flip: (N,) robots for which the other side is to be tried.
-        rings: from `rings.find_rings`.
+        boundaries: from `boundaries.find_boundaries`.
         margins: of the reactive boundary.
     """
     robots, count = before.shape
@@ -232,17 +236,17 @@ def agree_sides(
     for i in range(robots):
         c = component[i]
         for k in range(count):
-            name = rings.cluster[k]
+            name = boundaries.cluster[k]
             if abs(before[i, k]) > abs(agreed[c, name]):
                 agreed[c, name] = before[i, k]
     for i in range(robots):
         c = component[i]
         weight = 2 if i == influenced else 1
         for k in range(count):
-            if rings.cluster[k] != k:
+            if boundaries.cluster[k] != k:
                 continue
-            row = TOGETHER if has_hull(rings, TOGETHER, k) else ALONE
-            gap, nx, ny = ring_at(rings, row, k, position[i, 0], position[i, 1])
+            row = TOGETHER if has_hull(boundaries, TOGETHER, k) else ALONE
+            gap, nx, ny = boundary_at(boundaries, row, k, position[i, 0], position[i, 1])
             if gap >= margins.reactive_margin:
                 continue
             occupied[c, k] = True
@@ -251,14 +255,14 @@ def agree_sides(
                 agreed[c, k] = -3 if agreed[c, k] > 0 else 3
             elif abs(agreed[c, k]) < weight and heading_in:
                 agreed[c, k] = weight if blended[i, 1] * nx - blended[i, 0] * ny >= 0.0 else -weight
-    side = np.zeros((robots, count), np.int64)
+    circulation = np.zeros((robots, count), np.int64)
     for i in range(robots):
         c = component[i]
         for k in range(count):
-            name = rings.cluster[k]
+            name = boundaries.cluster[k]
             if occupied[c, name]:
-                side[i, k] = agreed[c, name]
-    return side
+                circulation[i, k] = agreed[c, name]
+    return circulation
 
 
 @kernel

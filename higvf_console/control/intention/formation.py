@@ -3,14 +3,14 @@
 import math
 
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import FormationGains
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import FormationParameters
 from higvf_console.core.arrays import Floats, Ints
 
 
 @kernel
 def formation_velocity(
-    i: int, x: float, y: float, position: Floats, shape: Floats, start: Ints, to: Ints, gains: FormationGains,
+    i: int, x: float, y: float, position: Floats, shape: Floats, start: Ints, to: Ints, params: FormationParameters,
     forms: Forms,
 ) -> tuple[float, float]:  # fmt: skip
     """Formation velocity v_f of robot i at (x, y) [m/s]: sum of -k_form (|r| - d) r/|r| over its links, capped.
@@ -24,7 +24,7 @@ def formation_velocity(
         rx, ry = x - position[j, 0], y - position[j, 1]
         distance = math.hypot(rx, ry)
         wanted = math.hypot(shape[i, 0] - shape[j, 0], shape[i, 1] - shape[j, 1])
-        pull = gains.formation_rate * (wanted - distance)
+        pull = params.formation_rate * (wanted - distance)
         if forms.formation == PRINTED:
             pull = -abs(pull)
         if distance == 0.0:
@@ -33,6 +33,6 @@ def formation_velocity(
             vx += pull * rx / distance
             vy += pull * ry / distance
     speed = math.hypot(vx, vy)
-    if speed > gains.formation_speed:
-        vx, vy = vx * gains.formation_speed / speed, vy * gains.formation_speed / speed
+    if speed > params.formation_speed:
+        vx, vy = vx * params.formation_speed / speed, vy * params.formation_speed / speed
     return vx, vy

@@ -5,15 +5,15 @@ import math
 import numpy as np
 
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import IntentionGains
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import IntentionParameters
 from higvf_console.core.arrays import Floats, Ints
 
 
 @kernel
 def shared_intention(
     i: int, vx: float, vy: float, robot_x: float, robot_y: float, human_x: float, human_y: float, psi: float,
-    intention: Floats, start: Ints, to: Ints, gains: IntentionGains, forms: Forms, dt: float,
+    intention: Floats, start: Ints, to: Ints, params: IntentionParameters, forms: Forms, dt: float,
 ) -> tuple[float, float]:  # fmt: skip
     """v_s of robot i after dt [s]: the ODE of Appendix A, semi-implicit, so stable at every dt and degree.
 
@@ -34,18 +34,18 @@ def shared_intention(
         intention: (N, 2) v_s of all robots.
         start: (N + 1,) rows of `to`.
         to: neighbours.
-        gains: weights.
+        params: weights.
         forms: of the update.
         dt: control period [s].
     """
-    pull_x = gains.robot_weight * robot_x + gains.human_weight * psi * human_x
-    pull_y = gains.robot_weight * robot_y + gains.human_weight * psi * human_y
-    weight = gains.decay + gains.robot_weight + gains.human_weight * psi
+    pull_x = params.robot_weight * robot_x + params.human_weight * psi * human_x
+    pull_y = params.robot_weight * robot_y + params.human_weight * psi * human_y
+    weight = params.decay + params.robot_weight + params.human_weight * psi
     for entry in range(start[i], start[i + 1]):
         j = to[entry]
         gap = math.hypot(intention[j, 0] - vx, intention[j, 1] - vy)
-        if gap > gains.dead_zone:
-            share = gains.neighbour_weight * (gap - gains.dead_zone) / gap
+        if gap > params.dead_zone:
+            share = params.neighbour_weight * (gap - params.dead_zone) / gap
             pull_x += share * intention[j, 0]
             pull_y += share * intention[j, 1]
             weight += share
@@ -56,14 +56,14 @@ def shared_intention(
     return (vx + dt * pull_x) / (1.0 + dt * weight), (vy + dt * pull_y) / (1.0 + dt * weight)
 
 
-def map_radius(laplacian: Floats, influenced: int, gains: IntentionGains) -> float:
+def map_radius(laplacian: Floats, influenced: int, params: IntentionParameters) -> float:
     """Spectral radius of the printed map [15], (w0 + w1) I + w2 L + w3 Psi; the map converges below 1.
 
     Args:
         laplacian: (N, N) graph Laplacian L of the communication links.
         influenced: the robot that feels the human, psi = 1.
-        gains: weights omega_0..3.
+        params: weights omega_0..3.
     """
-    matrix = (gains.decay + gains.robot_weight) * np.eye(len(laplacian)) + gains.neighbour_weight * laplacian
-    matrix[influenced, influenced] += gains.human_weight
+    matrix = (params.decay + params.robot_weight) * np.eye(len(laplacian)) + params.neighbour_weight * laplacian
+    matrix[influenced, influenced] += params.human_weight
     return float(np.abs(np.linalg.eigvalsh(matrix)).max())

@@ -6,8 +6,8 @@ the robots concerned. Live runs, rolls, replays and previews therefore lose the 
 
 import numpy as np
 
-from higvf_console.control.gains import RobotGains
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import RobotParameters
 from higvf_console.core.arrays import Ints
 
 MEASURING, SENDING = 1, 2  # purposes of a draw
@@ -35,17 +35,17 @@ def _mixed(z: np.uint64) -> np.uint64:
 
 
 @kernel
-def heard(start: Ints, to: Ints, tick: int, robots: RobotGains) -> tuple[Ints, Ints]:
+def delivered(start: Ints, to: Ints, tick: int, robots: RobotParameters) -> tuple[Ints, Ints]:
     """The links, as rows of neighbours, whose messages arrive in this tick; each is lost with `packet_loss`."""
     if robots.packet_loss == 0.0:
         return start, to
-    heard_start, heard_to = np.zeros(start.shape[0], np.int64), np.empty(to.shape[0], np.int64)
+    delivered_start, delivered_to = np.zeros(start.shape[0], np.int64), np.empty(to.shape[0], np.int64)
     used = 0
     for i in range(start.shape[0] - 1):
         for entry in range(start[i], start[i + 1]):
             j = to[entry]
             if chance(robots.seed, tick, SENDING, min(i, j), max(i, j)) >= robots.packet_loss:
-                heard_to[used] = j
+                delivered_to[used] = j
                 used += 1
-        heard_start[i + 1] = used
-    return heard_start, heard_to[:used].copy()
+        delivered_start[i + 1] = used
+    return delivered_start, delivered_to[:used].copy()

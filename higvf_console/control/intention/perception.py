@@ -9,9 +9,9 @@ import math
 import numpy as np
 
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import FireGains, PerceptionGains, SafetyGains
 from higvf_console.control.guidance.obstacles import spine_point
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import FireParameters, PerceptionParameters, SafetyParameters
 from higvf_console.core.arrays import Floats
 from higvf_console.core.state import NOBODY
 
@@ -143,7 +143,7 @@ def choose_target(value: Floats, target: int, memory: float, margin: float) -> t
 @kernel
 def robot_intention(
     x: float, y: float, value: float, fx: float, fy: float, radius: float,
-    perception: PerceptionGains, safety: SafetyGains, fires: FireGains, forms: Forms,
+    perception: PerceptionParameters, safety: SafetyParameters, fires: FireParameters, forms: Forms,
 ) -> tuple[float, float]:  # fmt: skip
     """Robot intention v_t, [11] corrected: theta * sat(distance to the hold ring / band) * unit vector to the fire.
 

@@ -15,12 +15,12 @@ import numpy as np
 import osqp
 from scipy import sparse
 
-from higvf_console.control.gains import SafetyGains
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.speed_limit import clipped
 from higvf_console.control.safety.barriers.surroundings import Surroundings, survey
-from higvf_console.control.safety.coupled_rows import listed_rows, row_list
-from higvf_console.control.safety.nearest_point import OPTIMAL, Rows, residual
+from higvf_console.control.safety.coupled_constraints import constraint_list, listed_constraints
+from higvf_console.control.safety.nearest_point import OPTIMAL, Constraints, residual
 from higvf_console.control.safety.polish import polish
 from higvf_console.control.safety.safety_filter import filter_velocities
 from higvf_console.core.arrays import Bools, Floats, Ints
@@ -56,7 +56,7 @@ class CoupledFilter:
         fire_radius: Floats,
         fire_rate: Floats,
         fire_burning: Bools,
-        safety: SafetyGains,
+        safety: SafetyParameters,
     ) -> tuple[Floats, Ints, Bools]:
         """Filters the whole team; arguments and results as in `safety_filter.filter_velocities`."""
         hazards = (circles, bars, walls, fire_position, fire_radius, fire_rate, fire_burning, safety)
@@ -66,13 +66,13 @@ class CoupledFilter:
         if found is None:
             self.fallbacks += 1
             return filter_velocities(position, nominal, *hazards)
-        return found.velocity, found.active_rows, np.zeros(len(position), np.bool_)
+        return found.velocity, found.active_constraints, np.zeros(len(position), np.bool_)
 
     def _solved(self, around: Surroundings, nominal: Floats) -> "_Found | None":
         """The exact optimum, or None where there is none or it could not be found."""
         if self._program is None or not self._program.covers(around):
             self._program = _Program(around)
-        rows = listed_rows(self._program.listing, around)
+        rows = listed_constraints(self._program.listing, around)
         limit = around.safety.speed_limit
         wanted = _limited(nominal, limit)
         if _all_met(wanted, rows):
@@ -92,7 +92,7 @@ class CoupledFilter:
 
 class _Found(NamedTuple):
     velocity: Floats  # (N, 2) [m/s]
-    active_rows: Ints  # (N,)
+    active_constraints: Ints  # (N,)
 
 
 class _Guess(NamedTuple):
@@ -105,9 +105,9 @@ class _Program:
 
     def __init__(self, around: Surroundings) -> None:
         self._skin = _SKIN * around.safety.robot_clearance
-        self.listing = row_list(around, self._skin)
+        self.listing = constraint_list(around, self._skin)
         self._made_for = around._replace(position=around.position.copy())
-        ends = listed_rows(self.listing, around).ends[: len(self.listing)]
+        ends = listed_constraints(self.listing, around).ends[: len(self.listing)]
         row = np.arange(len(ends))
         pairs = np.flatnonzero(ends[:, 1] >= 0)
         first, second = 2 * ends[:, 0], 2 * ends[pairs, 1]
@@ -142,11 +142,11 @@ class _Program:
         same_fires = np.array_equal(around.fires[:, [0, 1, 3]], made.fires[:, [0, 1, 3]])
         if not same_fires or around.safety != made.safety or around.position.shape != made.position.shape:
             return False
-        grown = np.sqrt(around.fire_reach) - np.sqrt(made.fire_reach)
+        grown = np.sqrt(around.fire_activation_distance) - np.sqrt(made.fire_activation_distance)
         moved = np.hypot(*(around.position - made.position).T)
         return bool(grown.max(initial=0.0) <= self._skin / 2 and moved.max(initial=0.0) <= self._skin / 2)
 
-    def solve(self, nominal: Floats, rows: Rows, limit: float, accuracy: float) -> _Guess | None:
+    def solve(self, nominal: Floats, rows: Constraints, limit: float, accuracy: float) -> _Guess | None:
         """OSQP's answer, or None where it does not call the problem solved."""
         row = rows.row[: rows.size]
         unit = np.ones(rows.size)
@@ -164,7 +164,7 @@ class _Program:
         return _Guess(velocity.reshape(-1, 2), weight)
 
 
-def _optimality_error(nominal: Floats, guess: _Guess, rows: Rows, limit: float) -> float:
+def _optimality_error(nominal: Floats, guess: _Guess, rows: Constraints, limit: float) -> float:
     """Largest violation of the optimality conditions of the whole team [m/s]."""
     ends, row = rows.ends[: rows.size], rows.row[: rows.size, :2]
     broken = _residuals(guess.velocity, rows)
@@ -187,7 +187,7 @@ def _limited(nominal: Floats, limit: float) -> Floats:
 
 
 @kernel
-def _residuals(velocity: Floats, rows: Rows) -> Floats:
+def _residuals(velocity: Floats, rows: Constraints) -> Floats:
     broken = np.empty(rows.size)
     for r in range(rows.size):
         broken[r] = residual(rows, r, velocity)
@@ -195,7 +195,7 @@ def _residuals(velocity: Floats, rows: Rows) -> Floats:
 
 
 @kernel
-def _all_met(velocity: Floats, rows: Rows) -> bool:
+def _all_met(velocity: Floats, rows: Constraints) -> bool:
     met = True
     for r in range(rows.size):
         met = met and residual(rows, r, velocity) <= 0.0
@@ -203,7 +203,7 @@ def _all_met(velocity: Floats, rows: Rows) -> bool:
 
 
 @kernel
-def _active(active: Bools, rows: Rows, count: int) -> Ints:
+def _active(active: Bools, rows: Constraints, count: int) -> Ints:
     found = np.zeros(count, np.int64)
     for r in range(rows.size):
         if active[r]:

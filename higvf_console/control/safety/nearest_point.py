@@ -26,7 +26,7 @@ _DEPENDENT = 1e-14  # square of the sine of the angle to the active normals belo
 _TANGENTS = 40  # a member, at most
 
 
-class Rows(NamedTuple):
+class Constraints(NamedTuple):
     """Rows of a cluster of S robots, with space for the tangents of the speed limit behind them.
 
     Attributes:
@@ -66,19 +66,19 @@ class _Active(NamedTuple):
 
 
 @kernel
-def empty_rows(members: int, count: int) -> Rows:
+def empty_constraints(members: int, count: int) -> Constraints:
     """Space for `count` rows of a cluster and for the tangents of its speed limits."""
     space = count + _TANGENTS * members
-    return Rows(np.full((space, 2), -1, np.int64), np.zeros((space, 3)), count)
+    return Constraints(np.full((space, 2), -1, np.int64), np.zeros((space, 3)), count)
 
 
 @kernel
-def nearest(nominal: Floats, rows: Rows, speed_limit: float) -> Solution:
+def nearest(nominal: Floats, rows: Constraints, speed_limit: float) -> Solution:
     """The velocities nearest to `nominal` that meet all rows and the speed limit.
 
     Args:
         nominal: (S, 2) [m/s].
-        rows: from `empty_rows`, filled; tangents are written behind them.
+        rows: from `empty_constraints`, filled; tangents are written behind them.
         speed_limit: v_max [m/s].
     """
     size = nominal.size
@@ -104,7 +104,7 @@ def nearest(nominal: Floats, rows: Rows, speed_limit: float) -> Solution:
 
 
 @kernel
-def residual(rows: Rows, r: int, velocity: Floats) -> float:
+def residual(rows: Constraints, r: int, velocity: Floats) -> float:
     """By how much `velocity` (S, 2) breaks row r [m/s]."""
     i, j = rows.ends[r, 0], rows.ends[r, 1]
     ax, ay = rows.row[r, 0], rows.row[r, 1]
@@ -115,7 +115,7 @@ def residual(rows: Rows, r: int, velocity: Floats) -> float:
 
 
 @kernel
-def violation(rows: Rows, velocity: Floats, speed_limit: float) -> float:
+def violation(rows: Constraints, velocity: Floats, speed_limit: float) -> float:
     """By how much `velocity` (S, 2) breaks the worst of the rows and speed limits [m/s]; 0 if it meets them all."""
     worst = 0.0
     for r in range(rows.size):
@@ -126,7 +126,7 @@ def violation(rows: Rows, velocity: Floats, speed_limit: float) -> float:
 
 
 @kernel
-def optimality_error(nominal: Floats, rows: Rows, solution: Solution, speed_limit: float) -> float:
+def optimality_error(nominal: Floats, rows: Constraints, solution: Solution, speed_limit: float) -> float:
     """By how much a solution misses stationarity, complementarity and the signs of the multipliers.
 
     Returns:
@@ -152,7 +152,9 @@ def optimality_error(nominal: Floats, rows: Rows, solution: Solution, speed_limi
 
 
 @kernel
-def _most_broken(velocity: Floats, rows: Rows, count: int, is_active: Bools, speed_limit: float) -> tuple[int, int]:
+def _most_broken(
+    velocity: Floats, rows: Constraints, count: int, is_active: Bools, speed_limit: float
+) -> tuple[int, int]:
     """The row that is broken most, -1 if none is; a broken speed limit adds its tangent. And the number of rows."""
     worst, p, fast = _TOLERANCE * speed_limit, -1, -1
     for r in range(count):
@@ -176,7 +178,7 @@ def _most_broken(velocity: Floats, rows: Rows, count: int, is_active: Bools, spe
 
 @kernel
 def _enter(
-    p: int, velocity: Floats, rows: Rows, active: _Active, used: int, is_active: Bools, weight: Floats
+    p: int, velocity: Floats, rows: Constraints, active: _Active, used: int, is_active: Bools, weight: Floats
 ) -> tuple[int, bool]:
     """Makes row p active, moving `velocity` and the multipliers; or writes the proof of a conflict into `weight`."""
     size = velocity.size
@@ -216,7 +218,7 @@ def _enter(
 
 
 @kernel
-def _split(p: int, rows: Rows, active: _Active, used: int, step: Floats, column: Floats) -> float:
+def _split(p: int, rows: Constraints, active: _Active, used: int, step: Floats, column: Floats) -> float:
     """Splits row p's normal into `column`, its parts along the basis, and `step`, the rest; the square of the rest."""
     for m in range(step.shape[0]):
         step[m] = 0.0

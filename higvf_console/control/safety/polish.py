@@ -12,8 +12,8 @@ from higvf_console.control.kernel import kernel
 from higvf_console.control.safety.nearest_point import (
     FAILED,
     OPTIMAL,
-    Rows,
-    empty_rows,
+    Constraints,
+    empty_constraints,
     nearest,
     optimality_error,
     residual,
@@ -42,7 +42,7 @@ class Polished(NamedTuple):
 
 
 @kernel
-def polish(nominal: Floats, rows: Rows, likely: Bools, speed_limit: float) -> Polished:
+def polish(nominal: Floats, rows: Constraints, likely: Bools, speed_limit: float) -> Polished:
     """The velocities nearest to `nominal` that meet all rows and the speed limit, exactly.
 
     Args:
@@ -79,7 +79,7 @@ def polish(nominal: Floats, rows: Rows, likely: Bools, speed_limit: float) -> Po
 
 
 @kernel
-def _parts(rows: Rows, likely: Bools, count: int) -> Ints:
+def _parts(rows: Constraints, likely: Bools, count: int) -> Ints:
     """Connected components of the likely pair rows: (N,) smallest robot index of each one's component."""
     part = np.arange(count)
     for r in range(rows.size):
@@ -120,7 +120,7 @@ def _root(part: Ints, i: int) -> int:
 
 @kernel
 def _solve_part(
-    members: Ints, which: Ints, nominal: Floats, rows: Rows, speed_limit: float, velocity: Floats, weight: Floats
+    members: Ints, which: Ints, nominal: Floats, rows: Constraints, speed_limit: float, velocity: Floats, weight: Floats
 ) -> int:
     """Writes the velocities of `members` under the rows `which`, and their multipliers; its status."""
     if members.shape[0] > _LARGEST_PART:
@@ -128,7 +128,7 @@ def _solve_part(
     wanted = np.empty((members.shape[0], 2))
     for k in range(members.shape[0]):
         wanted[k, 0], wanted[k, 1] = nominal[members[k], 0], nominal[members[k], 1]
-    own = empty_rows(members.shape[0], which.shape[0])
+    own = empty_constraints(members.shape[0], which.shape[0])
     for k in range(which.shape[0]):
         r = which[k]
         own.ends[k, 0] = np.searchsorted(members, rows.ends[r, 0])

@@ -14,13 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.control.kernel import kernel
-from higvf_console.control.safety.barriers.surroundings import NO_ROBOT, Surroundings, most_rows, rows_of
+from higvf_console.control.safety.barriers.surroundings import NO_ROBOT, Surroundings, constraints_of, most_constraints
 from higvf_console.control.safety.nearest_point import (
     CONFLICT,
     OPTIMAL,
-    Rows,
+    Constraints,
     Solution,
-    empty_rows,
+    empty_constraints,
     nearest,
     optimality_error,
     residual,
@@ -43,12 +43,12 @@ class Outcome(NamedTuple):
 
     Attributes:
         velocity: (N, 2) [m/s].
-        active_rows: (N,) rows that shape the velocity.
+        active_constraints: (N,) rows that shape the velocity.
         infeasible: (N,) whether a row had to be violated.
     """
 
     velocity: Floats
-    active_rows: Ints
+    active_constraints: Ints
     infeasible: Bools
 
 
@@ -83,7 +83,7 @@ def _grown(
 ) -> bool:
     """Solves a cluster; or adds the robots that stand in its way, and returns True."""
     members = _members(name, cluster)
-    rows, outsider = _cluster_rows(members, around)
+    rows, outsider = _cluster_constraints(members, around)
     speed_limit = around.safety.speed_limit
     exact = np.empty(rows.size)
     for r in range(rows.size):
@@ -115,19 +115,19 @@ def _grown(
 
 
 @kernel
-def _cluster_rows(members: Ints, around: Surroundings) -> tuple[Rows, Ints]:
+def _cluster_constraints(members: Ints, around: Surroundings) -> tuple[Constraints, Ints]:
     """The rows of a cluster, and for each the robot outside that shares it, or NO_ROBOT."""
     local = np.full(around.position.shape[0], NO_ROBOT, np.int64)
     for k in range(members.shape[0]):
         local[members[k]] = k
-    most = most_rows(around)
-    rows = empty_rows(members.shape[0], most * members.shape[0])
+    most = most_constraints(around)
+    rows = empty_constraints(members.shape[0], most * members.shape[0])
     outsider = np.full(rows.row.shape[0], NO_ROBOT, np.int64)
     own = np.empty((most, 3))
     other = np.empty(most, np.int64)
     used = 0
     for k in range(members.shape[0]):
-        for r in range(rows_of(members[k], around, own, other)):
+        for r in range(constraints_of(members[k], around, own, other)):
             shared = other[r] != NO_ROBOT and local[other[r]] != NO_ROBOT
             if shared and other[r] < members[k]:
                 continue
@@ -139,7 +139,7 @@ def _cluster_rows(members: Ints, around: Surroundings) -> tuple[Rows, Ints]:
             else:
                 outsider[used] = other[r]
             used += 1
-    return Rows(rows.ends, rows.row, used), outsider
+    return Constraints(rows.ends, rows.row, used), outsider
 
 
 @kernel
@@ -172,7 +172,9 @@ def _members(name: int, cluster: Ints) -> Ints:
 
 
 @kernel
-def _give_way(rows: Rows, exact: Floats, outsider: Ints, solution: Solution, late: int, speed_limit: float) -> None:
+def _give_way(
+    rows: Constraints, exact: Floats, outsider: Ints, solution: Solution, late: int, speed_limit: float
+) -> None:
     """Relaxes the rows in conflict, or all of the members', to the least equal level that ends it; no speed limit.
 
     The weights y make the left sides cancel, so that the rows agree once sum y (b + level) >= 0. No level exceeds the
@@ -194,17 +196,17 @@ def _give_way(rows: Rows, exact: Floats, outsider: Ints, solution: Solution, lat
 
 
 @kernel
-def _write(members: Ints, rows: Rows, solution: Solution, speed_limit: float, outcome: Outcome) -> None:
+def _write(members: Ints, rows: Constraints, solution: Solution, speed_limit: float, outcome: Outcome) -> None:
     """Hands a cluster's velocities back, with the rows that shape them and the robots whose exact rows are broken."""
     for k in range(members.shape[0]):
         robot = members[k]
         outcome.velocity[robot, 0], outcome.velocity[robot, 1] = solution.velocity[k, 0], solution.velocity[k, 1]
-        outcome.active_rows[robot] = 0
+        outcome.active_constraints[robot] = 0
         outcome.infeasible[robot] = False
     for r in range(rows.size):
         broken = residual(rows, r, solution.velocity) > _VIOLATION * speed_limit
         for side in range(2):
             if rows.ends[r, side] >= 0:
                 robot = members[rows.ends[r, side]]
-                outcome.active_rows[robot] += broken or solution.weight[r] > 0.0
+                outcome.active_constraints[robot] += broken or solution.weight[r] > 0.0
                 outcome.infeasible[robot] = outcome.infeasible[robot] or broken

@@ -11,10 +11,10 @@ import math
 
 import numpy as np
 
-from higvf_console.control.gains import SafetyGains
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.speed_limit import clipped
-from higvf_console.control.safety.barriers.surroundings import most_rows, rows_of, survey
+from higvf_console.control.safety.barriers.surroundings import constraints_of, most_constraints, survey
 from higvf_console.control.safety.projection import project
 from higvf_console.control.safety.rescue import Outcome, rescue
 from higvf_console.core.arrays import Bools, Floats, Ints
@@ -33,7 +33,7 @@ def filter_velocities(
     fire_radius: Floats,
     fire_rate: Floats,
     fire_burning: Bools,
-    safety: SafetyGains,
+    safety: SafetyParameters,
 ) -> tuple[Floats, Ints, Bools]:
     """The distributed safety filter of the whole team.
 
@@ -51,7 +51,7 @@ def filter_velocities(
 
     Returns:
         velocity: (N, 2) [m/s], the nominal one bit for bit where all rows are slack.
-        active_rows: (N,) barrier rows that shaped it.
+        active_constraints: (N,) barrier rows that shaped it.
         infeasible: (N,) no velocities of the team meet the robot's rows, so the least violation was taken; or the
             robot's data are not numbers, and its velocity is zero.
     """
@@ -61,14 +61,14 @@ def filter_velocities(
     limited = np.zeros((count, 2))
     stuck = np.zeros(count, np.bool_)
     usable = np.zeros(count, np.bool_)
-    most = most_rows(around)
+    most = most_constraints(around)
     rows = np.empty((most, 3))
     other = np.empty(most, np.int64)
     kept = np.empty(most, np.int64)
     any_stuck = False
     for i in range(count):
         vx, vy = clipped(nominal[i, 0], nominal[i, 1], safety.speed_limit)
-        used = rows_of(i, around, rows, other)
+        used = constraints_of(i, around, rows, other)
         ux, uy, feasible = project(vx, vy, rows, used, safety.speed_limit, kept)
         usable[i] = math.isfinite(ux + uy + position[i, 0] + position[i, 1])
         if not usable[i]:
@@ -78,16 +78,21 @@ def filter_velocities(
         stuck[i] = not feasible
         outcome.velocity[i, 0], outcome.velocity[i, 1] = ux, uy
         if ux != vx or uy != vy:
-            outcome.active_rows[i] = _tight(ux, uy, rows, used, safety.speed_limit)
+            outcome.active_constraints[i] = _tight(ux, uy, rows, used, safety.speed_limit)
         any_stuck = any_stuck or stuck[i]
     if any_stuck:
         rescue(stuck, usable, limited, around, outcome)
-    return outcome.velocity, outcome.active_rows, outcome.infeasible
+    return outcome.velocity, outcome.active_constraints, outcome.infeasible
 
 
 @kernel
 def blocked(
-    velocity_x: float, velocity_y: float, nominal_x: float, nominal_y: float, active_rows: int, stall_speed: float
+    velocity_x: float,
+    velocity_y: float,
+    nominal_x: float,
+    nominal_y: float,
+    active_constraints: int,
+    stall_speed: float,
 ) -> bool:
     """Whether barrier rows, and nothing else, keep a robot from moving.
 
@@ -100,12 +105,12 @@ def blocked(
         velocity_y: filtered velocity u [m/s].
         nominal_x: what the filter was given, v [m/s].
         nominal_y: what the filter was given, v [m/s].
-        active_rows: from `filter_velocities`.
+        active_constraints: from `filter_velocities`.
         stall_speed: below it a robot stands [m/s].
     """
     stands = velocity_x * velocity_x + velocity_y * velocity_y < stall_speed * stall_speed
     wants = nominal_x * nominal_x + nominal_y * nominal_y > stall_speed * stall_speed
-    return stands and wants and active_rows > 0
+    return stands and wants and active_constraints > 0
 
 
 @kernel

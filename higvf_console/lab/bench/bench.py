@@ -13,12 +13,12 @@ from typing import Any
 
 from higvf_console.core.errors import HigvfError
 from higvf_console.lab.bench import deadlock as bench_deadlock
+from higvf_console.lab.bench import deadlock_report
 from higvf_console.lab.bench import filter as bench_filter
 from higvf_console.lab.bench import lsl as bench_lsl
 from higvf_console.lab.bench import preview as bench_preview
 from higvf_console.lab.bench import tick as bench_tick
 from higvf_console.lab.bench import ui as bench_ui
-from higvf_console.lab.bench.bench import deadlock_report
 from higvf_console.lab.bench.timing import Case, Suite
 
 _TIMINGS: dict[str, Callable[[], Suite]] = {"filter": bench_filter.run, "tick": bench_tick.run}

@@ -12,7 +12,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import NamedTuple
 
 from higvf_console.control.forms import forms_named
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.errors import HigvfError
 from higvf_console.core.state import PathStatus
 from higvf_console.lab.bench.pockets import pocket_scene
@@ -82,23 +82,23 @@ def scene_named(text: str) -> Scene:
 
 def run_scene(scene: Scene, form: str) -> Outcome:
     """Runs a scene in one form until its path is finished or given up, or the time limit is over."""
-    return _run(scene, form, scene_setup(scene, gains_of(form, scene)))
+    return _run(scene, form, scene_setup(scene, params_of(form, scene)))
 
 
 def _run(scene: Scene, form: str, setup: Setup) -> Outcome:
-    state, dt = setup.start, setup.gains.safety.control_period
+    state, dt = setup.start, setup.params.safety.control_period
     deadlock, clearance = 0.0, float("inf")
     while state.motion.path_status == PathStatus.FOLLOWING and state.motion.tick * dt < TIME_LIMIT:
-        state, rollout = roll(state, setup.world, setup.gains, _LOOK)
+        state, rollout = roll(state, setup.world, setup.params, _LOOK)
         clearance = min(clearance, float(rollout.clearance.min()))
         deadlock += dt * float(rollout.deadlocked.sum())
     status = PathStatus(state.motion.path_status)
     return Outcome(scene.kind, scene.seed, form, status, state.motion.tick * dt, deadlock, clearance)
 
 
-def gains_of(form: str, scene: Scene) -> Gains:
+def params_of(form: str, scene: Scene) -> Parameters:
     """The default gains in one of `FORMS`; weights scaled where the printed intention update would diverge."""
-    return convergent(Gains(forms=_FORMS[form]), scene.robots, None, scene.influenced)[0]
+    return convergent(Parameters(forms=_FORMS[form]), scene.robots, None, scene.influenced)[0]
 
 
 def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS) -> list[Outcome]:
@@ -111,8 +111,8 @@ def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS) -> list[Out
     share = 1.0 if scenes is None else scenes / SCENES[Kind.SPACED]
     jobs = [(kind, seed) for kind, count in SCENES.items() for seed in range(max(1, round(share * count)))]
     scene = make_scene(*jobs[0])
-    first = scene_setup(scene, gains_of(forms[0], scene))
-    warm_up(first.start, first.world, first.gains)  # once, before the processes start
+    first = scene_setup(scene, params_of(forms[0], scene))
+    warm_up(first.start, first.world, first.params)  # once, before the processes start
     bar = ProgressBar("scenes", len(jobs))
     outcomes: list[Outcome] = []
     with ProcessPoolExecutor() as pool:
@@ -130,6 +130,6 @@ def _run_batch(jobs: Sequence[tuple[Kind, int]], forms: Sequence[str]) -> list[O
     outcomes: list[Outcome] = []
     for kind, seed in jobs:
         scene = make_scene(kind, seed)
-        setup = scene_setup(scene, gains_of(forms[0], scene))
-        outcomes += [_run(scene, form, setup._replace(gains=gains_of(form, scene))) for form in forms]
+        setup = scene_setup(scene, params_of(forms[0], scene))
+        outcomes += [_run(scene, form, setup._replace(params=params_of(form, scene))) for form in forms]
     return outcomes

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from higvf_console.core.state import PathStatus
-from higvf_console.lab.bench.deadlock import FORMS, Outcome, gains_of, run_scene
+from higvf_console.lab.bench.deadlock import FORMS, Outcome, params_of, run_scene
 from higvf_console.lab.bench.scene_file import scene_setup
 from higvf_console.lab.bench.scenes import TIME_LIMIT, Kind, Scene
 from higvf_console.runtime.run import Run
@@ -72,7 +72,7 @@ def story(scene: Scene) -> str:
             f"{form:9}  {_ENDS[end.status]} after {end.seconds:.1f} s, deadlocked {end.deadlock:.1f} s, "
             f"smallest clearance {end.clearance:.2f} m"
         )
-    run = Run(scene_setup(scene, gains_of("corrected", scene)))
+    run = Run(scene_setup(scene, params_of("corrected", scene)))
     while run.state.motion.path_status == PathStatus.FOLLOWING and run.time < TIME_LIMIT:
         lines += [f"{event.time:8.2f} s  {event.text}" for event in run.step()]
     return "\n".join(lines)

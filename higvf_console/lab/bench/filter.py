@@ -15,8 +15,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from higvf_console.control.gains import SafetyGains
-from higvf_console.control.safety.barriers.surroundings import Surroundings, most_rows, rows_of, survey
+from higvf_console.control.parameters import SafetyParameters
+from higvf_console.control.safety.barriers.surroundings import Surroundings, constraints_of, most_constraints, survey
 from higvf_console.control.safety.coupled_filter import CoupledFilter
 from higvf_console.control.safety.projection import project
 from higvf_console.control.safety.safety_filter import filter_velocities
@@ -49,7 +49,7 @@ class _Hazards(NamedTuple):
     fire_radius: Floats
     fire_rate: Floats
     fire_burning: Bools
-    safety: SafetyGains
+    safety: SafetyParameters
 
 
 class _Scene(NamedTuple):
@@ -71,7 +71,7 @@ def _case(density: str, robots: int) -> Case:
     taken.update(take_turns(contenders, prepare))
     _, active, infeasible = filter_velocities(scene.position, scene.wishes[0], *scene.hazards)
     facts = {
-        "active_rows_a_robot": float(active.mean()),
+        "active_constraints_a_robot": float(active.mean()),
         "infeasible_robots": float(infeasible.sum()),
         "error_against_brute_force": brute_force_error(scene.position, scene.wishes[0], *scene.hazards),
     }
@@ -83,7 +83,7 @@ def _scene(spacing: float, robots: int) -> _Scene:
     columns = math.ceil(math.sqrt(robots))
     grid = np.stack(np.divmod(np.arange(robots), columns), axis=1) * spacing
     jitter = 0.05 * spacing
-    safety = SafetyGains()
+    safety = SafetyParameters()
     gaps = spacing * (np.array(list(itertools.product(range(columns + 1), repeat=2))) - 0.5)
     rng.shuffle(gaps)
     fires, circles = gaps[:2], gaps[2 : 2 + max(2, robots // 10)]
@@ -168,9 +168,9 @@ def _by_orca(scene: _Scene) -> tuple[_Turn, _Turn]:
 
 
 def _all_rows(around: Surroundings) -> list[Floats]:
-    space = np.empty((most_rows(around), 3))
+    space = np.empty((most_constraints(around), 3))
     other = np.empty(len(space), np.int64)
-    return [space[: rows_of(i, around, space, other)].copy() for i in range(len(around.position))]
+    return [space[: constraints_of(i, around, space, other)].copy() for i in range(len(around.position))]
 
 
 def brute_force_error(position: Floats, nominal: Floats, *hazards: Any) -> float:

@@ -158,7 +158,16 @@ def _wait_for(ready: Callable[[], bool]) -> None:
 
 
 def _context(now: float) -> OperatorContext:
-    return OperatorContext(now, "bench", None, False, False, 0, (), 3)
+    return OperatorContext(
+        time=now,
+        operator="bench",
+        viewport=None,
+        clutch=False,
+        paused=False,
+        influenced=0,
+        extinguished=(),
+        robots=3,
+    )
 
 
 def _memory_mb() -> float:

@@ -16,14 +16,14 @@ class Shape(NamedTuple):
         radius: [m].
         filled: whether the edges are a closed chain that bounds an area.
         centre: (2,) of a circle round the shape [m].
-        reach: radius of that circle [m].
+        activation_distance: radius of that circle [m].
     """
 
     edges: Floats
     radius: float
     filled: bool
     centre: Floats
-    reach: float
+    activation_distance: float
 
 
 def disc(x: float, y: float, radius: float) -> Shape:
@@ -74,7 +74,7 @@ def gap(one: Shape, other: Shape) -> float:
 def clear_of(shape: Shape, others: list[Shape], least: float) -> bool:
     """Whether a shape keeps a gap of at least `least` [m] to each of the others."""
     for other in others:
-        near = np.hypot(*(shape.centre - other.centre)) - shape.reach - other.reach
+        near = np.hypot(*(shape.centre - other.centre)) - shape.activation_distance - other.activation_distance
         if near < least and gap(shape, other) < least:
             return False
     return True

@@ -87,7 +87,7 @@ class PreviewBench(NamedTuple):
     with_preview: Lateness
 
 
-class Hand:
+class ArenaInteraction:
     """An interface that draws all the time, a point each control period, and never lets a robot feel it."""
 
     name = "mouse"
@@ -116,12 +116,12 @@ def run(seconds: float = 30.0) -> PreviewBench:
     factor = _realtime_factor(load_scenario("firefighting").setup())
     scenario = parse_scenario(_SCENARIO, "the benchmark's scenario")
     setup = scenario.setup()
-    warm_up(setup.start, setup.world, setup.gains)
-    outline = _outline(round(_STROKE_LASTS / setup.gains.safety.control_period))
+    warm_up(setup.start, setup.world, setup.params)
+    outline = _outline(round(_STROKE_LASTS / setup.params.safety.control_period))
     drawn = _drawn(setup, outline)
     spent = take_turns({"preview": lambda _: _preview(drawn, setup)})["preview"]
-    late = [_lateness(Session(scenario, [Hand(outline)]), ahead, seconds) for ahead in (False, True)]
-    return PreviewBench(factor, 1e3 / spent, 1e3 * setup.gains.safety.control_period, *late)
+    late = [_lateness(Session(scenario, [ArenaInteraction(outline)]), ahead, seconds) for ahead in (False, True)]
+    return PreviewBench(factor, 1e3 / spent, 1e3 * setup.params.safety.control_period, *late)
 
 
 def plain(bench: PreviewBench) -> dict[str, Any]:
@@ -161,10 +161,10 @@ def table(bench: PreviewBench) -> str:
 
 
 def _realtime_factor(setup: Setup) -> float:
-    ticks = round(_ROLLED / setup.gains.safety.control_period)
+    ticks = round(_ROLLED / setup.params.safety.control_period)
     state = _drawn(setup, _outline(50))
     wished = apply_command(state, StrokeEnd(), setup)[0]
-    spent = take_turns({"roll": lambda _: roll(wished, setup.world, setup.gains, ticks)})["roll"]
+    spent = take_turns({"roll": lambda _: roll(wished, setup.world, setup.params, ticks)})["roll"]
     return 1e3 * _ROLLED / spent
 
 
@@ -207,7 +207,7 @@ def _lateness(session: Session, ahead: bool, seconds: float) -> Lateness:
     loop.join()
     previewer.close()
     session.close()
-    period = session.setup.gains.safety.control_period
+    period = session.setup.params.safety.control_period
     late = 1e3 * np.maximum(np.diff(begun)[_SETTLING:] - period, 0.0)
     p50, p99, p999 = np.percentile(late, [50.0, 99.0, 99.9]).tolist()
     counts = np.histogram(late, _EDGES)[0].tolist()

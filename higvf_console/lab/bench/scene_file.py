@@ -1,7 +1,7 @@
 """A random scene as a run, and as a scenario file that the console shows."""
 
-from higvf_console.control.gains import Gains
 from higvf_console.control.guidance.paths import sketch_path
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.viewport import Arena
 from higvf_console.lab.bench.scenes import TIME_LIMIT, Scene
@@ -15,7 +15,7 @@ _NEEDS = 2  # robots that extinguish a fire
 _EDGE = 0.001  # half width by which a file writes an edge of a polygon [m]
 
 
-def scene_setup(scene: Scene, gains: Gains) -> Setup:
+def scene_setup(scene: Scene, params: Parameters) -> Setup:
     """The run that a scene starts, its path in force."""
     world = make_world(
         circles=scene.circles,
@@ -25,13 +25,13 @@ def scene_setup(scene: Scene, gains: Gains) -> Setup:
         fire_growth=scene.fires[:, 3],
         fire_needs=ints([_NEEDS] * len(scene.fires)),
         formation=scene.robots,
-        clearance=gains.safety.obstacle_clearance,
+        clearance=params.safety.obstacle_clearance,
         polygons=scene.polygons,
     )
     start = initial_state(scene.robots, floats(scene.fires[:, 2]), world)
     start = start._replace(intent=start.intent._replace(influenced=scene.influenced))
-    path = sketch_path(scene.stroke, gains.path.stroke_smoothing, closed=False)
-    return Setup(scene.arena, world, gains, follow(start, path))
+    path = sketch_path(scene.stroke, params.path.stroke_smoothing, closed=False)
+    return Setup(scene.arena, world, params, follow(start, path))
 
 
 def scene_yaml(scene: Scene) -> str:

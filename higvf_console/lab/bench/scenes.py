@@ -14,14 +14,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from higvf_console.control.gains import SafetyGains
+from higvf_console.control.parameters import SafetyParameters
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.viewport import Arena
 from higvf_console.lab.bench.planar import Shape, capsule, clear_of, disc, distances, hull, polygon
 
 TIME_LIMIT = 180.0  # [s]
 END_CLEARANCE = 40.0  # from the path's end to any surface, and to the walls [m]
-START_CLEARANCE = SafetyGains().obstacle_clearance + 8.0  # from each robot to any surface [m]
+START_CLEARANCE = SafetyParameters().obstacle_clearance + 8.0  # from each robot to any surface [m]
 SPACING = (40.05, 55.0)  # of the team [m]
 _GROWTH = 1.1
 _TRIES = 400  # throws of one thing before the arena grows
@@ -105,9 +105,17 @@ def packed_scene(
 ) -> Scene:
     """The scene of these parts."""
     return Scene(
-        kind, seed, arena, robots, influenced, floats(found.circles, -1, 3), floats(found.bars, -1, 5),
-        tuple(found.polygons), floats(found.fires, -1, 4), stroke,
-    )  # fmt: skip
+        kind=kind,
+        seed=seed,
+        arena=arena,
+        robots=robots,
+        influenced=influenced,
+        circles=floats(found.circles, -1, 3),
+        bars=floats(found.bars, -1, 5),
+        polygons=tuple(found.polygons),
+        fires=floats(found.fires, -1, 4),
+        stroke=stroke,
+    )
 
 
 def compact_team(rng: np.random.Generator, count: int, columns: int | None = None) -> Floats:
@@ -239,18 +247,18 @@ def _bar(rng: np.random.Generator, arena: Arena) -> Floats:
 def _convex(rng: np.random.Generator, arena: Arena) -> Floats:
     """4 to 8 corners on a circle of 15 to 45 m."""
     angle = _bearings(rng, int(rng.integers(4, 9)))
-    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return free_point(rng, arena, 0.0) + rng.uniform(15.0, 45.0) * ring
+    boundary = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return free_point(rng, arena, 0.0) + rng.uniform(15.0, 45.0) * boundary
 
 
 def _star(rng: np.random.Generator, arena: Arena) -> Floats:
     """3 to 5 arms, not convex: every second corner of a ring of 15 to 45 m lies at 0.3 to 0.5 of it."""
     arms = int(rng.integers(3, 6))
     angle = _bearings(rng, 2 * arms)
-    reach = rng.uniform(0.8, 1.0, 2 * arms)
-    reach[1::2] = rng.uniform(0.3, 0.5, arms)
-    ring = reach[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return free_point(rng, arena, 0.0) + rng.uniform(15.0, 45.0) * ring
+    activation_distance = rng.uniform(0.8, 1.0, 2 * arms)
+    activation_distance[1::2] = rng.uniform(0.3, 0.5, arms)
+    boundary = activation_distance[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return free_point(rng, arena, 0.0) + rng.uniform(15.0, 45.0) * boundary
 
 
 def _bearings(rng: np.random.Generator, count: int) -> Floats:

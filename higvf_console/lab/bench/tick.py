@@ -49,8 +49,8 @@ def _case(robots: int) -> Case:
         live.step()
     state = live.state
     contenders: dict[str, Callable[[int], object]] = {
-        "advance": lambda _: advance(state, setup.world, setup.gains),
-        "roll": lambda _: roll(state, setup.world, setup.gains, _ROLLED),
+        "advance": lambda _: advance(state, setup.world, setup.params),
+        "roll": lambda _: roll(state, setup.world, setup.params, _ROLLED),
         "session": lambda _: live.step(),
     }
     taken: dict[str, float | None] = {**take_turns(contenders)}

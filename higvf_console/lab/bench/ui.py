@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from higvf_console.control.gains import SafetyGains
+from higvf_console.control.parameters import SafetyParameters
 from higvf_console.core.errors import HigvfError
 from higvf_console.lab.bench.console_page import ConsolePage, browser_at_hand, console_of, cpu_seconds
 from higvf_console.lab.bench.wire import Watcher, first_motion
@@ -31,7 +31,7 @@ from higvf_console.lab.bench.wire import Watcher, first_motion
 TEAMS = (3, 100, 1000)
 STROKES = 40  # timed, for each team
 SETTLING_S, MEASURED_S = 4.0, 10.0
-PERIOD_MS, VIEW_MS = 1e3 * SafetyGains().control_period, 33.0
+PERIOD_MS, VIEW_MS = 1e3 * SafetyParameters().control_period, 33.0
 TARGET_P99_MS = 2.0 * PERIOD_MS + VIEW_MS
 _STILL_S = 0.4  # without motion, until a team counts as standing
 _PATIENCE_S = 10.0

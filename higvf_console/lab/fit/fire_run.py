@@ -50,7 +50,7 @@ def fight(
     """
     state, clearance = (setup.start if operator else departure(setup)), math.inf
     out: tuple[int, ...] = ()
-    last = math.ceil(duration / setup.gains.safety.control_period - 1e-9)
+    last = math.ceil(duration / setup.params.safety.control_period - 1e-9)
     while state.motion.tick < last and state.motion.fire_burning.any():
         if enough is not None and (loss_area(state.motion) > enough).any():
             break
@@ -71,9 +71,9 @@ def departure(setup: Setup) -> SimState:
     A team in its formation, at rest and without a path, stands still until then, and the fires grow by the same step
     each tick.
     """
-    motion, intent, gains = setup.start.motion, setup.start.intent, setup.gains
-    period = gains.safety.control_period
-    ticks = max(0, math.ceil(gains.fires.start_delay / period - 1e-9) - 1)
+    motion, intent, params = setup.start.motion, setup.start.intent, setup.params
+    period = params.safety.control_period
+    ticks = max(0, math.ceil(params.fires.start_delay / period - 1e-9) - 1)
     at_rest = not motion.velocity.any() and not motion.intention.any() and intent.path.kind == PathKind.NONE
     if ticks == 0 or motion.tick or not at_rest or (motion.position != setup.world.formation).any():
         return setup.start
@@ -84,9 +84,16 @@ def departure(setup: Setup) -> SimState:
 
 def _attend(state: SimState, operator: Interface, out: tuple[int, ...], setup: Setup) -> tuple[SimState, bool]:
     """Polls and applies as a session does; whether the operator may still act."""
-    time, intent = state.motion.tick * setup.gains.safety.control_period, state.intent
+    time, intent = state.motion.tick * setup.params.safety.control_period, state.intent
     context = OperatorContext(
-        time, "operator", None, state.drawing.clutch, intent.paused, intent.influenced, out, len(state.motion.position)
+        time=time,
+        operator="operator",
+        viewport=None,
+        clutch=state.pointer_state.clutch,
+        paused=intent.paused,
+        influenced=intent.influenced,
+        extinguished=out,
+        robots=len(state.motion.position),
     )
     for command in operator.poll(context):
         state, _ = apply_command(state, command, setup)
@@ -97,11 +104,11 @@ def _roll_to_change(state: SimState, setup: Setup, ticks: int) -> tuple[SimState
     """The state `ticks` later, or right after the tick in which a fire goes out, and the smallest clearance [m]."""
     burning, clearance = state.motion.fire_burning.tobytes(), math.inf
     while True:
-        after, history = roll(state, setup.world, setup.gains, ticks)
+        after, history = roll(state, setup.world, setup.params, ticks)
         if after.motion.fire_burning.tobytes() == burning or ticks == 1:
             return after, min(clearance, float(history.clearance.min()))
         half = ticks // 2
-        middle, history = roll(state, setup.world, setup.gains, half)
+        middle, history = roll(state, setup.world, setup.params, half)
         if middle.motion.fire_burning.tobytes() == burning:
             state, clearance, ticks = middle, min(clearance, float(history.clearance.min())), ticks - half
         else:

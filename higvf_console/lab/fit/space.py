@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.quantity import quantities
@@ -30,7 +30,7 @@ class Free(NamedTuple):
     """A free parameter.
 
     Attributes:
-        name: group and tunable of `control.gains`, or a coordinate of the upright bar.
+        name: group and tunable of `control.params`, or a coordinate of the upright bar.
         low: smallest value of the search.
         high: largest.
         step: grid; 0.02 s is one control period.
@@ -74,7 +74,7 @@ def scaled(sample: Sample) -> Floats:
 def unit(name: str) -> str:
     """Unit of a free parameter."""
     group, _, key = name.partition(".")
-    return "m" if group == "bar" else quantities(type(getattr(Gains(), group)))[key].unit
+    return "m" if group == "bar" else quantities(type(getattr(Parameters(), group)))[key].unit
 
 
 def sample_of(setup: Setup) -> Sample:
@@ -88,7 +88,7 @@ def sample_of(setup: Setup) -> Sample:
         raise ScenarioError(f"the world of the fit has one upright bar, not {len(bars)} bars {bars.tolist()}")
     x, low, _, high, _ = (float(number) for number in bars[0])
     bar = {"bar.x": x, "bar.y_low": low, "bar.y_high": high}
-    return tuple(bar[name] if name in bar else float(_gain(setup.gains, name)) for name in NAMES)
+    return tuple(bar[name] if name in bar else float(_gain(setup.params, name)) for name in NAMES)
 
 
 def world_of(sample: Sample, base: Setup) -> Setup:
@@ -98,34 +98,34 @@ def world_of(sample: Sample, base: Setup) -> Setup:
         ScenarioError: barriers would not hold with these gains, or no robot could hold at a fire within `DURATION`.
     """
     given = dict(zip(NAMES, sample, strict=True))
-    gains = gains_of(given, base.gains)
+    params = params_of(given, base.params)
     bar = floats([[given["bar.x"], given["bar.y_low"], given["bar.x"], given["bar.y_high"], BAR_HALF_WIDTH]])
     old, motion = base.world, base.start.motion
     world = make_world(
         old.circles, bar, old.walls, old.fire_position, old.fire_growth, old.fire_needs, old.formation,
-        gains.safety.obstacle_clearance, (old.link_start, old.link_to),
+        params.safety.obstacle_clearance, (old.link_start, old.link_to),
     )  # fmt: skip
     radius = motion.fire_radius
-    check_barriers(world, radius, gains, "sample")
-    late = late_stand_off(radius, world.fire_growth, DURATION, gains)
+    check_barriers(world, radius, params, "sample")
+    late = late_stand_off(radius, world.fire_growth, DURATION, params)
     if late:
         raise ScenarioError(f"sample: {late[0]}")
-    return base._replace(world=world, gains=gains, start=initial_state(motion.position, radius, world))
+    return base._replace(world=world, params=params, start=initial_state(motion.position, radius, world))
 
 
-def gains_of(given: Mapping[str, float], gains: Gains) -> Gains:
-    """`gains` with the values named `group.tunable`; the speed limit follows the cruise speed as in a scenario."""
+def params_of(given: Mapping[str, float], params: Parameters) -> Parameters:
+    """`params` with the values named `group.tunable`; the speed limit follows the cruise speed as in a scenario."""
     for name, value in given.items():
         group, _, key = name.partition(".")
-        if group in Gains._fields:
-            gains = gains._replace(**{group: getattr(gains, group)._replace(**{key: value})})
-    limit = SPEED_LIMIT_FACTOR * gains.blending.cruise_speed
-    return gains._replace(safety=gains.safety._replace(speed_limit=limit))
+        if group in Parameters._fields:
+            params = params._replace(**{group: getattr(params, group)._replace(**{key: value})})
+    limit = SPEED_LIMIT_FACTOR * params.blending.cruise_speed
+    return params._replace(safety=params.safety._replace(speed_limit=limit))
 
 
-def _gain(gains: Gains, name: str) -> float:
+def _gain(params: Parameters, name: str) -> float:
     group, _, key = name.partition(".")
-    return getattr(getattr(gains, group), key)
+    return getattr(getattr(params, group), key)
 
 
 def distance(sample: Sample, other: Sample) -> float:

@@ -35,7 +35,7 @@ def reproduce(
         prepare()
     results = run_cases(cases)
     if out is not None or json_file != "-":
-        _tell(f"Report: {write_report(results, out or OUT)}")
+        _log(f"Report: {write_report(results, out or OUT)}")
     if json_file == "-":
         sys.stdout.write(results.json())
     elif json_file is not None:
@@ -49,5 +49,5 @@ def _write(file: Path, text: str) -> None:
         raise HigvfError(f"--json {file}: {error.strerror}") from error
 
 
-def _tell(text: str) -> None:
+def _log(text: str) -> None:
     print(text, file=sys.stderr)

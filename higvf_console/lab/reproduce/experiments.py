@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 
-from higvf_console.control.gains import Gains
 from higvf_console.control.guidance.bump import zero_in
 from higvf_console.control.intention.blending import blending_weight
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats
 from higvf_console.core.state import SimState
 from higvf_console.scenario.scenario import load_scenario, parse_scenario
@@ -37,74 +37,74 @@ _TWO_CIRCLES = (
 )
 
 
-def _start(text: str, gains: Gains) -> Setup:
-    return parse_scenario(text, "experiment").setup()._replace(gains=gains)
+def _start(text: str, params: Parameters) -> Setup:
+    return parse_scenario(text, "experiment").setup()._replace(params=params)
 
 
-def formation_distance(gains: Gains) -> float:
+def formation_distance(params: Parameters) -> float:
     """Where two robots end that start 30 m apart and shall keep 60 m, moved by their formation velocity alone [m]."""
-    setup = _start(_PAIR, gains)
-    state, dt = setup.start, gains.safety.control_period
+    setup = _start(_PAIR, params)
+    state, dt = setup.start, params.safety.control_period
     for _ in range(1500):
-        after, trace = advance(state, setup.world, gains)
+        after, trace = advance(state, setup.world, params)
         moved = state.motion.position + dt * trace.formation
-        state = SimState(after.motion._replace(position=moved), state.intent, state.drawing)
+        state = SimState(after.motion._replace(position=moved), state.intent, state.pointer_state)
     return float(np.hypot(*(state.motion.position[1] - state.motion.position[0])))
 
 
-def intention_peak(gains: Gains) -> float:
+def intention_peak(params: Parameters) -> float:
     """Largest |v_s| in the first second of three robots, one of which is told to follow a line."""
-    setup = _start(_TEAM, gains)
+    setup = _start(_TEAM, params)
     state, peak = setup.start, 0.0
     for _ in range(50):
-        state, _ = advance(state, setup.world, gains)
+        state, _ = advance(state, setup.world, params)
         peak = max(peak, _longest(state.motion.intention))
     return peak
 
 
-def target_length(gains: Gains) -> float:
+def target_length(params: Parameters) -> float:
     """Largest robot intention |v_t| at the start of Table I; a human intention is at most 1."""
     setup = load_scenario("firefighting").setup()
-    _, trace = advance(setup.start, setup.world, gains)
+    _, trace = advance(setup.start, setup.world, params)
     return _longest(trace.robot_intention)
 
 
-def way_past_obstacle(gains: Gains) -> float:
+def way_past_obstacle(params: Parameters) -> float:
     """How far a robot has come after 15 s, 200 m before a circle on its path [m]; beyond 200 it is past it."""
-    setup = _start(_AHEAD, gains)
-    _, history = roll(setup.start, setup.world, gains, 750)
+    setup = _start(_AHEAD, params)
+    _, history = roll(setup.start, setup.world, params, 750)
     return float(history.position[-1, 0, 0] - setup.start.motion.position[0, 0])
 
 
-def speed_at_rest(gains: Gains) -> float:
+def speed_at_rest(params: Parameters) -> float:
     """|blended velocity| of a robot at rest that nobody wants anything of [m/s]; NaN where it is 0/0."""
-    setup = _start(_PAIR.replace("[60, 0]", "[30, 0]"), gains)
-    _, trace = advance(setup.start, setup.world, gains)
+    setup = _start(_PAIR.replace("[60, 0]", "[30, 0]"), params)
+    _, trace = advance(setup.start, setup.world, params)
     return _longest(trace.blended)
 
 
-def weight_near_rest(gains: Gains) -> float:
+def weight_near_rest(params: Parameters) -> float:
     """Lambda at |v_s| = 1e-9 and v_f = 0, where lambda(0, 0) = 0 is asked of a continuous function."""
-    return float(blending_weight(1e-9, 0.0, gains.blending, gains.forms))
+    return float(blending_weight(1e-9, 0.0, params.blending, params.forms))
 
 
-def bump_at_boundary(gains: Gains) -> float:
+def bump_at_boundary(params: Parameters) -> float:
     """S 0.01 m outside the repulsive boundary of an obstacle of 20 m, where S = 0 on the boundary."""
-    return float(zero_in(20.0 + gains.rings.repulsive_margin + 0.01, 20.0, gains.rings, gains.forms))
+    return float(zero_in(20.0 + params.boundaries.repulsive_margin + 0.01, 20.0, params.boundaries, params.forms))
 
 
-def clearance_at_fire(gains: Gains) -> float:
+def clearance_at_fire(params: Parameters) -> float:
     """Smallest clearance of a paused robot beside a fire that grows by 1 m/s, over 60 s [m]."""
-    setup = _start(_BESIDE_FIRE, gains._replace(fires=gains.fires._replace(extinguish_time=10.0)))
+    setup = _start(_BESIDE_FIRE, params._replace(fires=params.fires._replace(extinguish_time=10.0)))
     paused = setup.start._replace(intent=setup.start.intent._replace(paused=True))
-    slow = setup.gains._replace(fires=setup.gains.fires._replace(stand_off=0.1))
+    slow = setup.params._replace(fires=setup.params.fires._replace(stand_off=0.1))
     _, history = roll(paused, setup.world, slow, 3000)
     return float(history.clearance.min())
 
 
-def clearance_by_index(gains: Gains) -> float:
+def clearance_by_index(params: Parameters) -> float:
     """Smallest clearance of a robot on a path through the second of two circles, the first being far away [m]."""
-    narrow = gains._replace(rings=gains.rings._replace(reactive_margin=1.0, repulsive_margin=0.0))
+    narrow = params._replace(boundaries=params.boundaries._replace(reactive_margin=1.0, repulsive_margin=0.0))
     setup = _start(_TWO_CIRCLES, narrow)
     _, history = roll(setup.start, setup.world, narrow, 300)
     return float(history.clearance.min())

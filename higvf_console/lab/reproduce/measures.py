@@ -75,5 +75,5 @@ def intervals(flags: Bools) -> list[tuple[int, int]]:
 def smallest_clearance(run: Run) -> float:
     """Smallest distance to anything beyond the safe one, over the run [m]; negative = violation."""
     pairs = pair_distances(run.position)
-    apart = float(pairs.min()) - run.setup.gains.safety.robot_clearance if pairs.size else math.inf
+    apart = float(pairs.min()) - run.setup.params.safety.robot_clearance if pairs.size else math.inf
     return min(float(run.clearance.min()), apart)

@@ -91,7 +91,7 @@ def plain_run(run: Run) -> dict[str, Any]:
     return {
         "command": str(run.spec),
         "scenario": report["scenario"],
-        "forms": name_of(run.setup.gains.forms),
+        "forms": name_of(run.setup.params.forms),
         "seed": report["seed"],
         "duration_s": report["duration_s"],
         "ticks": report["ticks"],

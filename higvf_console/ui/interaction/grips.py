@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.core.commands import BendPath, OperatorCommand
-from higvf_console.core.edits import ChangeThing, MoveThing, Thing, ToggleLink
+from higvf_console.core.commands import MovePathPoint, OperatorCommand
+from higvf_console.core.edits import ChangeEntity, EntityKind, MoveEntity, ToggleLink
 from higvf_console.core.state import NOBODY, Motion
 from higvf_console.ui.scene import shapes
 from higvf_console.world.editing.bodies import shaped
+from higvf_console.world.editing.entities import NUMBERS, Place, centres, entity_at, exists, numbers_of
 from higvf_console.world.editing.layout import Layout
-from higvf_console.world.editing.things import NUMBERS, Place, centres, exists, numbers_of, thing_at
 from higvf_console.world.polygons import obstacles_of
 
 _BEYOND = 26.0  # from the edge to the disc that turns [px]
@@ -45,7 +45,7 @@ class Drag(NamedTuple):
         now: (2,) where the hand is [m].
         place: the thing that is held.
         handle: the number that its handle changes; empty = the thing itself moves.
-        bends: whether it is the path that is held.
+        moves_path: whether it is the path that is held.
         link: the robot that a link is drawn from.
     """
 
@@ -53,7 +53,7 @@ class Drag(NamedTuple):
     now: Floats
     place: Place | None = None
     handle: str = ""
-    bends: bool = False
+    moves_path: bool = False
     link: int = NOBODY
 
 
@@ -62,20 +62,20 @@ def handles_of(place: Place, layout: Layout, motion: Motion, px: float) -> list[
     numbers = numbers_of(place, layout, motion)
     middle = floats([numbers["x"], numbers["y"]])
     match place.thing:
-        case Thing.ROBOT:
-            ahead = layout.gains.robots.look_ahead
+        case EntityKind.ROBOT:
+            ahead = layout.params.robots.look_ahead
             return (
                 []
                 if ahead == 0.0
                 else [Handle("heading", middle + (_ROBOT + _BEYOND) * px * _along(numbers["heading"]), True)]
             )
-        case Thing.FIRE | Thing.CIRCLE:
+        case EntityKind.FIRE | EntityKind.CIRCLE:
             return [Handle("radius", middle + floats([numbers["radius"], 0.0]), False)]
-        case Thing.BAR:
+        case EntityKind.BAR:
             along = _along(numbers["angle"])
             tip = middle + 0.5 * numbers["length"] * along
             return [Handle("length", tip, False), Handle("angle", tip + _BEYOND * px * along, True)]
-        case Thing.POLYGON:
+        case EntityKind.POLYGON:
             chain = obstacles_of(layout.obstacles.polygons)[place.row][0]
             reach = np.hypot(*(chain - middle).T)
             first = (chain[0] - middle) / max(float(reach[0]), 1e-9)
@@ -93,7 +93,7 @@ def gripped(
         for handle in handles_of(selected, layout, motion, px):
             if math.dist(handle.point, point) <= near:
                 return Drag(point, point, selected, handle.name)
-    place = thing_at(point, layout, motion, reach)
+    place = entity_at(point, layout, motion, reach)
     return None if place is None else Drag(point, point, place)
 
 
@@ -127,8 +127,8 @@ def result_of(
         reach: how far from a robot a link may end that is meant for it [m].
         waits: whether a bent path waits.
     """
-    if drag.bends:
-        return [BendPath(grip=drag.start, point=drag.now, preview=waits)]
+    if drag.moves_path:
+        return [MovePathPoint(grip=drag.start, point=drag.now, preview=waits)]
     if drag.link != NOBODY:
         other = robot_near(centres(layout, motion), drag.now, reach)
         return [] if other in (None, drag.link) else [ToggleLink(drag.link, other)]
@@ -137,8 +137,8 @@ def result_of(
     numbers = wished(drag, layout, motion)
     thing, row = drag.place
     if drag.handle:
-        return [ChangeThing(thing, row, drag.handle, round(numbers[drag.handle], 2))]
-    return [MoveThing(thing, row, floats([numbers["x"], numbers["y"]]))]
+        return [ChangeEntity(thing, row, drag.handle, round(numbers[drag.handle], 2))]
+    return [MoveEntity(thing, row, floats([numbers["x"], numbers["y"]]))]
 
 
 def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
@@ -154,14 +154,14 @@ def outlines(place: Place, numbers: dict[str, float], layout: Layout, motion: Mo
     """Closed outlines (n, 2) [m] of a thing with these numbers."""
     x, y, row = numbers["x"], numbers["y"], place.row
     match place.thing:
-        case Thing.ROBOT:
+        case EntityKind.ROBOT:
             return [shapes.circle(x, y, _ROBOT * px)]
-        case Thing.FIRE | Thing.CIRCLE:
+        case EntityKind.FIRE | EntityKind.CIRCLE:
             return [shapes.circle(x, y, numbers["radius"])]
-        case Thing.BAR:
+        case EntityKind.BAR:
             bar = shaped(layout, place, numbers, numbers_of(place, layout, motion)).obstacles.bars[row]
             return [shapes.capsule(bar[:2], bar[2:4], bar[4])]
-        case Thing.POLYGON:
+        case EntityKind.POLYGON:
             new = shaped(layout, place, numbers, numbers_of(place, layout, motion))
             return [shapes.closed(chain) for chain in obstacles_of(new.obstacles.polygons)[row]]
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import viser
 
 from higvf_console.core.commands import StrokeUse
-from higvf_console.core.edits import Thing
+from higvf_console.core.edits import EntityKind
 from higvf_console.ui.page import page
 
 
@@ -15,8 +15,8 @@ class Tool(StrEnum):
     """What the pointer is for."""
 
     PATH = "path"
-    AMEND = "amend"
-    BEND = "bend"
+    REDRAW = "redraw"
+    MOVE_POINT = "move_point"
     PRIORITY = "priority"
     EDIT = "edit"
     OUTLINE = "outline"
@@ -54,13 +54,13 @@ TOOLS: dict[Tool, Look] = {
         "steer", "T", "Draw a path", "Drag: the chosen robot follows it",
         '<path d="M3 18C7 4 13 20 20 6"/><path d="M15.5 6.5 20 6l.6 4.4"/>',
     ),
-    Tool.AMEND: Look(
+    Tool.REDRAW: Look(
         "steer", "G", "Redraw a part of the path", "Drag from the path back to it, or away from it for a new end",
         '<path d="M3 17c2-5 4-6 6-5"/><path d="M15 12c2 1 4 0 6-5"/>'
         '<path d="M9 12c1-6 5-6 6 0" stroke-dasharray="2.4 2.4"/>',
     ),
-    Tool.BEND: Look(
-        "steer", "B", "Bend the path", "Drag any point of it to another place",
+    Tool.MOVE_POINT: Look(
+        "steer", "B", "Move a point of the path", "Drag any point of it to another place",
         '<path d="M3 19C6 7 18 7 21 19"/><circle cx="12" cy="10" r="2.6" fill="currentColor"/>'
         '<path d="M12 6V2m-2 2 2-2 2 2"/>',
         inks=False,
@@ -99,11 +99,16 @@ TOOLS: dict[Tool, Look] = {
 
 USES = {
     Tool.PATH: StrokeUse.PATH,
-    Tool.AMEND: StrokeUse.AMEND,
+    Tool.REDRAW: StrokeUse.REDRAW,
     Tool.PRIORITY: StrokeUse.PRIORITY,
     Tool.OUTLINE: StrokeUse.OBSTACLE,
 }
-ADDS = {Tool.ROBOT: Thing.ROBOT, Tool.FIRE: Thing.FIRE, Tool.CIRCLE: Thing.CIRCLE, Tool.BAR: Thing.BAR}
+ADDS = {
+    Tool.ROBOT: EntityKind.ROBOT,
+    Tool.FIRE: EntityKind.FIRE,
+    Tool.CIRCLE: EntityKind.CIRCLE,
+    Tool.BAR: EntityKind.BAR,
+}
 
 
 def install(

@@ -15,8 +15,8 @@ import viser
 
 from higvf_console.core.commands import Command, HandOver, OperatorCommand
 from higvf_console.core.interface import PointerSink
-from higvf_console.ui.page import page, steering
-from higvf_console.ui.page.steering import Control, Outcome
+from higvf_console.ui.page import control_lease, page
+from higvf_console.ui.page.control_lease import Control, Outcome
 
 FREE_TOPICS = frozenset({"alive", "control", "hello", "viewport"})  # of what every page may send
 _IDENTITY_LENGTH = (16, 64)  # characters
@@ -26,18 +26,18 @@ class Roles:
     """Who has control, and a `PointerSink` that puts the name of that page on each command.
 
     Attributes:
-        patience: silence after which a page is lost [s].
+        timeout: silence after which a page is lost [s].
     """
 
-    def __init__(self, server: viser.ViserServer, sink: PointerSink, patience: float) -> None:
+    def __init__(self, server: viser.ViserServer, sink: PointerSink, timeout: float) -> None:
         """Starts with no page.
 
         Args:
             server: whose pages are meant.
             sink: takes the commands.
-            patience: silence after which a page is lost [s].
+            timeout: silence after which a page is lost [s].
         """
-        self._server, self._sink, self.patience = server, sink, patience
+        self._server, self._sink, self.timeout = server, sink, timeout
         self._lock = threading.RLock()
         self._control = Control()
         self._identities: dict[int, str] = {}  # of the pages that are connected, by client
@@ -75,14 +75,14 @@ class Roles:
         """A command of a page that may be one that watches; callable from any thread."""
         self._push(command, self._control.name(self._identities.get(client_id, "")))
 
-    def beat(self) -> None:
+    def heartbeat(self) -> None:
         """The page that steers is there; callable from any thread."""
-        self._sink.beat()
+        self._sink.heartbeat()
 
     def update(self) -> None:
         """Forgets pages that have fallen silent; to be called a few times a second, from any thread."""
         with self._lock:
-            self._follow(steering.forgotten(self._control, monotonic(), self.patience))
+            self._follow(control_lease.forgotten(self._control, monotonic(), self.timeout))
 
     def _push(self, command: OperatorCommand, name: str) -> None:
         self._sink.push(replace(command, operator=name or Command.operator))
@@ -103,7 +103,7 @@ class Roles:
         if not isinstance(identity, str) or not shortest <= len(identity) <= longest:
             raise ValueError(f"an identity has {shortest} to {longest} characters")
         with self._lock:
-            outcome = steering.heard(self._control, identity, monotonic())
+            outcome = control_lease.heartbeat(self._control, identity, monotonic())
             # The newest connection speaks for a page; an older one is cut off already, or of a copy of the page.
             for other in [other for other, known in self._identities.items() if known == identity]:
                 if other != client_id:
@@ -112,7 +112,7 @@ class Roles:
             self._identities[client_id] = identity
             self._follow(outcome)
             if self.steers(client_id):
-                self.beat()
+                self.heartbeat()
 
     def _click(self, client_id: int, body: page.Body) -> None:
         act, name = body.get("act"), body.get("page")
@@ -120,13 +120,13 @@ class Roles:
             control, identity = self._control, self._identities.get(client_id, "")
             match act:
                 case "ask":
-                    self._follow(steering.asked(control, identity))
+                    self._follow(control_lease.asked(control, identity))
                 case "take":
-                    self._follow(steering.taken(control, identity))
+                    self._follow(control_lease.taken(control, identity))
                 case "release":
-                    self._follow(steering.released(control, identity))
+                    self._follow(control_lease.released(control, identity))
                 case "grant" | "refuse":
-                    self._follow(steering.answered(control, identity, str(name), granted=act == "grant"))
+                    self._follow(control_lease.answered(control, identity, str(name), granted=act == "grant"))
                 case _:
                     raise ValueError(f"{act!r} is none of ask, take, release, grant, refuse")
 

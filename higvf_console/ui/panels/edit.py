@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 import viser
 
 from higvf_console.core.arrays import floats
-from higvf_console.core.edits import ChangeThing, DeleteThing, LinkByRange, SetArena
+from higvf_console.core.edits import ChangeEntity, DeleteEntity, LinkByRange, SetArena
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.viewport import Arena
 from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, reaction, truth
 from higvf_console.ui.panels.widgets.html import block
 from higvf_console.ui.panels.widgets.typed import TYPED_S, Typed
 from higvf_console.ui.scene.scene import View
+from higvf_console.world.editing.entities import NUMBERS, Place, exists, name_of, numbers_of
 from higvf_console.world.editing.layout import Layout, layout_of
-from higvf_console.world.editing.things import NUMBERS, Place, exists, name_of, numbers_of
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
@@ -75,7 +75,7 @@ class EditPanel:
     def _send(self) -> None:
         """Sends what was typed, once it is meant; the session judges it."""
         for (place, name), number in self._typed.meant().items():
-            self._sink.push(ChangeThing(place.thing, place.row, name, number))
+            self._sink.push(ChangeEntity(place.thing, place.row, name, number))
         if sides := self._typed_sides.meant():
             self._set_arena(sides=sides)
 
@@ -86,7 +86,7 @@ class EditPanel:
     def _remove(self) -> None:
         if self._place is not None:
             self._view.selected = None
-            self._sink.push(DeleteThing(self._place.thing, self._place.row))
+            self._sink.push(DeleteEntity(self._place.thing, self._place.row))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Sends what is meant; shows the numbers of what is chosen, and the arena."""
@@ -112,7 +112,7 @@ class EditPanel:
         place, numbers = self._place, dict[str, Any]()
         if place is not None:
             numbers = numbers_of(place, layout, snapshot.state.motion)
-            if layout.gains.robots.look_ahead == 0.0:
+            if layout.params.robots.look_ahead == 0.0:
                 numbers.pop("heading", None)
         shown = list(numbers.items())
         for slot, field in enumerate(self._fields):

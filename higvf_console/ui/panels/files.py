@@ -11,7 +11,7 @@ from higvf_console.core.edits import AddOutlines
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.interface import PointerSink
 from higvf_console.scenario.writer import scenario_yaml
-from higvf_console.ui.page.page import files
+from higvf_console.ui.page import files
 from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reaction
 from higvf_console.ui.panels.widgets.html import block, text
 from higvf_console.ui.scene.background import Background

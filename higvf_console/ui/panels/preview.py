@@ -47,11 +47,11 @@ class PreviewPanel:
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows what waits and what is foreseen."""
-        drawing = snapshot.state.drawing
-        self._actions.visible = waiting(drawing, snapshot.time)
+        pointer_state = snapshot.state.pointer_state
+        self._actions.visible = waiting(pointer_state, snapshot.time)
         preview = self._previewer.latest
         if preview is not None:
-            content = preview_html(preview, proposal(drawing, snapshot.time))
+            content = preview_html(preview, proposal(pointer_state, snapshot.time))
         else:
             content = f'<span class="dim">{_HELP}{"" if self._previewer.available else _NO_ROLL}</span>'
         self._html.content = block(f'<div class="ahead">{content}</div>')

@@ -57,7 +57,7 @@ class SteerPanel:
         self._gui, self._sink, self._view = gui, sink, view
         self._scenario = scenario
         self._path, self._paths = NO_PATH, tuple[Path, ...]()
-        self.smoothing = scenario.gains.path.stroke_smoothing
+        self.smoothing = scenario.params.path.stroke_smoothing
         self.ending, self.pace, self.duration = "release", 1.0, 0.0
         self._picker = RobotPicker(gui, "Influence", robots, self._pick, hint=_FEELS)
         self._actions = gui.add_button_group(
@@ -88,7 +88,7 @@ class SteerPanel:
             "Lasts s", 0.0, min=0.0, max=LONGEST_DURATION, step=5.0, hint="The path ends after so long; 0 = no limit"
         )
         self._time.on_update(reaction(lambda value: self._shape(duration=number_in(value, 0.0, LONGEST_DURATION))))
-        meaning = quantities(type(scenario.gains.path))["stroke_smoothing"]
+        meaning = quantities(type(scenario.params.path))["stroke_smoothing"]
         self._smoothing = gui.add_number(
             "Smoothing m", self.smoothing, min=meaning.low, max=meaning.high, step=1.0, hint=meaning.text
         )
@@ -119,7 +119,7 @@ class SteerPanel:
 
     def stroke_end(self, use: StrokeUse = StrokeUse.PATH, robot: int | None = None) -> StrokeEnd:
         """The end of a stroke that is drawn now, for a robot (index from 0) or the one that is influenced."""
-        waits = use in (StrokeUse.PATH, StrokeUse.AMEND) and not self._view.commit_at_once
+        waits = use in (StrokeUse.PATH, StrokeUse.REDRAW) and not self._view.commit_at_once
         return StrokeEnd(
             smoothing=self.smoothing, robot=robot, preview=waits, use=use.value, ending=self.ending, pace=self.pace,
             duration=self.duration,
@@ -168,8 +168,8 @@ class SteerPanel:
             self._take(snapshot.scenario)
         self._picker.show(state.intent.influenced, len(state.motion.position))
         self._show_path(in_hand(state))
-        if state.drawing.paths is not self._paths:
-            self._paths = state.drawing.paths
+        if state.pointer_state.paths is not self._paths:
+            self._paths = state.pointer_state.paths
             self._drawn.options = self._names()
             self._drawn.value = self._names()[-1]
         for widget, value in (
@@ -186,7 +186,7 @@ class SteerPanel:
 
     def _take(self, scenario: "Scenario") -> None:
         """Offers the strokes of a scenario that was loaded, and its smoothing."""
-        self._scenario, self.smoothing = scenario, scenario.gains.path.stroke_smoothing
+        self._scenario, self.smoothing = scenario, scenario.params.path.stroke_smoothing
         for button in self._strokes:
             button.remove()
         self._offer(scenario)

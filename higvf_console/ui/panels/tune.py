@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import viser
 
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.edits import SetParameters
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.quantity import Quantity
@@ -34,13 +34,13 @@ class TunePanel:
     def __init__(self, gui: viser.GuiApi, session: "Session", sink: PointerSink) -> None:
         """Builds a field for every tunable; those of the chosen group are seen."""
         self._session, self._sink = session, sink
-        self._scenario, self._gains = session.scenario.gains, session.setup.gains
+        self._scenario, self._params = session.scenario.params, session.setup.params
         self._typed = Typed[str, object]()
         self._wrong = ""  # with what was asked last
         self._asked_at = -math.inf
         self._latest: Event | None = None
         self._before = self._latest
-        self._described: tuple[Gains, Gains, str] | None = None
+        self._described: tuple[Parameters, Parameters, str] | None = None
         names: dict[str, Any] = dict.fromkeys((*PRESETS, OWN))
         self._preset = gui.add_dropdown(
             "Preset", tuple(names), hint="Factors of the scenario's values; what it does not name is as in the scenario"
@@ -60,7 +60,7 @@ class TunePanel:
         self._reset_all.on_click(reaction(lambda _: self._take(AS_IN_THE_SCENARIO)))
 
     def _make_field(self, gui: viser.GuiApi, name: str) -> Field:
-        quantity, value = quantity_of(name), parameter(self._gains, name)
+        quantity, value = quantity_of(name), parameter(self._params, name)
         if math.isinf(quantity.high):
             field: Field = gui.add_text(" ", shown(value))
         else:
@@ -103,30 +103,30 @@ class TunePanel:
 
     def update(self, snapshot: "Snapshot") -> None:
         """Sends what is meant; shows the tunables in force and marks what differs from the scenario."""
-        self._scenario, self._gains = self._session.scenario.gains, snapshot.setup.gains
+        self._scenario, self._params = self._session.scenario.params, snapshot.setup.params
         self._hear(snapshot.events)
         self._send()
-        mirror(self._preset, preset_name(self._gains, self._scenario) or OWN)
+        mirror(self._preset, preset_name(self._params, self._scenario) or OWN)
         for name, field in self._fields.items():
             if name not in self._typed:
-                value = parameter(self._gains, name)
+                value = parameter(self._params, name)
                 held = shown(value) if isinstance(field, viser.GuiTextHandle) else round(value, DIGITS)
                 mirror(field, held, TYPED_S + SETTLE_S)
         self._note.content = block(note_html(self._group, self._wrong))
-        described = (self._gains, self._scenario, self._group)
+        described = (self._params, self._scenario, self._group)
         if self._described != described:
             self._described = described
             self._describe()
 
     def _describe(self) -> None:
         """Shows the fields of the group, what each means, and what differs."""
-        self._head.content = block(f'<span class="dim">{text(about(self._gains, self._group))}</span>')
+        self._head.content = block(f'<span class="dim">{text(about(self._params, self._group))}</span>')
         for name, field in self._fields.items():
             usual = parameter(self._scenario, name)
             field.visible = name.split(".")[0] == self._group
-            field.label = label_of(name, differs=parameter(self._gains, name) != usual)
+            field.label = label_of(name, differs=parameter(self._params, name) != usual)
             field.hint = hint_of(name, usual)
-        different = differences(self._gains, self._scenario)
+        different = differences(self._params, self._scenario)
         self._changed.content = block(changed_html(different))
         self._reset.disabled = not any(name.split(".")[0] == self._group for name, *_ in different)
         self._reset_all.disabled = not different
@@ -184,14 +184,14 @@ def hint_of(name: str, usual: float) -> str:
     return f"{quantity.text} {limits}; {shown(usual)} in the scenario.{fixed}"
 
 
-def about(gains: Gains, group: str) -> str:
+def about(params: Parameters, group: str) -> str:
     """What a group of tunables is for."""
-    return str(type(getattr(gains, group)).__doc__ or "")
+    return str(type(getattr(params, group)).__doc__ or "")
 
 
-def differences(gains: Gains, scenario: Gains) -> tuple[tuple[str, float, float], ...]:
+def differences(params: Parameters, scenario: Parameters) -> tuple[tuple[str, float, float], ...]:
     """Name, value in the scenario and value now of each tunable that differs."""
-    values = ((name, parameter(scenario, name), parameter(gains, name)) for name in parameter_names())
+    values = ((name, parameter(scenario, name), parameter(params, name)) for name in parameter_names())
     return tuple((name, usual, value) for name, usual, value in values if usual != value)
 
 

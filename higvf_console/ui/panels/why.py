@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import viser
 
+from higvf_console.analysis.active_constraints import active_constraints
 from higvf_console.analysis.explain import explain
 from higvf_console.analysis.sight import sights
-from higvf_console.analysis.tight_rows import tight_rows
 from higvf_console.core.arrays import ints
 from higvf_console.sim.certificates import certificates
-from higvf_console.ui.panels.shares import ShareHistory, bands_svg, legend_html
+from higvf_console.ui.panels.authority import AuthorityHistory, bands_svg, legend_html
 from higvf_console.ui.panels.why_tables import certificate_html, parts_html, rows_html, sight_html
 from higvf_console.ui.panels.widgets.callbacks import mirror, reaction, truth
 from higvf_console.ui.panels.widgets.html import block
@@ -34,13 +34,13 @@ class WhyPanel:
         """Builds the choices and explains the present moment once, which loads all that later moments need."""
         self._view = view
         self._robots = len(session.setup.start.motion.position)
-        self._history, self._updates = ShareHistory(), 0
+        self._history, self._updates = AuthorityHistory(), 0
         self._picker = RobotPicker(gui, "Explain", self._robots, self._choose, hint=_WHICH, nobody=_STEERED)
         self._arrows = self._make_switch(gui, "reasons", "Arrows in the arena", "The parts of the velocity, in colour")
         self._sight = self._make_switch(
             gui, "sights", "Lines of sight", "To the fires that it sees; dashed where an obstacle is in the way"
         )
-        self._parts, self._say, self._seen, self._certified = (gui.add_html("") for _ in range(4))
+        self._parts, self._authority, self._seen, self._certified = (gui.add_html("") for _ in range(4))
         self.update(session.snapshot)
 
     def _make_switch(self, gui: viser.GuiApi, name: str, label: str, hint: str) -> viser.GuiCheckboxHandle:
@@ -69,21 +69,23 @@ class WhyPanel:
 
     def _explain(self, snapshot: "Snapshot", robot: int) -> None:
         team = np.arange(self._robots) if self._robots <= MOST_SHARED else ints([robot])
-        why = explain(snapshot.last, snapshot.setup.gains, team)
+        why = explain(snapshot.last, snapshot.setup.params, team)
         row = robot if self._robots <= MOST_SHARED else 0
         velocity = snapshot.last.after.velocity[robot]
-        tight = tight_rows(robot, snapshot.last, snapshot.setup)
+        tight = active_constraints(robot, snapshot.last, snapshot.setup)
         self._parts.content = block(parts_html(robot, why.parts[row], velocity) + rows_html(tight))
         self._history.add(snapshot.time, robot, why.say[row], why.say.mean(axis=0))
         time, own, shared = self._history.curves()
         charts = [bands_svg(f"robot {robot + 1}", time, own)]
         if 1 < self._robots <= MOST_SHARED:
             charts.append(bands_svg("team", time, shared))
-        self._say.content = block(f'<div class="title">Who has a say</div>{"".join(charts)}<div>{legend_html()}</div>')
+        self._authority.content = block(
+            f'<div class="title">Who has a say</div>{"".join(charts)}<div>{legend_html()}</div>'
+        )
 
     def cleanup(self) -> None:
         """Removes everything."""
         for widget in (
-            self._picker, self._arrows, self._sight, self._parts, self._say, self._seen, self._certified,
+            self._picker, self._arrows, self._sight, self._parts, self._authority, self._seen, self._certified,
         ):  # fmt: skip
             widget.remove()

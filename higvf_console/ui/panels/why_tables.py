@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from higvf_console.analysis.active_constraints import ActiveConstraint
 from higvf_console.analysis.explain import Part
 from higvf_console.analysis.sight import Sight, hider_names
-from higvf_console.analysis.tight_rows import TightRow
 from higvf_console.core.arrays import Floats
 from higvf_console.sim.certificates import CONNECTED, Certificate
 from higvf_console.sim.setup import Setup
@@ -60,7 +60,7 @@ def signed(value: float) -> str:
     return f"{_MINUS}{shown}" if value < 0.0 and float(shown) != 0.0 else shown
 
 
-def rows_html(rows: Sequence[TightRow]) -> str:
+def rows_html(rows: Sequence[ActiveConstraint]) -> str:
     """What holds the robot back, with its distance and the least one."""
     if not rows:
         return '<div class="held dim">No barrier holds it back.</div>'

@@ -11,8 +11,8 @@ from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.ground import joined
 from higvf_console.ui.scene.parts import Canvas, Layer
 from higvf_console.ui.scene.path import path_outline
+from higvf_console.world.editing.entities import Place, centres, exists, numbers_of
 from higvf_console.world.editing.layout import layout_of
-from higvf_console.world.editing.things import Place, centres, exists, numbers_of
 
 _SQUARE, _DISC = 5.0, 6.0  # half a side, radius [px]
 _DASH = 6.0  # [px]
@@ -53,7 +53,7 @@ class EditLayer:
 
     def _ghost_of(self, drag: Drag, state: SimState) -> Floats:
         motion, layout = state.motion, self._layout
-        if drag.bends:
+        if drag.moves_path:
             return self._bent(drag, state)
         if drag.link != NOBODY and drag.link < len(motion.position):
             return floats([[centres(layout, motion)[drag.link], drag.now]])

@@ -27,7 +27,7 @@ class FieldLayer:
         self._arrows = canvas.lines(Layer.FIELD, "/field", canvas.palette.field, 1.4)
         self._shown: tuple[FieldKind | None, SimState | None] = (None, None)
         self._next = 0.0
-        field_at(FieldKind.PATH, self._points, setup.start, setup.world, setup.gains)
+        field_at(FieldKind.PATH, self._points, setup.start, setup.world, setup.params)
 
     def update(self, kind: FieldKind | None, state: SimState) -> None:
         """Shows the field of a kind; None hides the arrows."""
@@ -39,7 +39,7 @@ class FieldLayer:
         if kind is None:
             self._arrows.draw(floats([], 0, 2, 2))
             return
-        vectors = field_at(kind, self._points, state, self._setup.world, self._setup.gains)
+        vectors = field_at(kind, self._points, state, self._setup.world, self._setup.params)
         self._arrows.draw(shapes.arrows(self._points, vectors, self._length))
 
 

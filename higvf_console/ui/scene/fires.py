@@ -36,7 +36,7 @@ class FireLook(NamedTuple):
 def fire_look(state: SimState, trace: Trace, setup: Setup) -> FireLook:
     """How the fires stand."""
     motion = state.motion
-    work = setup.gains.fires.extinguish_time * motion.fire_radius
+    work = setup.params.fires.extinguish_time * motion.fire_radius
     progress = np.divide(motion.fire_progress, work, out=np.ones_like(work), where=work > 0.0)
     return FireLook(
         motion.fire_burning,
@@ -86,7 +86,7 @@ class Fires:
         flames = np.where(look.burning, radius, 0.0)
         self._disc.place(at, scale=flames)
         self._rim.place(at, scale=flames)
-        self._zone.place(at, scale=np.where(look.burning, radius + self._setup.gains.fires.stand_off, 0.0))
+        self._zone.place(at, scale=np.where(look.burning, radius + self._setup.params.fires.stand_off, 0.0))
         self._progress.draw(progress_arcs(at, radius, look, 3 * self._canvas.px))
         if before is None or not np.array_equal(before.fought, look.fought):
             self._rim.highlight(self._canvas.palette.fire_edge, look.fought, self._canvas.palette.progress)

@@ -49,8 +49,8 @@ class Ghosts:
         if preview is not self._shown:
             self._shown = preview
             self._show(preview)
-        if state.drawing.pending is not self._pending:
-            self._pending = state.drawing.pending
+        if state.pointer_state.pending is not self._pending:
+            self._pending = state.pointer_state.pending
             self._path.draw(dashes(self._pending, self._canvas))
         self._propose(state)
 
@@ -69,11 +69,11 @@ class Ghosts:
         self._ends.place(preview.tracks[:, -1])
 
     def _propose(self, state: SimState) -> None:
-        gains, motion = self._setup.gains, state.motion
-        robot = proposal(state.drawing, motion.tick * gains.safety.control_period)
+        params, motion = self._setup.params, state.motion
+        robot = proposal(state.pointer_state, motion.tick * params.safety.control_period)
         self._proposed.show(robot != NOBODY)
         if robot != NOBODY:
-            centres = body_centres(motion.position, motion.heading, gains.robots.look_ahead)
+            centres = body_centres(motion.position, motion.heading, params.robots.look_ahead)
             self._proposed.place(centres[robot : robot + 1])
 
 

@@ -45,7 +45,7 @@ class Ground:
 
 def boundaries(canvas: Canvas, setup: Setup) -> list[Lines]:
     """Reactive boundary R dashed, repulsive boundary Q drawn through."""
-    rings, seen, colour = setup.gains.rings, setup.arena, canvas.palette.boundary
+    rings, seen, colour = setup.params.boundaries, setup.arena, canvas.palette.boundary
     reactive = canvas.lines(Layer.BOUNDARY, "/ground/reactive", colour, NOMINAL.boundary)
     dash = 5 * canvas.px
     dashes = joined([shapes.dashed(o, dash, dash) for o in obstacle_outlines(setup, rings.reactive_margin)])
@@ -59,11 +59,13 @@ def boundaries(canvas: Canvas, setup: Setup) -> list[Lines]:
 def obstacle_outlines(setup: Setup, margin: float) -> list[Floats]:
     """Closed outlines (n, 2), `margin` [m] away from what robots go round: lone parts, and the hulls of groups."""
     world = setup.world
-    starts = world.ring_start[0]
+    starts = world.boundary_start[0]
     hulls = [world.hull[first:last] for first, last in pairwise(starts)]
     return [
-        shapes.inflated(hull, margin) if len(hull) else shapes.capsule(ring[:2], ring[2:4], ring[4] + margin)
-        for ring, hull in zip(world.ring, hulls, strict=True)
+        shapes.inflated(hull, margin)
+        if len(hull)
+        else shapes.capsule(boundary[:2], boundary[2:4], boundary[4] + margin)
+        for boundary, hull in zip(world.boundary, hulls, strict=True)
     ]
 
 

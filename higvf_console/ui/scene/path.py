@@ -4,7 +4,7 @@ import numpy as np
 
 from higvf_console.control.guidance.paths import path_points
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.core.state import Drawing, Path, PathKind, SimState
+from higvf_console.core.state import Path, PathKind, PointerState, SimState
 from higvf_console.core.viewport import Arena
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.glyphs import Triangles, merged
@@ -48,7 +48,7 @@ class PathLayer:
             heads = shapes.chevrons(self._outline, _CHEVRON_SPACING * px, _CHEVRON * px, path.direction)
             self._chevrons.reshape(heads if len(self._outline) > 1 else merged([]))
         self._split(path, state.motion.path_parameter)
-        self._draw_hand(state.drawing)
+        self._draw_hand(state.pointer_state)
 
     def _split(self, path: Path, parameter: float) -> None:
         travelled = 0.0 if path.closed or path.kind == PathKind.LINE else parameter
@@ -66,16 +66,16 @@ class PathLayer:
         self._ahead.draw(pieces[ahead])
         self._done.draw(pieces[~ahead])
 
-    def _draw_hand(self, drawing: Drawing) -> None:
-        if drawing.stroke is not self._stroke_shown:
-            self._stroke_shown = drawing.stroke
-            self._stroke.draw(shapes.segments(thinned(drawing.stroke, _MOST_STROKE_POINTS)))
-        seen = bool(np.isfinite(drawing.cursor).all())
+    def _draw_hand(self, pointer_state: PointerState) -> None:
+        if pointer_state.stroke is not self._stroke_shown:
+            self._stroke_shown = pointer_state.stroke
+            self._stroke.draw(shapes.segments(thinned(pointer_state.stroke, _MOST_STROKE_POINTS)))
+        seen = bool(np.isfinite(pointer_state.cursor).all())
         self._cursor.show(seen)
-        self._clutch.show(seen and drawing.clutch)
+        self._clutch.show(seen and pointer_state.clutch)
         if seen:
-            self._cursor.place(drawing.cursor[None, :])
-            self._clutch.place(drawing.cursor[None, :])
+            self._cursor.place(pointer_state.cursor[None, :])
+            self._clutch.place(pointer_state.cursor[None, :])
 
 
 def path_outline(path: Path, arena: Arena) -> tuple[Floats, Floats]:

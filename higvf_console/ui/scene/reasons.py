@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from higvf_console.analysis.explain import Moved, Part, explain
 from higvf_console.analysis.sight import Sight, sights
-from higvf_console.control.gains import controlled
+from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.sim.setup import Setup
 from higvf_console.ui.scene import shapes
@@ -38,8 +38,8 @@ class ReasonLayer:
 
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Starts without arrows."""
-        self._px, self._gains, self._palette = canvas.px, setup.gains, canvas.palette
-        self._scale = LONGEST * canvas.px / controlled(setup.gains).safety.speed_limit
+        self._px, self._params, self._palette = canvas.px, setup.params, canvas.palette
+        self._scale = LONGEST * canvas.px / controlled(setup.params).safety.speed_limit
         self._whole = canvas.lines(Layer.VELOCITY, "/why/velocity", canvas.palette.velocity, 7.0)
         self._chain = canvas.lines(Layer.REASON, "/why/parts", None, 3.0)
 
@@ -49,7 +49,7 @@ class ReasonLayer:
             self._whole.draw(floats([], 0, 2, 2))
             self._chain.draw(floats([], 0, 2, 2))
             return
-        parts = explain(moved, self._gains, ints([robot])).parts[0]
+        parts = explain(moved, self._params, ints([robot])).parts[0]
         at = moved.after.position[robot]
         segments, colours = chain(at, self._scale * parts, self._px, self._palette)
         self._chain.draw(segments, colours)

@@ -29,8 +29,8 @@ from higvf_console.ui.scene.path import PathLayer
 from higvf_console.ui.scene.reasons import ReasonLayer, SightLayer
 from higvf_console.ui.scene.team import Team
 from higvf_console.ui.theme import USUAL_LOOK, Look
+from higvf_console.world.editing.entities import Place, exists, how_many
 from higvf_console.world.editing.layout import Layout
-from higvf_console.world.editing.things import Place, exists, how_many
 
 if TYPE_CHECKING:
     from higvf_console.analysis.preview import Preview
@@ -147,7 +147,7 @@ class Scene:
         self._sights.update(snapshot.last, robot if view.sights else None)
         self._edit.update(state, view.selected if view.editing else None, view.drag)
         self._heat.update(snapshot.inputs.attention, view.heat)
-        self._dwell.update(snapshot.inputs.dwell, state.drawing.cursor)
+        self._dwell.update(snapshot.inputs.dwell, state.pointer_state.cursor)
         self._ground.show_boundaries(view.boundaries)
         self._team.show(links=view.links, trails=view.trails, labels=view.labels, clearance=view.clearance)
 

@@ -5,7 +5,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from higvf_console.control.gains import controlled
+from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Bools, Floats, Ints, floats
 from higvf_console.core.state import SimState, Trace
 from higvf_console.sim.events import too_near
@@ -33,7 +33,7 @@ class Team:
         """One instance a robot."""
         self._canvas, self._setup, ink = canvas, setup, canvas.palette
         self._count = count = len(setup.start.motion.position)
-        clearance = setup.gains.safety.robot_clearance
+        clearance = setup.params.safety.robot_clearance
         self._length = max(0.55 * NOMINAL.robot * canvas.px, min(NOMINAL.robot * canvas.px, 1.1 * clearance))
         self._heading = np.zeros(count)
         self._influenced: int | None = None
@@ -55,12 +55,12 @@ class Team:
 
     def update(self, state: SimState, trace: Trace, time: float) -> None:
         """Shows the team of a snapshot."""
-        motion, gains = state.motion, self._setup.gains
-        at = body_centres(motion.position, motion.heading, gains.robots.look_ahead)
-        if gains.robots.look_ahead > 0.0:
+        motion, params = state.motion, self._setup.params
+        at = body_centres(motion.position, motion.heading, params.robots.look_ahead)
+        if params.robots.look_ahead > 0.0:
             self._heading = motion.heading
         else:
-            self._heading = shapes.headings(motion.velocity, self._heading, gains.blending.cruise_speed)
+            self._heading = shapes.headings(motion.velocity, self._heading, params.blending.cruise_speed)
         self._robots.place(at, self._heading)
         self._clearance.place(at)
         self._points.place(at, motion.position)
@@ -106,9 +106,9 @@ class ControlledPoints:
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """One point a robot, where there are unicycles."""
         ink = canvas.palette
-        body, point = setup.gains.safety.robot_clearance, controlled(setup.gains).safety.robot_clearance
+        body, point = setup.params.safety.robot_clearance, controlled(setup.params).safety.robot_clearance
         robots = len(setup.start.motion.position)
-        ahead, apart = setup.gains.robots.look_ahead > 0.0, point > body
+        ahead, apart = setup.params.robots.look_ahead > 0.0, point > body
         dot = shapes.filled(shapes.circle(0.0, 0.0, 2.2 * canvas.px, 16))
         ring = shapes.annulus(point / 2 - 0.8 * canvas.px, point / 2, 40)
         self._ties = canvas.lines(Layer.CLEARANCE, "/team/look_ahead_ties", ink.robot_text, NOMINAL.link)
@@ -210,8 +210,8 @@ class Trails:
 
 def faded(steps: int, robots: int, palette: Palette = DARK) -> NDArray[np.uint8]:
     """Colours (steps * robots, 2, 3) from the floor's (oldest) to the trail's (newest)."""
-    shares = np.linspace(0.0, 1.0, TRAIL_POINTS)[-steps - 1 :]
-    shades = np.array([vertex_rgb(mixed(palette.floor, palette.trail, share)) for share in shares], np.uint8)
+    authority = np.linspace(0.0, 1.0, TRAIL_POINTS)[-steps - 1 :]
+    shades = np.array([vertex_rgb(mixed(palette.floor, palette.trail, share)) for share in authority], np.uint8)
     return np.repeat(np.stack([shades[:-1], shades[1:]], axis=1), robots, axis=0)
 
 

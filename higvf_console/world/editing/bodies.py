@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.spatial import KDTree
 
-from higvf_console.control.gains import controlled
+from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Floats, floats, ints
-from higvf_console.core.edits import Thing
+from higvf_console.core.edits import EntityKind
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.state import Motion
+from higvf_console.world.editing.entities import Place, how_many, name_of, numbers_of
 from higvf_console.world.editing.layout import Layout, Links
 from higvf_console.world.editing.safe_places import body_fits, diagonal, held_words, nearest_fit
-from higvf_console.world.editing.things import Place, how_many, name_of, numbers_of
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.polygons import (
     MOST_EDGES,
@@ -67,13 +67,13 @@ def fire_sized(row: int, radius: float) -> Callable[[Motion], Motion]:
     return finish
 
 
-def with_body(layout: Layout, motion: Motion, kind: Thing, point: Floats) -> tuple[Layout, str]:
+def with_body(layout: Layout, motion: Motion, kind: EntityKind, point: Floats) -> tuple[Layout, str]:
     """The layout with a new circle or level bar of ordinary size at a point (2,), or as near as is safe."""
     x, y = point.tolist()
-    if kind is Thing.CIRCLE:
+    if kind is EntityKind.CIRCLE:
         body = floats([[x, y, CIRCLE_RADIUS]])
         grown = _with(layout, circles=np.vstack([layout.obstacles.circles, body]))
-    elif kind is Thing.BAR:
+    elif kind is EntityKind.BAR:
         body = floats([[x - BAR_LENGTH / 2, y, x + BAR_LENGTH / 2, y, BAR_HALF_WIDTH]])
         grown = _with(layout, bars=np.vstack([layout.obstacles.bars, body]))
     else:
@@ -93,7 +93,7 @@ def with_outlines(layout: Layout, motion: Motion, outlines: Sequence[Floats]) ->
         raise ScenarioError("there is no outline to make an obstacle of")
     for chain in chains:
         _check_room(layout, motion, lambda points, chain=chain: signed_distance((chain,), points), "the obstacle")
-    first = how_many(Thing.POLYGON, layout) + 1
+    first = how_many(EntityKind.POLYGON, layout) + 1
     names = f"Polygon {first} is" if len(chains) == 1 else f"Polygons {first} to {first + len(chains) - 1} are"
     return _checked(_with(layout, polygons=layout.obstacles.polygons + chains), layout), f"{names} added."
 
@@ -118,9 +118,9 @@ def without(layout: Layout, place: Place) -> Layout:
     """The layout without an obstacle."""
     obstacles = layout.obstacles
     match place.thing:
-        case Thing.CIRCLE:
+        case EntityKind.CIRCLE:
             return _with(layout, circles=floats(np.delete(obstacles.circles, place.row, axis=0)))
-        case Thing.BAR:
+        case EntityKind.BAR:
             return _with(layout, bars=floats(np.delete(obstacles.bars, place.row, axis=0)))
         case _:
             shapes = obstacles_of(obstacles.polygons)
@@ -131,7 +131,7 @@ def links_now(layout: Layout, motion: Motion) -> Links:
     """The communication links in force, as index pairs i < j."""
     if layout.links is not None:
         return layout.links
-    reach = min(layout.gains.formation.communication_range, 1e9)
+    reach = min(layout.params.formation.communication_range, 1e9)
     pairs = KDTree(motion.position).query_pairs(reach, output_type="ndarray")
     return tuple((int(i), int(j)) for i, j in np.sort(pairs, axis=1))
 
@@ -160,12 +160,12 @@ def shaped(layout: Layout, place: Place, new: dict[str, float], was: dict[str, f
     """The layout with an obstacle that has other numbers, whatever it then touches."""
     row, obstacles = place.row, layout.obstacles
     middle = floats([new["x"], new["y"]])
-    if place.thing is Thing.CIRCLE:
+    if place.thing is EntityKind.CIRCLE:
         circles = obstacles.circles.copy()
         circles[row] = (*middle, new["radius"])
         return _with(layout, circles=circles)
     angle = math.radians(new["angle"])
-    if place.thing is Thing.BAR:
+    if place.thing is EntityKind.BAR:
         bars = obstacles.bars.copy()
         spine = 0.5 * new["length"] * np.array([math.cos(angle), math.sin(angle)])
         bars[row] = (*(middle - spine), *(middle + spine), new["half width"])
@@ -198,10 +198,10 @@ def _gap(layout: Layout, place: Place) -> Gap:
     """Distance of points from the surface of an obstacle."""
     obstacles, row = layout.obstacles, place.row
     match place.thing:
-        case Thing.CIRCLE:
+        case EntityKind.CIRCLE:
             x, y, radius = obstacles.circles[row].tolist()
             return _disc(floats([x, y]), radius)
-        case Thing.BAR:
+        case EntityKind.BAR:
             bar = obstacles.bars[row]
             return lambda points: segment_distance(points, bar[:2], bar[2:4]) - bar[4]
         case _:
@@ -216,9 +216,9 @@ def _disc(middle: Floats, radius: float) -> Gap:
 def _extent(place: Place, numbers: dict[str, float]) -> float:
     """How far the surface of an obstacle is from its middle at most [m]."""
     match place.thing:
-        case Thing.CIRCLE:
+        case EntityKind.CIRCLE:
             return numbers["radius"]
-        case Thing.BAR:
+        case EntityKind.BAR:
             return 0.5 * numbers["length"] + numbers["half width"]
         case _:
             return numbers["size"]
@@ -234,7 +234,7 @@ def _held_place(
 
 
 def _check_room(layout: Layout, motion: Motion, gap: Gap, what: str) -> None:
-    least = controlled(layout.gains).safety.obstacle_clearance
+    least = controlled(layout.params).safety.obstacle_clearance
     room = gap(motion.position)
     robot = int(np.argmin(room))
     if room[robot] < 0.0:

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.core.arrays import Ints
-from higvf_console.core.state import NO_PATH, NOBODY, Drawing, Intent, Motion, PathStatus, World
+from higvf_console.core.state import NO_PATH, NOBODY, Intent, Motion, PathStatus, PointerState, World
 from higvf_console.operator.path_commands import ACTING
 
 Number = TypeVar("Number", bound=np.generic)
 NEW = -1  # a row that was not there before
 
-_BY_ROBOT = ("position", "heading", "velocity", "intention", "target", "target_value", "stalled", "rung")
+_BY_ROBOT = ("position", "heading", "velocity", "intention", "target", "target_value", "stalled", "recovery_stage")
 _BY_FIRE = ("fire_radius", "fire_progress", "fire_burning")
 
 
@@ -31,7 +31,7 @@ def carried(motion: Motion, robots: Ints, fires: Ints, before: World, after: Wor
     rows["target"] = _renumbered(rows["target"], fires, len(motion.fire_radius))
     rows["target"][robots == NEW] = NOBODY
     rows["fire_burning"][fires == NEW] = True
-    return motion._replace(**rows, side=_sides(motion.side, robots, fires, before, after))
+    return motion._replace(**rows, circulation=_sides(motion.circulation, robots, fires, before, after))
 
 
 def led_on(motion: Motion, intent: Intent, robots: Ints, fires: Ints, fires_before: int) -> tuple[Motion, Intent]:
@@ -50,12 +50,14 @@ def led_on(motion: Motion, intent: Intent, robots: Ints, fires: Ints, fires_befo
     return motion, intent._replace(influenced=influenced, priority=np.ascontiguousarray(priority[kept]))
 
 
-def waiting_on(drawing: Drawing, robots: Ints) -> Drawing:
+def waiting_on(pointer_state: PointerState, robots: Ints) -> PointerState:
     """What waits, for the robot that it was for; without a path or a proposal whose robot is gone."""
     place = {old: new for new, old in enumerate(robots.tolist()) if old != NEW} | {NOBODY: NOBODY}
-    if drawing.pending_robot not in place:
-        drawing = drawing._replace(pending=NO_PATH, pending_robot=NOBODY, pending_mends=False)
-    return drawing._replace(pending_robot=place[drawing.pending_robot], proposed=place.get(drawing.proposed, NOBODY))
+    if pointer_state.pending_robot not in place:
+        pointer_state = pointer_state._replace(pending=NO_PATH, pending_robot=NOBODY, pending_repairs=False)
+    return pointer_state._replace(
+        pending_robot=place[pointer_state.pending_robot], proposed=place.get(pointer_state.proposed, NOBODY)
+    )
 
 
 def inverse(rows: Ints, before: int) -> Ints:
@@ -82,11 +84,11 @@ def _renumbered(target: Ints, fires: Ints, before: int) -> Ints:
     return np.concatenate([inverse(fires, before), [NOBODY]])[target]
 
 
-def _sides(side: Ints, robots: Ints, fires: Ints, before: World, after: World) -> Ints:
+def _sides(circulation: Ints, robots: Ints, fires: Ints, before: World, after: World) -> Ints:
     """Circulation sides (N, K): those round obstacles that are as they were are kept."""
-    groups = len(after.ring)
-    same = len(before.ring) == groups and bool((before.ring == after.ring).all())
-    own = _taken(side, robots)
-    round_obstacles = own[:, : len(before.ring)] if same else np.zeros((len(robots), groups), np.int64)
-    round_fires = _taken(own[:, len(before.ring) :].T, fires).T
+    groups = len(after.boundary)
+    same = len(before.boundary) == groups and bool((before.boundary == after.boundary).all())
+    own = _taken(circulation, robots)
+    round_obstacles = own[:, : len(before.boundary)] if same else np.zeros((len(robots), groups), np.int64)
+    round_fires = _taken(own[:, len(before.boundary) :].T, fires).T
     return np.ascontiguousarray(np.concatenate([round_obstacles, round_fires], axis=1))

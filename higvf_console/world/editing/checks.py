@@ -51,7 +51,7 @@ def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
     already = set(crowded(before.layout, before.motion))
     if any(int(robots[robot]) not in already for robot in crowded(after.layout, after.motion)):
         layout, world, motion, _ = after
-        check_start(motion.position, *_burning(world, motion), layout.obstacles, layout.gains, _SOURCE)
+        check_start(motion.position, *_burning(world, motion), layout.obstacles, layout.params, _SOURCE)
 
 
 def check_fires(before: Stand, after: Stand) -> None:
@@ -73,7 +73,7 @@ def _newly(check: Callable[[Stand], None], groups: tuple[str, ...], before: Stan
     try:
         check(after)
     except ScenarioError as wrong:
-        if any(getattr(before.layout.gains, group) != getattr(after.layout.gains, group) for group in groups):
+        if any(getattr(before.layout.params, group) != getattr(after.layout.params, group) for group in groups):
             raise
         try:
             check(before)
@@ -84,30 +84,30 @@ def _newly(check: Callable[[Stand], None], groups: tuple[str, ...], before: Stan
 
 def _formation(stand: Stand) -> None:
     layout, motion = stand.layout, stand.motion
-    network = start_network(motion.position, layout.links, layout.gains.formation.communication_range)
-    check_formation(network.degree, layout.gains, _SOURCE)
+    network = start_network(motion.position, layout.links, layout.params.formation.communication_range)
+    check_formation(network.degree, layout.params, _SOURCE)
 
 
 def _intention(stand: Stand) -> None:
     layout = stand.layout
-    if layout.gains.forms.intention == PRINTED:
-        radius = intention_radius(stand.motion.position, layout.links, stand.influenced, layout.gains)
+    if layout.params.forms.intention == PRINTED:
+        radius = intention_radius(stand.motion.position, layout.links, stand.influenced, layout.params)
         check_intention(radius, _SOURCE)
 
 
 def _robots(stand: Stand) -> None:
     growth = stand.world.fire_growth[stand.motion.fire_burning]
-    check_robots(stand.layout.gains, float(growth.max(initial=0.0)), _SOURCE)
+    check_robots(stand.layout.params, float(growth.max(initial=0.0)), _SOURCE)
 
 
 def _rates(stand: Stand) -> None:
     radius, world = _burning(stand.world, stand.motion)
-    check_rates(world, radius, stand.layout.gains, _SOURCE)
+    check_rates(world, radius, stand.layout.params, _SOURCE)
 
 
 def _stand_off(stand: Stand) -> None:
     radius, world = _burning(stand.world, stand.motion)
-    check_stand_off(world, radius, stand.layout.gains, _SOURCE)
+    check_stand_off(world, radius, stand.layout.params, _SOURCE)
 
 
 def _burning(world: World, motion: Motion) -> tuple[Floats, World]:

@@ -11,19 +11,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.control.gains import controlled
+from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Floats, Ints, floats, ints
 from higvf_console.core.edits import (
+    AddEntity,
     AddOutlines,
-    AddThing,
-    ChangeThing,
-    DeleteThing,
+    ChangeEntity,
+    DeleteEntity,
     Edit,
+    EntityKind,
     LinkByRange,
-    MoveThing,
+    MoveEntity,
     SetArena,
     SetParameters,
-    Thing,
     ToggleLink,
 )
 from higvf_console.core.errors import ScenarioError
@@ -34,10 +34,10 @@ from higvf_console.sim.setup import Setup
 from higvf_console.world.editing import bodies
 from higvf_console.world.editing.carry import NEW, carried, led_on, same_rows, waiting_on
 from higvf_console.world.editing.checks import Stand, check_edit, check_fires, check_walls
+from higvf_console.world.editing.entities import NUMBERS, Place, centres, how_many, name_of, numbers_of
 from higvf_console.world.editing.layout import Layout, layout_of, world_of
 from higvf_console.world.editing.parameters import with_parameters
 from higvf_console.world.editing.safe_places import diagonal, held_words, nearest_fit, placed, resettled, robot_fits
-from higvf_console.world.editing.things import NUMBERS, Place, centres, how_many, name_of, numbers_of
 
 FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire [m], [m/s]
 _OF_PATH = ("path_parameter", "path_status", "path_idle", "path_gap", "path_left")  # what a start keeps of its motion
@@ -97,15 +97,15 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
     motion, intent = led_on(motion, state.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
     start, start_intent = led_on(start, setup.start.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
     new = Setup(
-        layout.arena, world, layout.gains, setup.start._replace(motion=start, intent=start_intent),
+        layout.arena, world, layout.params, setup.start._replace(motion=start, intent=start_intent),
         layout.obstacles.polygons,
     )  # fmt: skip
-    drawing = waiting_on(state.drawing, draft.robots)
-    return Edited(new, SimState(motion, intent, drawing), draft.robots, draft.fires, draft.text)
+    pointer_state = waiting_on(state.pointer_state, draft.robots)
+    return Edited(new, SimState(motion, intent, pointer_state), draft.robots, draft.fires, draft.text)
 
 
 def _clearance(layout: Layout) -> float:
-    return controlled(layout.gains).safety.obstacle_clearance
+    return controlled(layout.params).safety.obstacle_clearance
 
 
 def _start(setup: Setup, draft: _Draft, layout: Layout, world: World) -> Motion:
@@ -131,15 +131,15 @@ def _shifted_formation(layout: Layout, draft: _Draft, before: Motion, after: Mot
 def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: PLR0911
     motion = state.motion
     match command:
-        case AddThing(thing=thing, point=point):
+        case AddEntity(thing=thing, point=point):
             return _add(layout, motion, _kind(thing), _on_ground(point)[0])
         case AddOutlines(outlines=outlines):
             return _plain(layout, *bodies.with_outlines(layout, motion, [_on_ground(outline) for outline in outlines]))
-        case MoveThing(thing=thing, index=index, point=point):
+        case MoveEntity(thing=thing, index=index, point=point):
             return _move(layout, motion, _place(layout, thing, index), _on_ground(point)[0])
-        case ChangeThing(thing=thing, index=index, name=name, value=value):
+        case ChangeEntity(thing=thing, index=index, name=name, value=value):
             return _change(layout, motion, _place(layout, thing, index), name, value)
-        case DeleteThing(thing=thing, index=index):
+        case DeleteEntity(thing=thing, index=index):
             return _delete(layout, _place(layout, thing, index))
         case ToggleLink(first=first, second=second):
             return _plain(layout, *_toggle(layout, motion, first, second))
@@ -151,8 +151,8 @@ def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: P
             text = f"The arena is {arena.width:g} m x {arena.height:g} m, {'walled' if walls else 'open'}."
             return _plain(layout, layout._replace(arena=arena, walls=bool(walls)), text)
         case SetParameters(values=values):
-            gains, text = with_parameters(layout, values)
-            return _plain(layout, layout._replace(gains=gains), text)
+            params, text = with_parameters(layout, values)
+            return _plain(layout, layout._replace(params=params), text)
         case _:
             raise ScenarioError(f"{type(command).__name__} is no edit that this console knows")
 
@@ -177,11 +177,11 @@ def _as_it_is(motion: Motion) -> Motion:
     return motion
 
 
-def _kind(word: str) -> Thing:
+def _kind(word: str) -> EntityKind:
     try:
-        return Thing(word)
+        return EntityKind(word)
     except ValueError:
-        raise ScenarioError(f"'{word}' is nothing that can be edited; choose {', '.join(Thing)}") from None
+        raise ScenarioError(f"'{word}' is nothing that can be edited; choose {', '.join(EntityKind)}") from None
 
 
 def _place(layout: Layout, word: str, row: int) -> Place:
@@ -193,14 +193,14 @@ def _place(layout: Layout, word: str, row: int) -> Place:
     return Place(kind, int(row))
 
 
-def _add(layout: Layout, motion: Motion, kind: Thing, point: Floats) -> _Draft:
+def _add(layout: Layout, motion: Motion, kind: EntityKind, point: Floats) -> _Draft:
     robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
-    if kind is Thing.ROBOT:
+    if kind is EntityKind.ROBOT:
         offset = (layout.formation - motion.position).mean(axis=0)
         new = layout._replace(formation=floats(np.vstack([layout.formation, point + offset])))
         text = f"Robot {len(robots) + 1} is added"
         return _Draft(new, np.append(robots, NEW), fires, _robot_put(new, len(robots), point), f"{text}.")
-    if kind is Thing.FIRE:
+    if kind is EntityKind.FIRE:
         row, needs = len(fires), min(2, len(robots))
         new = layout._replace(
             fire_position=floats(np.vstack([layout.fire_position, point])),
@@ -223,7 +223,7 @@ def _robot_put(layout: Layout, robot: int, centre: Floats) -> Callable[[Motion],
     """Puts a robot's centre at a point (2,), or where it is safe near it."""
 
     def finish(motion: Motion) -> Motion:
-        ahead, heading = layout.gains.robots.look_ahead, float(motion.heading[robot])
+        ahead, heading = layout.params.robots.look_ahead, float(motion.heading[robot])
         point = centre + ahead * np.array([math.cos(heading), math.sin(heading)])
         place = nearest_fit(point, robot_fits(robot, layout, motion), diagonal(layout))
         if place is None:
@@ -234,11 +234,11 @@ def _robot_put(layout: Layout, robot: int, centre: Floats) -> Callable[[Motion],
 
 
 def _move(layout: Layout, motion: Motion, place: Place, point: Floats) -> _Draft:
-    if place.thing is Thing.ROBOT:
+    if place.thing is EntityKind.ROBOT:
         put = _robot_put(layout, place.row, point)
         held = held_words(centres(layout, put(motion))[place.row], point)
         return _plain(layout, layout, f"Robot {place.row + 1} is moved{held}.")._replace(finish=put)
-    if place.thing is Thing.FIRE:
+    if place.thing is EntityKind.FIRE:
         at, held = bodies.fire_place(layout, motion, point, float(motion.fire_radius[place.row]))
         position = layout.fire_position.copy()
         position[place.row] = at
@@ -257,11 +257,11 @@ def _change(layout: Layout, motion: Motion, place: Place, name: str, value: floa
     if name in ("x", "y"):
         return _move(layout, motion, place, floats([numbers["x"], numbers["y"]]))
     text = f"{name_of(place).capitalize()} has {name} {value:g} {unit}".rstrip() + "."
-    if place.thing is Thing.ROBOT:
-        if layout.gains.robots.look_ahead == 0.0:
+    if place.thing is EntityKind.ROBOT:
+        if layout.params.robots.look_ahead == 0.0:
             raise ScenarioError("the robots have no heading: they are no unicycles")
         return _plain(layout, layout, text)._replace(finish=_turned(layout, place.row, value))
-    if place.thing is Thing.FIRE:
+    if place.thing is EntityKind.FIRE:
         return _plain(layout, *bodies.fire_changed(layout, motion, place, name, value, text))._replace(
             finish=bodies.fire_sized(place.row, numbers["radius"])
         )
@@ -282,12 +282,12 @@ def _turned(layout: Layout, robot: int, degrees: float) -> Callable[[Motion], Mo
 def _delete(layout: Layout, place: Place) -> _Draft:
     robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
     text = f"{name_of(place).capitalize()} is deleted."
-    if place.thing is Thing.ROBOT:
+    if place.thing is EntityKind.ROBOT:
         if len(robots) == 1:
             raise ScenarioError("robot 1 is the last one; a team has at least one robot")
         kept = np.delete(robots, place.row)
         return _plain(layout, _without_robot(layout, place.row), text)._replace(robots=kept)
-    if place.thing is Thing.FIRE:
+    if place.thing is EntityKind.FIRE:
         kept = np.delete(fires, place.row)
         new = layout._replace(
             fire_position=floats(layout.fire_position[kept]),

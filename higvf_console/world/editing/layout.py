@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.control.gains import Gains, controlled
+from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.core.arrays import Floats, Ints, floats, ints
 from higvf_console.core.state import World
 from higvf_console.core.viewport import Arena
@@ -28,7 +28,7 @@ class Layout(NamedTuple):
         fire_needs: (M,) robots that it takes to extinguish it.
         formation: (N, 2) shape [m].
         links: given links as index pairs i < j; None = the communication range decides.
-        gains: all tunables.
+        params: all tunables.
     """
 
     arena: Arena
@@ -39,7 +39,7 @@ class Layout(NamedTuple):
     fire_needs: Ints
     formation: Floats
     links: Links | None
-    gains: Gains
+    params: Parameters
 
 
 def layout_of(setup: Setup) -> Layout:
@@ -49,9 +49,16 @@ def layout_of(setup: Setup) -> Layout:
     obstacles = Obstacles(world.circles, world.bars[: len(world.bars) - edges], setup.polygons)
     links = None if len(world.link_start) == 0 else link_pairs(world)
     return Layout(
-        setup.arena, len(world.walls) > 0, obstacles, world.fire_position, world.fire_growth, world.fire_needs,
-        world.formation, links, setup.gains,
-    )  # fmt: skip
+        arena=setup.arena,
+        walls=len(world.walls) > 0,
+        obstacles=obstacles,
+        fire_position=world.fire_position,
+        fire_growth=world.fire_growth,
+        fire_needs=world.fire_needs,
+        formation=world.formation,
+        links=links,
+        params=setup.params,
+    )
 
 
 def link_pairs(world: World) -> Links:
@@ -80,5 +87,5 @@ def world_of(layout: Layout, before: World | None = None) -> World:
         )  # fmt: skip
     return make_world(
         obstacles.circles, obstacles.bars, walls, *fires, layout.formation,
-        controlled(layout.gains).safety.obstacle_clearance, links, obstacles.polygons,
+        controlled(layout.params).safety.obstacle_clearance, links, obstacles.polygons,
     )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters, current_name
 from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, quantities, with_values
 from higvf_console.world.editing.layout import Layout
@@ -13,45 +13,46 @@ FIXED = ("safety.control_period", "robots.look_ahead")
 
 def parameter_names() -> tuple[str, ...]:
     """Names of all tunables, as "group.name"."""
-    gains = Gains()
-    groups = [group for group in Gains._fields if group != "forms"]
-    return tuple(f"{group}.{name}" for group in groups for name in quantities(type(getattr(gains, group))))
+    params = Parameters()
+    groups = [group for group in Parameters._fields if group != "forms"]
+    return tuple(f"{group}.{name}" for group in groups for name in quantities(type(getattr(params, group))))
 
 
-def parameter(gains: Gains, name: str) -> float:
+def parameter(params: Parameters, name: str) -> float:
     """A tunable by its name "group.name"."""
     group, key = name.split(".")
-    return float(getattr(getattr(gains, group), key))
+    return float(getattr(getattr(params, group), key))
 
 
 def quantity_of(name: str) -> Quantity:
     """What the tunable "group.name" means."""
     group, key = name.split(".")
-    return quantities(type(getattr(Gains(), group)))[key]
+    return quantities(type(getattr(Parameters(), group)))[key]
 
 
-def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Gains, str]:
+def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Parameters, str]:
     """The gains with other values, and what has changed in words.
 
     Raises:
         ScenarioError: an unknown name, a value out of range, or a tunable that is fixed for a run.
     """
-    gains, known = layout.gains, parameter_names()
+    params, known = layout.params, parameter_names()
+    values = {current_name(name): value for name, value in values.items()}
     for name, value in values.items():
         if name not in known:
             raise ScenarioError(f"there is no parameter '{name}'{closest(name, known)}")
-        if name in FIXED and value != parameter(gains, name):
+        if name in FIXED and value != parameter(params, name):
             raise ScenarioError(f"{name} is fixed for a run: set it in the scenario and load that")
         group, key = name.split(".")
-        gains = gains._replace(**{group: with_values(getattr(gains, group), {key: value}, group)})
-    if gains.rings.reactive_margin <= gains.rings.repulsive_margin:
+        params = params._replace(**{group: with_values(getattr(params, group), {key: value}, group)})
+    if params.boundaries.reactive_margin <= params.boundaries.repulsive_margin:
         raise ScenarioError(
-            f"rings.reactive_margin ({gains.rings.reactive_margin:g} m) must be above "
-            f"rings.repulsive_margin ({gains.rings.repulsive_margin:g} m)"
+            f"boundaries.reactive_margin ({params.boundaries.reactive_margin:g} m) must be above "
+            f"boundaries.repulsive_margin ({params.boundaries.repulsive_margin:g} m)"
         )
-    changed = [name for name in values if parameter(gains, name) != parameter(layout.gains, name)]
+    changed = [name for name in values if parameter(params, name) != parameter(layout.params, name)]
     if not changed:
-        return gains, "The parameters are as they were."
+        return params, "The parameters are as they were."
     if len(changed) > 1:
-        return gains, f"{len(changed)} parameters have changed: {', '.join(changed)}."
-    return gains, f"{changed[0]} is {parameter(gains, changed[0]):g} {quantity_of(changed[0]).unit}".rstrip() + "."
+        return params, f"{len(changed)} parameters have changed: {', '.join(changed)}."
+    return params, f"{changed[0]} is {parameter(params, changed[0]):g} {quantity_of(changed[0]).unit}".rstrip() + "."

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters
 from higvf_console.world.editing.parameters import FIXED, parameter, parameter_names
 
 AS_IN_THE_SCENARIO = "As in the scenario"
@@ -12,13 +12,13 @@ PRESETS: Mapping[str, Mapping[str, float]] = {
     "Cautious": {
         "blending.cruise_speed": 0.6,
         "safety.speed_limit": 0.75,
-        "safety.pair_rate": 0.5,
-        "safety.obstacle_rate": 0.5,
+        "safety.pair_gain": 0.5,
+        "safety.obstacle_gain": 0.5,
     },
     # The operator's field prevails over what robot and neighbours intend, and for longer.
-    "Human leads": {"intention.human_weight": 3.0, "intention.robot_weight": 0.5, "path.patience": 2.0},
+    "Human leads": {"intention.human_weight": 3.0, "intention.robot_weight": 0.5, "path.progress_timeout": 2.0},
     # The operator is one voice among others.
-    "Robots lead": {"intention.human_weight": 0.1, "path.patience": 0.5},
+    "Robots lead": {"intention.human_weight": 0.1, "path.progress_timeout": 0.5},
     # A stiffer formation that weighs more in the blend; neighbours agree faster.
     "Tight formation": {
         "formation.formation_rate": 1.5,
@@ -28,7 +28,7 @@ PRESETS: Mapping[str, Mapping[str, float]] = {
 }
 
 
-def preset_values(name: str, scenario: Gains) -> dict[str, float]:
+def preset_values(name: str, scenario: Parameters) -> dict[str, float]:
     """All tunables that can change in a run, by "group.name", as a preset has them.
 
     Args:
@@ -43,9 +43,9 @@ def preset_values(name: str, scenario: Gains) -> dict[str, float]:
     }
 
 
-def preset_name(gains: Gains, scenario: Gains) -> str | None:
+def preset_name(params: Parameters, scenario: Parameters) -> str | None:
     """The preset that some tunables are; None = none of them."""
     for name in PRESETS:
-        if all(parameter(gains, tunable) == value for tunable, value in preset_values(name, scenario).items()):
+        if all(parameter(params, tunable) == value for tunable, value in preset_values(name, scenario).items()):
             return name
     return None

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.spatial import KDTree
 
-from higvf_console.control.gains import controlled
+from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Bools, Floats, floats
 from higvf_console.core.state import Motion
 from higvf_console.world.editing.layout import Layout
@@ -55,7 +55,7 @@ def _closest(point: Floats, places: Floats, fits: Fits, least: float) -> Floats:
 def robot_fits(robot: int, layout: Layout, motion: Motion) -> Fits:
     """Where the controlled point of a robot may be, the others staying where they are."""
     others = np.delete(motion.position, robot, axis=0)
-    least = controlled(layout.gains).safety.robot_clearance + _HAIR
+    least = controlled(layout.params).safety.robot_clearance + _HAIR
     tree = KDTree(others) if len(others) else None
     clear = clear_of(layout, motion, _HAIR)
 
@@ -70,7 +70,7 @@ def clear_of(layout: Layout, motion: Motion, spare: float) -> Fits:
     """Which points keep clear of obstacles, burning fires and walls, with so much to spare [m]."""
     burning = np.column_stack([layout.fire_position, motion.fire_radius])[motion.fire_burning]
     room = obstacle_room(layout.obstacles._replace(circles=np.vstack([layout.obstacles.circles, burning])))
-    least = controlled(layout.gains).safety.obstacle_clearance + spare
+    least = controlled(layout.params).safety.obstacle_clearance + spare
 
     def fits(points: Floats) -> Bools:
         gaps = (room(points), *(wall_gaps(points, layout.arena) if layout.walls else ()))
@@ -89,7 +89,7 @@ def body_fits(middle: Floats, gap: Callable[[Floats], Floats], extent: float, la
         layout: for the clearance.
         motion: where the robots are.
     """
-    least = controlled(layout.gains).safety.obstacle_clearance + _HAIR
+    least = controlled(layout.params).safety.obstacle_clearance + _HAIR
     tree = KDTree(motion.position)
 
     def fits(points: Floats) -> Bools:
@@ -115,7 +115,7 @@ def resettled(layout: Layout, motion: Motion) -> Motion | None:
 
 def crowded(layout: Layout, motion: Motion) -> list[int]:
     """Robots that stand too near to an obstacle, a burning fire, a wall or a robot."""
-    least = controlled(layout.gains).safety.robot_clearance
+    least = controlled(layout.params).safety.robot_clearance
     pairs = KDTree(motion.position).query_pairs(least - _HAIR, output_type="ndarray")
     near = ~clear_of(layout, motion, -_HAIR)(motion.position)
     near[pairs.ravel()] = True
@@ -130,11 +130,11 @@ def held_words(place: Floats, wanted: Floats) -> str:
 
 def placed(motion: Motion, robot: int, place: Floats) -> Motion:
     """The motion with a robot's controlled point at `place` (2,) [m], at rest."""
-    position, velocity, stalled, rung = (
-        array.copy() for array in (motion.position, motion.velocity, motion.stalled, motion.rung)
+    position, velocity, stalled, recovery_stage = (
+        array.copy() for array in (motion.position, motion.velocity, motion.stalled, motion.recovery_stage)
     )
-    position[robot], velocity[robot], stalled[robot], rung[robot] = place, 0.0, 0.0, 0
-    return motion._replace(position=position, velocity=velocity, stalled=stalled, rung=rung)
+    position[robot], velocity[robot], stalled[robot], recovery_stage[robot] = place, 0.0, 0.0, 0
+    return motion._replace(position=position, velocity=velocity, stalled=stalled, recovery_stage=recovery_stage)
 
 
 def diagonal(layout: Layout) -> float:

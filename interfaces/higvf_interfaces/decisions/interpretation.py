@@ -36,7 +36,7 @@ class Interpreter:
         self._actions = label_map(defaults, options)
         self._evidence = EvidenceTable(options, base)
         self._confirm = options.number("confirm", 0.0, 0.0, 1.0)
-        self._patience = options.number("confirm_within", 5.0, 0.1, 3600.0, "s")
+        self._timeout = options.number("confirm_within", 5.0, 0.1, 3600.0, "s")
         self.restart()
 
     def restart(self) -> None:
@@ -114,7 +114,7 @@ class Interpreter:
         if not isinstance(wanted, Pick) or wanted.confidence is None or wanted.confidence >= self._confirm:
             return wanted
         self._proposed += 1
-        return ProposePick(wanted.robot, self._patience, confidence=wanted.confidence)
+        return ProposePick(wanted.robot, self._timeout, confidence=wanted.confidence)
 
     def _needed(self, label: str) -> Evidence:
         return self._evidence.of(self._actions.get(label, IDLE))

@@ -156,7 +156,16 @@ def look(source: str) -> TextFile:
     delimiter = max("\t;,", key=first_line.count)
     titles = [title.strip().strip('"') for title in first_line.split(delimiter)]
     columns = tuple(map(_column, range(len(titles)), titles))
-    return TextFile(path, encoding, delimiter, complete, first_line, columns, head, packed)
+    return TextFile(
+        path=path,
+        encoding=encoding,
+        delimiter=delimiter,
+        complete=complete,
+        first_line=first_line,
+        columns=columns,
+        head=head,
+        packed=packed,
+    )
 
 
 def cell(row: list[str], column: Column | None) -> str:

@@ -162,7 +162,7 @@ class GazeReplay:
         self._toggled = False  # by the button: drawing is wanted
         self._cursor_shown = False
         self._last_seen = -math.inf
-        self._drawing = False
+        self._pointer_state = False
         self._lifted = False  # the pen lifted itself; the clutch must open before it draws again
         self._stroke: list[Floats] = []
         self._remark = "no stroke yet"
@@ -221,10 +221,10 @@ class GazeReplay:
         wanted = self._wanted(context)
         self._lifted = self._lifted and wanted
         commands: list[OperatorCommand] = []
-        if wanted and not self._drawing and not self._lifted:
-            self._drawing, self._stroke, self._last_seen = True, [], max(self._last_seen, self._now)
+        if wanted and not self._pointer_state and not self._lifted:
+            self._pointer_state, self._stroke, self._last_seen = True, [], max(self._last_seen, self._now)
             commands.append(StrokeBegin())
-        if not self._drawing:
+        if not self._pointer_state:
             return commands
         blind = self._clutch != "always" and self._now - self._last_seen > PEN_UP
         if not wanted or blind:
@@ -237,7 +237,7 @@ class GazeReplay:
             self._stroke += [self._ground(point) for point in grown]
             commands.append(StrokePoints(floats(self._stroke[-len(grown) :])))
         if not wanted or blind:
-            self._drawing, self._lifted, self._toggled = False, blind, False
+            self._pointer_state, self._lifted, self._toggled = False, blind, False
             commands.append(self._end())
         return commands
 

@@ -5,24 +5,24 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from higvf_console.core.arrays import floats
-from higvf_console.core.commands import BendPath, ForgetPath, OperatorCommand, Prioritise, ShapePath, TakeUpPath
+from higvf_console.core.commands import ForgetPath, MovePathPoint, OperatorCommand, Prioritise, ShapePath, TakeUpPath
 from higvf_console.core.edits import (
+    AddEntity,
     AddOutlines,
-    AddThing,
-    ChangeThing,
-    DeleteThing,
+    ChangeEntity,
+    DeleteEntity,
+    EntityKind,
     LinkByRange,
-    MoveThing,
+    MoveEntity,
     SetArena,
     SetParameters,
-    Thing,
     ToggleLink,
 )
 from higvf_console.core.errors import ScriptError
 from higvf_interfaces.fields import Fields, is_number, shown
 
 ENDINGS = ("release", "hold", "loop")
-_ADDED = tuple(thing for thing in Thing if thing is not Thing.POLYGON)  # a polygon is added by its outline
+_ADDED = tuple(thing for thing in EntityKind if thing is not EntityKind.POLYGON)  # a polygon is added by its outline
 _MOST = 1e6
 
 
@@ -35,7 +35,7 @@ class EditAction(NamedTuple):
 
 def _add(fields: Fields) -> OperatorCommand:
     fields.text("thing")
-    return AddThing(fields.choice("thing", "", _ADDED), floats(fields.numbers("at_m", 2)))
+    return AddEntity(fields.choice("thing", "", _ADDED), floats(fields.numbers("at_m", 2)))
 
 
 def _add_outline(fields: Fields) -> OperatorCommand:
@@ -43,16 +43,16 @@ def _add_outline(fields: Fields) -> OperatorCommand:
 
 
 def _move(fields: Fields) -> OperatorCommand:
-    return MoveThing(_thing(fields), fields.whole("number", 1) - 1, floats(fields.numbers("at_m", 2)))
+    return MoveEntity(_thing(fields), fields.whole("number", 1) - 1, floats(fields.numbers("at_m", 2)))
 
 
 def _change(fields: Fields) -> OperatorCommand:
     value = fields.number("value", None, -_MOST, _MOST)
-    return ChangeThing(_thing(fields), fields.whole("number", 1) - 1, fields.text("name"), value)
+    return ChangeEntity(_thing(fields), fields.whole("number", 1) - 1, fields.text("name"), value)
 
 
 def _delete(fields: Fields) -> OperatorCommand:
-    return DeleteThing(_thing(fields), fields.whole("number", 1) - 1)
+    return DeleteEntity(_thing(fields), fields.whole("number", 1) - 1)
 
 
 def _link(fields: Fields) -> OperatorCommand:
@@ -104,9 +104,9 @@ def _shape_path(fields: Fields) -> OperatorCommand:
     )
 
 
-def _bend_path(fields: Fields) -> OperatorCommand:
+def _move_path_point(fields: Fields) -> OperatorCommand:
     grip, point = floats(fields.numbers("grip_m", 2)), floats(fields.numbers("to_m", 2))
-    return BendPath(grip, point, preview=fields.flag("preview", False))
+    return MovePathPoint(grip, point, preview=fields.flag("preview", False))
 
 
 def _take_up_path(fields: Fields) -> OperatorCommand:
@@ -129,7 +129,7 @@ def duration(fields: Fields) -> float:
 
 def _thing(fields: Fields) -> str:
     fields.text("thing")
-    return fields.choice("thing", "", tuple(Thing))
+    return fields.choice("thing", "", tuple(EntityKind))
 
 
 def _numbers(fields: Fields, key: str) -> tuple[int, ...]:
@@ -154,7 +154,7 @@ ACTIONS: Mapping[str, EditAction] = MappingProxyType(
         "set_parameters": EditAction(("parameters",), _set_parameters),
         "prioritise": EditAction(("fires", "robot", "factor"), _prioritise),
         "shape_path": EditAction(("ending", "pace", "duration_s", "closed"), _shape_path),
-        "bend_path": EditAction(("grip_m", "to_m", "preview"), _bend_path),
+        "move_path_point": EditAction(("grip_m", "to_m", "preview"), _move_path_point),
         "take_up_path": EditAction(("number",), _take_up_path),
         "forget_path": EditAction(("number",), _forget_path),
     }

@@ -6,7 +6,7 @@ import numpy as np
 
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand, Pick, Prioritise, ResetRun, StrokeBegin, StrokePoints
-from higvf_console.core.edits import AddThing, Thing
+from higvf_console.core.edits import AddEntity, EntityKind
 from higvf_console.core.errors import ScriptError
 from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.emulation import DELAYS, EmulatedInterface, error_model
@@ -100,7 +100,7 @@ def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
     """
     errors = error_model(option_fields(spec, DELAYS))
     entries = read_script(named(spec.source))
-    added = sum(isinstance(entry.action, AddThing) and entry.action.thing == Thing.ROBOT for entry in entries)
+    added = sum(isinstance(entry.action, AddEntity) and entry.action.thing == EntityKind.ROBOT for entry in entries)
     for entry in entries:
         robot = _robot(entry.action)
         if robot is not None and spec.robots is not None and robot >= spec.robots + added:

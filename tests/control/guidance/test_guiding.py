@@ -8,18 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from higvf_console.control.forms import Forms
-from higvf_console.control.gains import PathGains, RingGains
+from higvf_console.control.guidance.boundaries import find_boundaries
 from higvf_console.control.guidance.bump import zero_in
-from higvf_console.control.guidance.guiding import agree_sides, composite_velocity, guiding_vector
+from higvf_console.control.guidance.guiding import agree_circulation, composite_velocity, guiding_vector
 from higvf_console.control.guidance.paths import EVERYWHERE, circle_path, line_path, sketch_path
-from higvf_console.control.guidance.rings import find_rings
+from higvf_console.control.parameters import BoundaryParameters, PathParameters
 from higvf_console.core.arrays import Ints, bools, floats, ints
 from higvf_console.core.state import NOBODY
 from tests.teams import team
 
-GAINS, RINGS = PathGains(), RingGains()
+GAINS, RINGS = PathParameters(), BoundaryParameters()
 SETUP = team(circles=[(0.0, 0.0, 50.0)])
-WORLD, DISC = SETUP.world, find_rings(SETUP.start.motion, SETUP.world, 12.0)  # one ring round the origin
+WORLD, DISC = SETUP.world, find_boundaries(SETUP.start.motion, SETUP.world, 12.0)  # one ring round the origin
 NOWHERE = (math.nan, math.nan)  # bound for nowhere
 
 
@@ -73,8 +73,8 @@ def test_the_bump_has_no_overflow_next_to_its_boundaries() -> None:
     assert all(0.0 <= b <= 1.0 for b in bumps)
 
 
-def composite(vx: float, vy: float, x: float, y: float, side: int, own: int = NOBODY) -> tuple[float, float]:
-    return composite_velocity(vx, vy, x, y, 0, ints([[side]]), own, *NOWHERE, DISC, WORLD, RINGS, Forms())
+def composite(vx: float, vy: float, x: float, y: float, circulation: int, own: int = NOBODY) -> tuple[float, float]:
+    return composite_velocity(vx, vy, x, y, 0, ints([[circulation]]), own, *NOWHERE, DISC, WORLD, RINGS, Forms())
 
 
 def test_outside_every_ring_the_velocity_passes_bit_for_bit() -> None:
@@ -85,11 +85,11 @@ def test_a_robot_that_heads_out_of_a_ring_is_left_alone() -> None:
     assert composite(5.0, 1.0, 66.0, 0.0, 1) == (5.0, 1.0)
 
 
-@pytest.mark.parametrize("side", [1, -1, 2, -2])
-def test_at_the_repulsive_boundary_the_robot_circulates_on_the_agreed_side_at_full_speed(side: int) -> None:
-    vx, vy = composite(-9.0, 0.5, 64.0, 0.0, side)
+@pytest.mark.parametrize("circulation", [1, -1, 2, -2])
+def test_at_the_repulsive_boundary_the_robot_circulates_on_the_agreed_side_at_full_speed(circulation: int) -> None:
+    vx, vy = composite(-9.0, 0.5, 64.0, 0.0, circulation)
     assert vx == pytest.approx(0.0)
-    assert vy == pytest.approx(math.copysign(math.hypot(9.0, 0.5), side))
+    assert vy == pytest.approx(math.copysign(math.hypot(9.0, 0.5), circulation))
 
 
 @pytest.mark.parametrize("bearing", [0.3, 1.7, 3.0, -2.0])
@@ -106,7 +106,7 @@ def sides(
     positions: list[tuple[float, float]], velocities: list[tuple[float, float]], influenced: int, before: Ints
 ) -> Ints:
     one, nobody = np.zeros(len(positions), np.int64), np.zeros(len(positions), np.bool_)
-    return agree_sides(floats(velocities), floats(positions), before, one, influenced, nobody, DISC, RINGS)
+    return agree_circulation(floats(velocities), floats(positions), before, one, influenced, nobody, DISC, RINGS)
 
 
 def test_the_first_robot_that_heads_inward_sets_the_side_for_its_whole_component() -> None:
@@ -126,5 +126,7 @@ def test_the_side_is_cleared_when_the_ring_is_empty() -> None:
 
 def test_components_agree_apart() -> None:
     position, velocity = floats([(70, 0), (-70, 0)]), floats([(-5, 1), (5, 1)])
-    agreed = agree_sides(velocity, position, ints([[0], [0]]), ints([0, 1]), NOBODY, bools([False, False]), DISC, RINGS)
+    agreed = agree_circulation(
+        velocity, position, ints([[0], [0]]), ints([0, 1]), NOBODY, bools([False, False]), DISC, RINGS
+    )
     assert agreed.tolist() == [[1], [-1]]

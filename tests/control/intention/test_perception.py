@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from higvf_console.control.forms import Forms
-from higvf_console.control.gains import FireGains, PerceptionGains, SafetyGains
 from higvf_console.control.intention.perception import choose_target, fire_value, interval_room, robot_intention
+from higvf_console.control.parameters import FireParameters, PerceptionParameters, SafetyParameters
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.state import NOBODY
 
 NO_CIRCLES, NO_BARS = np.zeros((0, 3)), np.zeros((0, 5))
-PERCEPTION, SAFETY, FIRES = PerceptionGains(), SafetyGains(), FireGains()
+PERCEPTION, SAFETY, FIRES = PerceptionParameters(), SafetyParameters(), FireParameters()
 
 
 def theta(

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linprog
 
-from higvf_console.control.gains import SafetyGains
+from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.safety_filter import filter_velocities
 from higvf_console.core.arrays import Bools, Floats, Ints, bools, floats
 
-SAFETY = SafetyGains()
+SAFETY = SafetyParameters()
 POLYGON = 64  # sides by which a speed limit is replaced in linear programs
 
 
@@ -27,7 +27,7 @@ class Scene(NamedTuple):
     fire_radius: Floats
     fire_rate: Floats
     fire_burning: Bools
-    safety: SafetyGains
+    safety: SafetyParameters
 
 
 def scene(
@@ -37,15 +37,22 @@ def scene(
     bars: Sequence[Sequence[float]] | Floats = (),
     walls: Sequence[Sequence[float]] | Floats = (),
     fires: Sequence[Sequence[float]] | Floats = (),
-    safety: SafetyGains = SAFETY,
+    safety: SafetyParameters = SAFETY,
 ) -> Scene:
     """A scene whose burning fires are given as (x, y, radius, growth)."""
     fire = floats(fires, -1, 4)
     return Scene(
-        floats(position, -1, 2), floats(nominal, -1, 2), floats(circles, -1, 3), floats(bars, -1, 5),
-        floats(walls, -1, 3), fire[:, :2].copy(), fire[:, 2].copy(), fire[:, 3].copy(), bools([True] * len(fire)),
-        safety,
-    )  # fmt: skip
+        position=floats(position, -1, 2),
+        nominal=floats(nominal, -1, 2),
+        circles=floats(circles, -1, 3),
+        bars=floats(bars, -1, 5),
+        walls=floats(walls, -1, 3),
+        fire_position=fire[:, :2].copy(),
+        fire_radius=fire[:, 2].copy(),
+        fire_rate=fire[:, 3].copy(),
+        fire_burning=bools([True] * len(fire)),
+        safety=safety,
+    )
 
 
 def filtered(given: Scene) -> tuple[Floats, Ints, Bools]:
@@ -76,7 +83,7 @@ def random_scene(rng: np.random.Generator, robots: int) -> Scene:
     )
 
 
-def coupled_rows(given: Scene) -> tuple[Floats, Floats]:
+def coupled_constraints(given: Scene) -> tuple[Floats, Floats]:
     """All rows A u <= b of the team, straight from the equations: A (R, 2 N), b (R,)."""
     p, s = given.position, given.safety
     lines: list[Floats] = []
@@ -96,7 +103,7 @@ def coupled_rows(given: Scene) -> tuple[Floats, Floats]:
     def add_obstacle(i: int, r: Floats, radius: float, rate: float = 0.0) -> None:
         clearance, distance = radius + s.obstacle_clearance, math.hypot(*r)
         grown = (clearance + rate * s.control_period) ** 2 - clearance**2
-        margin = 0.5 * s.obstacle_rate * clearance**2 * class_k(distance**2 / clearance**2 - 1.0)
+        margin = 0.5 * s.obstacle_gain * clearance**2 * class_k(distance**2 / clearance**2 - 1.0)
         add(i, -r / distance, (margin - grown / (2.0 * s.control_period)) / distance)
 
     for i in range(len(p)):
@@ -104,7 +111,7 @@ def coupled_rows(given: Scene) -> tuple[Floats, Floats]:
             r = p[i] - p[j]
             distance = math.hypot(*r)
             h = distance**2 / s.robot_clearance**2 - 1.0
-            add(i, -r / distance, 0.5 * s.pair_rate * s.robot_clearance**2 * class_k(h) / distance, j)
+            add(i, -r / distance, 0.5 * s.pair_gain * s.robot_clearance**2 * class_k(h) / distance, j)
         for x, y, radius in given.circles:
             add_obstacle(i, p[i] - (x, y), radius)
         for bar in given.bars:
@@ -113,16 +120,16 @@ def coupled_rows(given: Scene) -> tuple[Floats, Floats]:
             add_obstacle(i, p[i] - a - share * along, bar[4])
         for x, y, offset in given.walls:
             h = (x * p[i, 0] + y * p[i, 1] - offset) / s.obstacle_clearance - 1.0
-            add(i, np.array([-x, -y]), s.obstacle_rate * s.obstacle_clearance * class_k(h))
+            add(i, np.array([-x, -y]), s.obstacle_gain * s.obstacle_clearance * class_k(h))
         for k in range(len(given.fire_position)):
             if given.fire_burning[k]:
                 add_obstacle(i, p[i] - given.fire_position[k], given.fire_radius[k], given.fire_rate[k])
     return np.array(lines).reshape(-1, p.size), np.array(bounds)
 
 
-def half_rows(given: Scene) -> tuple[Floats, Floats]:
+def half_constraints(given: Scene) -> tuple[Floats, Floats]:
     """The distributed rows: every pair row split into its two halves."""
-    matrix, bound = coupled_rows(given)
+    matrix, bound = coupled_constraints(given)
     lines: list[Floats] = []
     bounds: list[float] = []
     for line, b in zip(matrix, bound, strict=True):

@@ -5,27 +5,27 @@ import math
 import numpy as np
 import pytest
 
-from higvf_console.control.gains import SafetyGains
-from higvf_console.control.safety.barriers.arena import wall_row
+from higvf_console.control.parameters import SafetyParameters
+from higvf_console.control.safety.barriers.arena import wall_constraint
 from higvf_console.control.safety.barriers.certificate import (
     check_sampling,
-    fire_reach,
+    fire_activation_distance,
     least_stand_off,
-    obstacle_reach,
+    obstacle_activation_distance,
     sampling_conditions,
     sensing_radius,
 )
-from higvf_console.control.safety.barriers.fire import fire_row
-from higvf_console.control.safety.barriers.obstacle import bar_row, circle_row
-from higvf_console.control.safety.barriers.robot_pair import pair_row
-from higvf_console.control.safety.barriers.row import class_k
+from higvf_console.control.safety.barriers.fire import fire_constraint
+from higvf_console.control.safety.barriers.linear_constraint import class_k
+from higvf_console.control.safety.barriers.obstacle import capsule_constraint, circle_constraint
+from higvf_console.control.safety.barriers.robot_pair import pair_constraint
 from higvf_console.control.safety.barriers.speed_limit import clipped
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.errors import FilterError
 from higvf_console.core.state import World
 from higvf_console.world.build import make_world
 
-SAFETY = SafetyGains()
+SAFETY = SafetyParameters()
 POINTS = np.random.default_rng(5).uniform(-90.0, 90.0, (200, 2))
 
 
@@ -36,7 +36,7 @@ def class_k_slope(clearance: float, distance: float) -> float:
 
 @pytest.mark.parametrize(("x", "y"), POINTS[:60])
 def test_a_velocity_on_the_row_of_a_circle_makes_h_fall_at_the_rate_of_the_barrier(x: float, y: float) -> None:
-    ax, ay, b = circle_row(x, y, 5.0, -3.0, 20.0, SAFETY)
+    ax, ay, b = circle_constraint(x, y, 5.0, -3.0, 20.0, SAFETY)
     clearance, step = 32.0, 1e-6
 
     def h(time: float) -> float:
@@ -44,12 +44,12 @@ def test_a_velocity_on_the_row_of_a_circle_makes_h_fall_at_the_rate_of_the_barri
 
     falling = (h(step) - h(-step)) / (2.0 * step)
     if b > -SAFETY.speed_limit:
-        assert falling == pytest.approx(-SAFETY.obstacle_rate * class_k(h(0.0)), rel=1e-5, abs=1e-5)
+        assert falling == pytest.approx(-SAFETY.obstacle_gain * class_k(h(0.0)), rel=1e-5, abs=1e-5)
 
 
 @pytest.mark.parametrize(("x", "y"), POINTS[:60])
 def test_two_robots_on_their_halves_make_h_fall_at_the_rate_of_the_pair(x: float, y: float) -> None:
-    first, second = pair_row(x, y, 2.0, 3.0, True, SAFETY), pair_row(2.0, 3.0, x, y, False, SAFETY)
+    first, second = pair_constraint(x, y, 2.0, 3.0, True, SAFETY), pair_constraint(2.0, 3.0, x, y, False, SAFETY)
     assert first[2] == second[2]
     step = 1e-6
 
@@ -60,12 +60,12 @@ def test_two_robots_on_their_halves_make_h_fall_at_the_rate_of_the_pair(x: float
 
     falling = (h(step) - h(-step)) / (2.0 * step)
     if first[2] > -SAFETY.speed_limit:
-        assert falling == pytest.approx(-SAFETY.pair_rate * class_k(h(0.0)), rel=1e-5, abs=1e-5)
+        assert falling == pytest.approx(-SAFETY.pair_gain * class_k(h(0.0)), rel=1e-5, abs=1e-5)
 
 
 def test_a_robot_at_the_edge_of_a_growing_fire_is_at_its_edge_one_period_later() -> None:
     x, y, rate = 32.0, 0.0, 1.0
-    ax, ay, b = fire_row(x, y, 0.0, 0.0, 20.0, rate, SAFETY)
+    ax, ay, b = fire_constraint(x, y, 0.0, 0.0, 20.0, rate, SAFETY)
     later = math.hypot(x + SAFETY.control_period * b * ax, y + SAFETY.control_period * b * ay)
     edge = 32.0 + rate * SAFETY.control_period
     assert edge <= later <= edge + 1e-5
@@ -74,31 +74,42 @@ def test_a_robot_at_the_edge_of_a_growing_fire_is_at_its_edge_one_period_later()
 
 def test_a_fire_that_does_not_grow_is_a_circle() -> None:
     for x, y in POINTS:
-        assert fire_row(x, y, 1.0, 2.0, 9.0, 0.0, SAFETY) == circle_row(x, y, 1.0, 2.0, 9.0, SAFETY)
+        assert fire_constraint(x, y, 1.0, 2.0, 9.0, 0.0, SAFETY) == circle_constraint(x, y, 1.0, 2.0, 9.0, SAFETY)
 
 
 def test_a_bar_is_a_circle_round_the_nearest_point_of_its_spine() -> None:
-    assert bar_row(-30.0, 40.0, 0.0, 0.0, 50.0, 0.0, 4.0, SAFETY) == circle_row(-30.0, 40.0, 0.0, 0.0, 4.0, SAFETY)
-    assert bar_row(20.0, 40.0, 0.0, 0.0, 50.0, 0.0, 4.0, SAFETY) == circle_row(20.0, 40.0, 20.0, 0.0, 4.0, SAFETY)
-    assert bar_row(80.0, 40.0, 0.0, 0.0, 50.0, 0.0, 4.0, SAFETY) == circle_row(80.0, 40.0, 50.0, 0.0, 4.0, SAFETY)
-    assert bar_row(20.0, 40.0, 7.0, 7.0, 7.0, 7.0, 4.0, SAFETY) == circle_row(20.0, 40.0, 7.0, 7.0, 4.0, SAFETY)
+    assert capsule_constraint(-30.0, 40.0, 0.0, 0.0, 50.0, 0.0, 4.0, SAFETY) == circle_constraint(
+        -30.0, 40.0, 0.0, 0.0, 4.0, SAFETY
+    )
+    assert capsule_constraint(20.0, 40.0, 0.0, 0.0, 50.0, 0.0, 4.0, SAFETY) == circle_constraint(
+        20.0, 40.0, 20.0, 0.0, 4.0, SAFETY
+    )
+    assert capsule_constraint(80.0, 40.0, 0.0, 0.0, 50.0, 0.0, 4.0, SAFETY) == circle_constraint(
+        80.0, 40.0, 50.0, 0.0, 4.0, SAFETY
+    )
+    assert capsule_constraint(20.0, 40.0, 7.0, 7.0, 7.0, 7.0, 4.0, SAFETY) == circle_constraint(
+        20.0, 40.0, 7.0, 7.0, 4.0, SAFETY
+    )
 
 
 def test_a_wall_lets_nobody_out() -> None:
-    assert wall_row(52.0, 5.0, 1.0, 0.0, 40.0, SAFETY) == (-1.0, 0.0, 0.0)
-    inside, outside = wall_row(64.0, 5.0, 1.0, 0.0, 40.0, SAFETY), wall_row(46.0, 5.0, 1.0, 0.0, 40.0, SAFETY)
-    assert inside[2] == SAFETY.obstacle_rate * SAFETY.obstacle_clearance
-    assert outside[2] == max(-0.5 * SAFETY.obstacle_rate * SAFETY.obstacle_clearance, -SAFETY.speed_limit)
+    assert wall_constraint(52.0, 5.0, 1.0, 0.0, 40.0, SAFETY) == (-1.0, 0.0, 0.0)
+    inside, outside = (
+        wall_constraint(64.0, 5.0, 1.0, 0.0, 40.0, SAFETY),
+        wall_constraint(46.0, 5.0, 1.0, 0.0, 40.0, SAFETY),
+    )
+    assert inside[2] == SAFETY.obstacle_gain * SAFETY.obstacle_clearance
+    assert outside[2] == max(-0.5 * SAFETY.obstacle_gain * SAFETY.obstacle_clearance, -SAFETY.speed_limit)
 
 
 def test_every_row_is_unit_and_asks_for_no_more_than_the_speed_limit() -> None:
     near = [*POINTS, (0.0, 0.0), (1e-8, 0.0), (1e-300, 1e-300), (1e-5, -1e-5)]
     for x, y in near:
         rows = (
-            pair_row(x, y, 0.0, 0.0, True, SAFETY),
-            circle_row(x, y, 0.0, 0.0, 5.0, SAFETY),
-            bar_row(x, y, 0.0, 0.0, 9.0, 9.0, 5.0, SAFETY),
-            fire_row(x, y, 0.0, 0.0, 5.0, 3.0, SAFETY),
+            pair_constraint(x, y, 0.0, 0.0, True, SAFETY),
+            circle_constraint(x, y, 0.0, 0.0, 5.0, SAFETY),
+            capsule_constraint(x, y, 0.0, 0.0, 9.0, 9.0, 5.0, SAFETY),
+            fire_constraint(x, y, 0.0, 0.0, 5.0, 3.0, SAFETY),
         )
         for ax, ay, b in rows:
             assert math.hypot(ax, ay) == pytest.approx(1.0, abs=1e-12)
@@ -107,8 +118,8 @@ def test_every_row_is_unit_and_asks_for_no_more_than_the_speed_limit() -> None:
 
 @pytest.mark.parametrize("apart", [0.0, 1e-12])
 def test_robots_in_one_place_are_sent_apart(apart: float) -> None:
-    first = pair_row(3.0, 4.0, 3.0, 4.0 + apart, True, SAFETY)
-    second = pair_row(3.0, 4.0 + apart, 3.0, 4.0, False, SAFETY)
+    first = pair_constraint(3.0, 4.0, 3.0, 4.0 + apart, True, SAFETY)
+    second = pair_constraint(3.0, 4.0 + apart, 3.0, 4.0, False, SAFETY)
     assert first[:2] == (-second[0], second[1])
     assert first[2] == second[2] == -SAFETY.speed_limit
 
@@ -123,17 +134,17 @@ def test_a_row_just_within_its_reach_matters_and_beyond_it_does_not(limit: float
 
     def bound_at(distance: float, kind: str) -> float:
         if kind == "pair":
-            return pair_row(distance, 0.0, 0.0, 0.0, True, safety)[2]
-        return fire_row(distance, 0.0, 0.0, 0.0, 20.0, 2.0 if kind == "fire" else 0.0, safety)[2]
+            return pair_constraint(distance, 0.0, 0.0, 0.0, True, safety)[2]
+        return fire_constraint(distance, 0.0, 0.0, 0.0, 20.0, 2.0 if kind == "fire" else 0.0, safety)[2]
 
     reaches = {
         "pair": sensing_radius(safety),
-        "circle": obstacle_reach(20.0, safety),
-        "fire": fire_reach(20.0, 2.0, safety),
+        "circle": obstacle_activation_distance(20.0, safety),
+        "fire": fire_activation_distance(20.0, 2.0, safety),
     }
-    for kind, reach in reaches.items():
-        assert bound_at(reach * 0.999, kind) < limit <= bound_at(reach, kind)
-        assert bound_at(reach * 3.0, kind) > limit
+    for kind, activation_distance in reaches.items():
+        assert bound_at(activation_distance * 0.999, kind) < limit <= bound_at(activation_distance, kind)
+        assert bound_at(activation_distance * 3.0, kind) > limit
 
 
 def test_robots_sense_each_other_at_35_metres_with_the_default_gains() -> None:
@@ -160,9 +171,9 @@ def test_the_sampling_condition_has_the_numbers_of_the_derivation() -> None:
 
 def test_a_world_whose_barriers_do_not_hold_between_two_steps_is_refused_with_numbers() -> None:
     nothing = world(np.zeros((0, 3)), np.zeros((0, 3)), 0)
-    with pytest.raises(FilterError, match=r"pair barriers.*= 1\.\d+ exceeds 1 at clearance 25 m.*pair_rate"):
+    with pytest.raises(FilterError, match=r"pair barriers.*= 1\.\d+ exceeds 1 at clearance 25 m.*pair_gain"):
         check_sampling(nothing, floats([]), SAFETY._replace(speed_limit=400.0))
-    with pytest.raises(FilterError, match=r"fire barriers.*obstacle_rate"):
+    with pytest.raises(FilterError, match=r"fire barriers.*obstacle_gain"):
         check_sampling(world(np.zeros((0, 3)), np.zeros((0, 3)), 1), floats([0.0]), SAFETY._replace(speed_limit=370.0))
 
 
@@ -170,7 +181,7 @@ def test_a_world_whose_barriers_do_not_hold_between_two_steps_is_refused_with_nu
 def test_the_least_stand_off_is_where_the_row_of_a_growing_fire_holds_a_robot(radius: float, pushed_out: float) -> None:
     stand_off = least_stand_off(radius, 1.0, SAFETY)
     assert stand_off - SAFETY.obstacle_clearance == pytest.approx(pushed_out, abs=0.06)
-    assert fire_row(radius + stand_off, 0.0, 0.0, 0.0, radius, 1.0, SAFETY)[2] == pytest.approx(0.0, abs=0.02)
+    assert fire_constraint(radius + stand_off, 0.0, 0.0, 0.0, radius, 1.0, SAFETY)[2] == pytest.approx(0.0, abs=0.02)
 
 
 def test_clipping_keeps_the_direction_and_leaves_slow_velocities_alone() -> None:

@@ -3,36 +3,36 @@
 import numpy as np
 import osqp
 import pytest
-from barrier_reference import (
-    SAFETY,
-    Scene,
-    clearance,
-    coupled_rows,
-    filtered,
-    least_violation,
-    random_scene,
-    scene,
-    speeds,
-)
 from scipy import sparse
 
 from higvf_console.control.safety.coupled_filter import CoupledFilter
 from higvf_console.control.safety.nearest_point import (
     CONFLICT,
     OPTIMAL,
-    empty_rows,
+    empty_constraints,
     nearest,
     optimality_error,
     violation,
 )
 from higvf_console.core.arrays import Floats
+from tests.control.safety.barrier_reference import (
+    SAFETY,
+    Scene,
+    clearance,
+    coupled_constraints,
+    filtered,
+    least_violation,
+    random_scene,
+    scene,
+    speeds,
+)
 
 LIMIT = SAFETY.speed_limit
 
 
 def oracle(given: Scene) -> Floats | None:
     """The program [23] by OSQP at high accuracy, without a speed limit on the result."""
-    matrix, bound = coupled_rows(given)
+    matrix, bound = coupled_constraints(given)
     limited = given.nominal * np.minimum(1.0, LIMIT / np.maximum(speeds(given.nominal), 1e-9))[:, None]
     solver = osqp.OSQP()
     solver.setup(
@@ -51,7 +51,7 @@ def test_the_optimum_is_that_of_an_independent_solver_where_the_speed_limit_is_s
     compared = 0
     for _ in range(300):
         given = random_scene(rng, int(rng.integers(1, 9)))
-        if not len(coupled_rows(given)[0]):
+        if not len(coupled_constraints(given)[0]):
             continue
         expected = oracle(given)
         if expected is not None and speeds(expected).max() < LIMIT:
@@ -68,7 +68,7 @@ def test_the_speed_limit_is_part_of_the_problem_and_infeasible_teams_fall_back()
     solved = 0
     for _ in range(300):
         given = random_scene(rng, int(rng.integers(1, 9)))
-        matrix, bound = coupled_rows(given)
+        matrix, bound = coupled_constraints(given)
         before = coupled.fallbacks
         velocity, _, infeasible = coupled.filter_velocities(*given)
         assert speeds(velocity).max() <= LIMIT * (1.0 + 1e-9)
@@ -139,10 +139,10 @@ def test_every_answer_of_the_exact_solver_proves_itself() -> None:
     proven = {OPTIMAL: 0, CONFLICT: 0}
     for _ in range(600):
         members, count = int(rng.integers(1, 6)), int(rng.integers(1, 12))
-        rows = empty_rows(members, count)
+        rows = empty_constraints(members, count)
         for r in range(count):
             angle = rng.uniform(0.0, 2.0 * np.pi)
-            rows.row[r] = unit_row(angle, float(rng.uniform(-0.6, 0.8)))
+            rows.row[r] = unit_constraint(angle, float(rng.uniform(-0.6, 0.8)))
             rows.ends[r] = [*rng.permutation(members), -1][:2]
         nominal = rng.normal(size=(members, 2))
         solution = nearest(nominal, rows, 1.0)
@@ -163,5 +163,5 @@ def test_every_answer_of_the_exact_solver_proves_itself() -> None:
     assert min(proven.values()) > 50
 
 
-def unit_row(angle: float, bound: float) -> tuple[float, float, float]:
+def unit_constraint(angle: float, bound: float) -> tuple[float, float, float]:
     return float(np.cos(angle)), float(np.sin(angle)), bound

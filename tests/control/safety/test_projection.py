@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from barrier_reference import projection_by_enumeration
 
 from higvf_console.control.safety.projection import cull, project
 from higvf_console.core.arrays import Floats
+from tests.control.safety.barrier_reference import projection_by_enumeration
 
 
-def random_rows(rng: np.random.Generator, count: int, limit: float, lowest: float) -> Floats:
+def random_constraints(rng: np.random.Generator, count: int, limit: float, lowest: float) -> Floats:
     angle = rng.uniform(0.0, 2.0 * np.pi, count)
     if count and rng.random() < 0.2:  # parallel, opposite and square rows
         angle[1:] = angle[0] + rng.choice([0.0, 0.5 * np.pi, np.pi], count - 1)
@@ -29,7 +29,7 @@ def test_the_projection_is_exact_or_proven_impossible(lowest: float) -> None:
     impossible = 0
     for _ in range(1500):
         limit = float(rng.choice([1.0, 90.0]))
-        rows = random_rows(rng, int(rng.integers(0, 9)), limit, lowest)
+        rows = random_constraints(rng, int(rng.integers(0, 9)), limit, lowest)
         velocity = 0.6 * limit * rng.normal(size=2)
         found, expected = projected(velocity, rows, limit), projection_by_enumeration(velocity, rows, limit)
         assert (found is None) == (expected is None)
@@ -44,7 +44,7 @@ def test_dropped_rows_never_change_the_projection(lowest: float) -> None:
     rng = np.random.default_rng(3)
     dropped = 0
     for _ in range(1500):
-        rows = random_rows(rng, 12, 1.0, lowest)
+        rows = random_constraints(rng, 12, 1.0, lowest)
         velocity = rng.normal(size=2)
         velocity /= max(1.0, math.hypot(*velocity))
         kept = np.zeros(len(rows), np.int64)
@@ -65,7 +65,7 @@ def test_a_velocity_that_meets_all_rows_comes_back_bit_for_bit() -> None:
     rng = np.random.default_rng(4)
     for _ in range(200):
         velocity = rng.uniform(-60.0, 60.0, 2)
-        rows = random_rows(rng, 6, 90.0, 0.0)
+        rows = random_constraints(rng, 6, 90.0, 0.0)
         rows[:, 2] = rows[:, :2] @ velocity + rng.uniform(0.0, 5.0, 6)
         found = projected(velocity, rows, 90.0)
         assert found is not None and found.tobytes() == velocity.tobytes()

@@ -4,21 +4,21 @@ import math
 
 import numpy as np
 import pytest
-from barrier_reference import (
+
+from higvf_console.control.safety.safety_filter import blocked
+from higvf_console.core.arrays import Floats, bools
+from tests.control.safety.barrier_reference import (
     SAFETY,
     clearance,
-    coupled_rows,
+    coupled_constraints,
     filtered,
-    half_rows,
+    half_constraints,
     least_violation,
     projection_by_enumeration,
     random_scene,
     scene,
     speeds,
 )
-
-from higvf_console.control.safety.safety_filter import blocked
-from higvf_console.core.arrays import Floats, bools
 
 LIMIT = SAFETY.speed_limit
 
@@ -33,7 +33,7 @@ def test_each_robot_gets_the_projection_on_all_its_rows_wherever_all_robots_have
     compared = 0
     for _ in range(400):
         given = random_scene(rng, int(rng.integers(1, 6)))
-        matrix, bound = half_rows(given)
+        matrix, bound = half_constraints(given)
         expected = [
             projection_by_enumeration(given.nominal[i], own_rows(matrix, bound, i), LIMIT)
             for i in range(len(given.position))
@@ -52,7 +52,7 @@ def test_nothing_is_violated_where_the_coupled_rows_have_a_solution_and_else_the
     for _ in range(500):
         given = random_scene(rng, int(rng.integers(1, 9)))
         velocity, _, infeasible = filtered(given)
-        matrix, bound = coupled_rows(given)
+        matrix, bound = coupled_constraints(given)
         if not len(matrix):
             continue
         worst = float((matrix @ velocity.ravel() - bound).max())
@@ -64,7 +64,7 @@ def test_nothing_is_violated_where_the_coupled_rows_have_a_solution_and_else_the
             assert worst <= least + 1e-6 * LIMIT
         else:
             assert worst <= 1e-6 * LIMIT
-            halves, half_bound = half_rows(given)
+            halves, half_bound = half_constraints(given)
             rescued += bool((halves @ velocity.ravel() > half_bound + 1e-6 * LIMIT).any())
     assert rescued > 20
     assert violated > 50
@@ -75,9 +75,9 @@ def test_a_needless_violation_is_never_flagged() -> None:
     tight = 0
     for _ in range(300):
         given = random_scene(rng, int(rng.integers(2, 7)))
-        matrix, bound = coupled_rows(given)
+        matrix, bound = coupled_constraints(given)
         if len(matrix) and least_violation(matrix, bound, LIMIT) < -1e-6 * LIMIT:
-            tight += least_violation(*half_rows(given), LIMIT) > 0.0
+            tight += least_violation(*half_constraints(given), LIMIT) > 0.0
             assert not filtered(given)[2].any()
     assert tight > 5
 
@@ -204,8 +204,10 @@ def test_random_teams_never_lose_clearance_in_closed_loop(seed: int) -> None:
 
 def test_a_crowd_pressed_on_a_growing_fire_gives_way_without_a_violation() -> None:
     angle = 2.399 * np.arange(24)
-    ring = 60.0 + 30.0 * np.sqrt(np.arange(24.0))
-    given = scene(np.c_[ring * np.cos(angle), ring * np.sin(angle)], np.zeros((24, 2)), fires=[[0.0, 0.0, 20.0, 1.0]])
+    boundary = 60.0 + 30.0 * np.sqrt(np.arange(24.0))
+    given = scene(
+        np.c_[boundary * np.cos(angle), boundary * np.sin(angle)], np.zeros((24, 2)), fires=[[0.0, 0.0, 20.0, 1.0]]
+    )
     for _ in range(400):
         inward = -60.0 * given.position / np.hypot(*given.position.T)[:, None]
         velocity, _, infeasible = filtered(given._replace(nominal=inward))

@@ -12,7 +12,7 @@ from higvf_interfaces.formats.records import Decision
 STRICT = Evidence(threshold=0.3, votes=3, of=5, enter=0.8, leave=0.5, refractory=1.0)
 
 
-def heard(labels: str, evidence: Evidence, confidence: float | None = 1.0, spacing: float = 0.1) -> list[Stage]:
+def last_seen(labels: str, evidence: Evidence, confidence: float | None = 1.0, spacing: float = 0.1) -> list[Stage]:
     """The stages of decisions with one-letter labels; a dot is idleness, a comma a gap of ten decisions."""
     state, stages, time = Debounced(), list[Stage](), 0.0
     for label in labels:
@@ -30,42 +30,42 @@ def passed(stages: Sequence[Stage]) -> list[int]:
 
 
 def test_without_any_demand_every_decision_passes() -> None:
-    assert passed(heard("aabba", Evidence())) == [0, 1, 2, 3, 4]
+    assert passed(last_seen("aabba", Evidence())) == [0, 1, 2, 3, 4]
 
 
 def test_a_decision_below_the_threshold_is_held_there_and_one_without_confidence_is_not() -> None:
-    assert heard("a", Evidence(threshold=0.6), 0.59) == [Stage.THRESHOLD]
-    assert heard("a", Evidence(threshold=0.6), None) == [Stage.PASSED]
+    assert last_seen("a", Evidence(threshold=0.6), 0.59) == [Stage.THRESHOLD]
+    assert last_seen("a", Evidence(threshold=0.6), None) == [Stage.PASSED]
 
 
 def test_a_label_needs_n_of_the_last_m_votes() -> None:
-    assert heard("ababa", Evidence(votes=3, of=5)) == [Stage.VOTE] * 4 + [Stage.PASSED]
-    assert heard("abbba", Evidence(votes=3, of=5))[-1] is Stage.VOTE
+    assert last_seen("ababa", Evidence(votes=3, of=5)) == [Stage.VOTE] * 4 + [Stage.PASSED]
+    assert last_seen("abbba", Evidence(votes=3, of=5))[-1] is Stage.VOTE
 
 
 def test_decisions_that_are_too_old_do_not_vote() -> None:
-    assert heard("a,a,a", Evidence(votes=2, of=3, memory=0.5)) == [Stage.VOTE] * 3
-    assert heard("a,a,a", Evidence(votes=2, of=3, memory=5.0)) == [Stage.VOTE, Stage.PASSED, Stage.PASSED]
+    assert last_seen("a,a,a", Evidence(votes=2, of=3, memory=0.5)) == [Stage.VOTE] * 3
+    assert last_seen("a,a,a", Evidence(votes=2, of=3, memory=5.0)) == [Stage.VOTE, Stage.PASSED, Stage.PASSED]
 
 
 def test_a_label_passes_at_its_onset_and_again_only_after_its_support_has_fallen() -> None:
-    stages = heard("aaaaaaaa......aaaaa", STRICT)
+    stages = last_seen("aaaaaaaa......aaaaa", STRICT)
     assert passed(stages) == [3, 11]
     assert stages[:4] == [Stage.VOTE, Stage.VOTE, Stage.HYSTERESIS, Stage.PASSED]
     assert set(stages[4:8]) == {Stage.ONSET}
-    assert passed(heard("aaaaaaaa.aaaaaaaa", STRICT)) == [3], "one idle window does not release it"
+    assert passed(last_seen("aaaaaaaa.aaaaaaaa", STRICT)) == [3], "one idle window does not release it"
 
 
 def test_support_between_leave_and_enter_changes_nothing() -> None:
-    assert passed(heard("aaaaaaaaaa", STRICT, confidence=0.7)) == []
-    assert heard("aaaaa", STRICT, confidence=0.7)[-1] is Stage.HYSTERESIS
+    assert passed(last_seen("aaaaaaaaaa", STRICT, confidence=0.7)) == []
+    assert last_seen("aaaaa", STRICT, confidence=0.7)[-1] is Stage.HYSTERESIS
 
 
 def test_the_refractory_time_holds_a_new_onset() -> None:
     evidence = Evidence(enter=0.8, leave=0.5, refractory=1.0)
-    assert heard("a.a", evidence, spacing=0.4) == [Stage.PASSED, Stage.REFRACTORY]
-    assert heard("a.a", evidence, spacing=0.6) == [Stage.PASSED, Stage.PASSED]
-    assert heard("a.b", evidence, spacing=0.1) == [Stage.PASSED, Stage.PASSED], "each label has its own"
+    assert last_seen("a.a", evidence, spacing=0.4) == [Stage.PASSED, Stage.REFRACTORY]
+    assert last_seen("a.a", evidence, spacing=0.6) == [Stage.PASSED, Stage.PASSED]
+    assert last_seen("a.b", evidence, spacing=0.1) == [Stage.PASSED, Stage.PASSED], "each label has its own"
 
 
 def test_a_decision_without_confidence_is_a_plain_vote() -> None:

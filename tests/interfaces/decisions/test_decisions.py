@@ -9,15 +9,15 @@ from higvf_console.core.commands import (
     ClearPath,
     Clutch,
     Command,
+    EmergencyStop,
     NextTask,
     OperatorCommand,
     Pause,
     Pick,
+    ResetEmergencyStop,
     ResetRun,
-    ResetStop,
     Resume,
     ReversePath,
-    Stop,
 )
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import ChannelState, InputSpec, OperatorContext
@@ -55,8 +55,9 @@ def test_gestures_give_their_default_commands_at_their_own_times(write: Write, a
 
 def test_every_action_is_a_label_by_its_own_name(write: Write, at: ContextAt) -> None:
     expected = {
-        "pause": Pause, "resume": Resume, "stop": Stop, "ask_reset": AskReset, "reset_stop": ResetStop,
-        "clear_path": ClearPath, "reverse_path": ReversePath, "next_task": NextTask, "reset_run": ResetRun,
+        "pause": Pause, "resume": Resume, "stop": EmergencyStop, "ask_reset": AskReset,
+        "reset_stop": ResetEmergencyStop, "clear_path": ClearPath, "reverse_path": ReversePath, "next_task": NextTask,
+        "reset_run": ResetRun,
         "clutch_close": Clutch, "clutch_open": Clutch,
     }  # fmt: skip
     given = emg(write(log(*expected))).poll(at(99.0))
@@ -72,7 +73,7 @@ def test_a_bci_class_picks_the_robot_of_that_number(write: Write, at: ContextAt,
 def test_the_scenarios_labels_go_over_the_defaults(write: Write, at: ContextAt) -> None:
     labels = {"fist": "stop", "point": "robot:3", "open": "none", 7: "pause", "spread": None}
     replay = emg(write(log("fist", "point", "open", "7", "spread", "pinch")), labels=labels)
-    assert types(replay.poll(at(99.0))) == [Stop, Pick, Pause, Clutch]
+    assert types(replay.poll(at(99.0))) == [EmergencyStop, Pick, Pause, Clutch]
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from higvf_console.core.commands import Confirm, Discard, OperatorCommand, Pause, Pick, ProposePick, Stop
+from higvf_console.core.commands import Confirm, Discard, EmergencyStop, OperatorCommand, Pause, Pick, ProposePick
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec, OperatorContext
 from higvf_interfaces.decisions.bci import open_bci
@@ -38,7 +38,7 @@ def test_stop_and_pause_need_one_vote_and_costly_actions_one_more(write: Write, 
 def test_the_evidence_table_goes_over_what_is_usual(write: Write, at: ContextAt) -> None:
     table = {"stop": {"votes": "2/5"}, "robot": {"votes": "1/1", "hysteresis": "0/0"}}
     stop = bci(write, "stop stop stop", votes="3/5", evidence=table)
-    assert given(stop, at)[0] == (Stop, 0.2)
+    assert given(stop, at)[0] == (EmergencyStop, 0.2)
     assert given(bci(write, "robot2", votes="3/5", evidence=table), at) == [(Pick, 0.1)]
 
 
@@ -84,7 +84,7 @@ def test_a_reset_of_the_run_forgets_the_votes(write: Write, at: ContextAt) -> No
     replay = bci(write, "stop stop stop", votes="3/5", evidence={"stop": {"votes": "2/5"}})
     assert replay.poll(at(0.1)) == []
     assert replay.poll(at(0.0)) == []
-    assert given(replay, at)[0] == (Stop, 0.2)
+    assert given(replay, at)[0] == (EmergencyStop, 0.2)
 
 
 def test_a_reset_of_the_run_counts_anew(write: Write, at: ContextAt) -> None:

@@ -32,12 +32,12 @@ def emg(seed: int = 1, cues: Sequence[Trial] = CUES) -> SignalChunk:
     """Two electrodes on large drifting offsets: a fist moves the first muscle, an open hand the second."""
     draw = np.random.default_rng(seed)
     times = np.arange(0.0, cues[-1].end + 0.5, 1 / RATE)
-    gains = np.ones((len(times), 2)) * 5.0
+    params = np.ones((len(times), 2)) * 5.0
     for cue in cues:
         inside = (times >= cue.start) & (times < cue.end)
-        gains[inside] = {"fist": (60.0, 10.0), "open": (10.0, 60.0), "rest": (5.0, 5.0)}[cue.label]
+        params[inside] = {"fist": (60.0, 10.0), "open": (10.0, 60.0), "rest": (5.0, 5.0)}[cue.label]
     offsets = np.array([20_000.0, -5_000.0]) + 10.0 * times[:, None]
-    return SignalChunk(floats(times), floats(offsets + gains * draw.normal(size=(len(times), 2))))
+    return SignalChunk(floats(times), floats(offsets + params * draw.normal(size=(len(times), 2))))
 
 
 def eeg(frequency: float, seconds: float = 8.0, *, hum: float = 0.0, rate: float = 256.0) -> SignalChunk:

@@ -86,10 +86,10 @@ def record(trials: Sequence[Trial], loud: Sequence[int]) -> SignalRecord:
     """Eight electrodes of noise; in each trial the one of that number is ten times louder."""
     draw = np.random.default_rng(0)
     times = floats(np.arange(0.0, trials[-1].end, 1e-3))
-    gains = np.ones((len(times), 8))
+    params = np.ones((len(times), 8))
     for trial, electrode in zip(trials, loud, strict=True):
-        gains[(times >= trial.start) & (times < trial.end), electrode] = 10.0
-    values = floats(gains * draw.normal(size=gains.shape))
+        params[(times >= trial.start) & (times < trial.end), electrode] = 10.0
+    values = floats(params * draw.normal(size=params.shape))
     names = tuple(f"EMG{k}" for k in range(8))
     return SignalRecord(names, ("uV",) * 8, 1000.0, 0.0, "test", [], lambda: sliced(times, values))
 

@@ -30,7 +30,16 @@ ABOUT = "%OpenBCI Raw EXG Data\n%Number of channels = 2\n%Sample Rate = 250 Hz\n
 
 def eeg(kind: str = "EEG", source: str = "a1", *, sign: int = 1, closed: bool = True) -> Stream:
     times = [900.0 + k / 100 for k in range(300)]
-    return Stream("Muse", kind, source, 100, times, [(sign * k, -sign * k) for k in range(300)], ("TP9", "AF7"), closed)
+    return Stream(
+        name="Muse",
+        type=kind,
+        source=source,
+        rate=100,
+        times=times,
+        samples=[(sign * k, -sign * k) for k in range(300)],
+        labels=("TP9", "AF7"),
+        closed=closed,
+    )
 
 
 def marks(*labels: str, kind: str = "Markers", name: str = "Cues") -> Stream:

@@ -6,13 +6,13 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from lsl_devices import Device, until
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.interface import InputSpec, OperatorContext
 from higvf_console.core.viewport import fit
 from higvf_interfaces.gaze.capture import COUNT
 from higvf_interfaces.gaze.interface import GazeReplay, open_gaze
+from tests.interfaces.live.lsl_devices import Device, until
 
 ContextAt = Callable[..., OperatorContext]
 RATE = 60

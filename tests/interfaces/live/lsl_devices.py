@@ -67,9 +67,9 @@ class Device:
         self._outlet = None
 
 
-def until(done: Callable[[], bool], patience: float = PATIENCE) -> None:
+def until(done: Callable[[], bool], timeout: float = PATIENCE) -> None:
     """Waits until something holds, and fails the test when it never does."""
-    deadline = time.monotonic() + patience
+    deadline = time.monotonic() + timeout
     while not done():
         assert time.monotonic() < deadline, "it never came"
         time.sleep(0.005)

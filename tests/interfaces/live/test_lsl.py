@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lsl_devices import Device, until
 
 from higvf_console.core.commands import Cursor, OperatorCommand, Pause, Pick, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.core.errors import InputError
@@ -16,6 +15,7 @@ from higvf_interfaces.decisions.emg import open_emg
 from higvf_interfaces.gaze.interface import GazeReplay, open_gaze
 from higvf_interfaces.live import lsl as live
 from higvf_interfaces.live.lsl import LslReader, Wish
+from tests.interfaces.live.lsl_devices import Device, until
 
 ContextAt = Callable[..., OperatorContext]
 GAZE = ("x", "y", "confidence")
@@ -93,9 +93,9 @@ def test_a_killed_device_falls_silent_and_is_found_again_by_its_source_id(
     until(device.consumed)
     device.push("robot2")
     assert polled(bci, at, Pick)[0].robot == 1
-    until(lambda: 10.0 - bci.health(10.0).heard < 0.2)
+    until(lambda: 10.0 - bci.health(10.0).last_seen < 0.2)
     device.kill()
-    until(lambda: 10.0 - bci.health(10.0).heard > 1.0)
+    until(lambda: 10.0 - bci.health(10.0).last_seen > 1.0)
     again = Device(lsl, "Markers", name="mind", source_id="amplifier 7")
     until(again.consumed)
     again.push("robot3")

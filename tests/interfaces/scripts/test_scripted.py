@@ -8,12 +8,12 @@ import pytest
 from higvf_console.core.commands import (
     Clutch,
     Command,
+    EmergencyStop,
     OperatorCommand,
     Pause,
     Pick,
     ResetRun,
     Resume,
-    Stop,
     StrokeBegin,
     StrokeEnd,
     StrokePoints,
@@ -36,10 +36,10 @@ WITH = {
     "delete": ", thing: polygon, number: 3",
     "link": ", robots: [1, 3]",
     "set_arena": ", sides_m: [0, -1, 10, 20]",
-    "set_parameters": ", parameters: {safety: {pair_rate: 9}, rings: {bump_in: 0.2, bump_out: 0.3}}",
+    "set_parameters": ", parameters: {safety: {pair_gain: 9}, boundaries: {bump_in: 0.2, bump_out: 0.3}}",
     "prioritise": ", fires: [2, 3], robot: 1, factor: 4",
     "shape_path": ", ending: hold, duration_s: 3",
-    "bend_path": ", grip_m: [1, 2], to_m: [3, 4]",
+    "move_path_point": ", grip_m: [1, 2], to_m: [3, 4]",
     "take_up_path": ", number: 1",
     "forget_path": ", number: 2",
 }
@@ -60,7 +60,7 @@ def test_entries_fire_once_in_order_of_time_and_then_of_the_file(write: Write, a
         write("- {at_s: 2, do: stop}\n- {at_s: 1, do: pause}\n- {at_s: 2, do: resume}\n- {at_s: 0, do: next_task}\n")
     )
     assert [type(c).__name__ for c in player.poll(at(0.0))] == ["NextTask"]
-    assert types(player.poll(at(5.0))) == [Pause, Stop, Resume]
+    assert types(player.poll(at(5.0))) == [Pause, EmergencyStop, Resume]
     assert player.poll(at(6.0)) == []
 
 
@@ -134,10 +134,11 @@ def test_every_action_of_the_list_gives_its_command(write: Write, at: ContextAt)
     text = "".join(f"- {{at_s: 0, do: {action}{WITH.get(action, '')}}}\n" for action in DETAILS)
     given = script(write(text)).poll(at(0.0))
     assert [type(c).__name__ for c in given] == [
-        "StrokeBegin", "StrokePoints", "StrokeEnd", "Pick", "Clutch", "Pause", "Resume", "Stop", "AskReset",
-        "ResetStop", "ClearPath", "ReversePath", "NextTask", "ResetRun", "Confirm", "Discard", "Acknowledge",
-        "Undo", "Redo", "AddThing", "AddOutlines", "MoveThing", "ChangeThing", "DeleteThing", "ToggleLink",
-        "LinkByRange", "SetArena", "SetParameters", "Prioritise", "ShapePath", "BendPath", "TakeUpPath", "ForgetPath",
+        "StrokeBegin", "StrokePoints", "StrokeEnd", "Pick", "Clutch", "Pause", "Resume", "EmergencyStop", "AskReset",
+        "ResetEmergencyStop", "ClearPath", "ReversePath", "NextTask", "ResetRun", "Confirm", "Discard", "Acknowledge",
+        "Undo", "Redo", "AddEntity", "AddOutlines", "MoveEntity", "ChangeEntity", "DeleteEntity", "ToggleLink",
+        "LinkByRange", "SetArena", "SetParameters", "Prioritise", "ShapePath", "MovePathPoint", "TakeUpPath",
+        "ForgetPath",
     ]  # fmt: skip
     assert [c.closed for c in given if isinstance(c, Clutch)] == [True]
 
@@ -162,7 +163,7 @@ def test_numbers_of_people_count_from_one_and_those_of_commands_from_zero(write:
 
 
 def test_parameters_are_given_as_in_a_scenario(write: Write, at: ContextAt) -> None:
-    values = {"safety.pair_rate": 9.0, "rings.bump_in": 0.2, "rings.bump_out": 0.3}
+    values = {"safety.pair_gain": 9.0, "boundaries.bump_in": 0.2, "boundaries.bump_out": 0.3}
     assert given(write, at, "set_parameters" + WITH["set_parameters"]) == {"values": values}
 
 
@@ -172,10 +173,10 @@ def test_what_is_left_out_of_the_shape_of_a_path_stays_as_it_is(write: Write, at
 
 
 def test_a_stroke_says_what_it_is_for_and_how_its_path_is_followed(write: Write, at: ContextAt) -> None:
-    end = given(write, at, "stroke, points_m: [[0, 0], [1, 1]], use: amend, ending: loop, pace: 0.5, duration_s: 9")
-    bend = given(write, at, "bend_path, grip_m: [1, 2], to_m: [3, 4], preview: true")
+    end = given(write, at, "stroke, points_m: [[0, 0], [1, 1]], use: redraw, ending: loop, pace: 0.5, duration_s: 9")
+    bend = given(write, at, "move_path_point, grip_m: [1, 2], to_m: [3, 4], preview: true")
     assert bend["preview"] is True
-    assert (end["use"], end["ending"], end["pace"], end["duration"]) == ("amend", "loop", 0.5, 9.0)
+    assert (end["use"], end["ending"], end["pace"], end["duration"]) == ("redraw", "loop", 0.5, 9.0)
 
 
 def test_a_script_may_use_the_robots_that_it_adds(write: Write) -> None:
@@ -246,7 +247,7 @@ def test_a_robot_that_is_not_there_is_refused_when_the_script_is_opened(write: W
         ("- {at_s: 1, do: shape_path, ending: stop}", "ending: 'stop' is not one of release, hold, loop"),
         ("- {at_s: 1, do: set_parameters}", "parameters is missing; give {GROUP: {NAME: NUMBER}}"),
         ("- {at_s: 1, do: set_parameters, parameters: {safety: 3}}", "parameters: safety: 3 is not a mapping"),
-        ("- {at_s: 1, do: set_parameters, parameters: {safety: {pair_rate: on}}}", "safety.pair_rate: True is not"),
+        ("- {at_s: 1, do: set_parameters, parameters: {safety: {pair_gain: on}}}", "safety.pair_gain: True is not"),
         ("- {at_s: 1, do: stroke, points_m: [[0, 0]], use: paint}", "use: 'paint' is not one of path, amend"),
         ("- {at_s: 1, do: [pause]}", "entry 1: do: ['pause'] is not an action"),
         ("- pause", "entry 1: 'pause' is not an entry"),

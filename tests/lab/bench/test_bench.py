@@ -37,7 +37,7 @@ def test_the_filter_suite_compares_all_contenders_and_agrees_with_brute_force() 
         assert list(case["median_ms"]) == ["distributed", "coupled", "daqp", "orca"]
         assert case["ratio_to_distributed"]["coupled"] == 1.0
         assert case["error_against_brute_force"] < 1e-12
-    assert report["cases"][-1]["active_rows_a_robot"] > 1.0
+    assert report["cases"][-1]["active_constraints_a_robot"] > 1.0
 
 
 @pytest.mark.usefixtures("small")

@@ -6,12 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from higvf_console.cli.main import main as cli
+from higvf_console.cli.main import main
 from higvf_console.core.errors import HigvfError
 from higvf_console.core.state import PathStatus
-from higvf_console.lab.bench import bench
+from higvf_console.lab.bench import bench, deadlock_report
 from higvf_console.lab.bench import deadlock as bench_deadlock
-from higvf_console.lab.bench.bench import deadlock_report
 from higvf_console.lab.bench.deadlock import FORMS, Outcome, make_scene, run_scene, scene_named
 from higvf_console.lab.bench.scenes import Kind
 from higvf_console.lab.progress import ProgressBar
@@ -81,7 +80,7 @@ def test_a_spaced_scene_arrives_safely_in_the_corrected_form() -> None:
 
 
 def test_a_scene_is_told_in_every_form(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["bench", "--suite", "deadlock", "--scene", "spaced:1"]) == 0
+    assert main(["bench", "--suite", "deadlock", "--scene", "spaced:1"]) == 0
     told = capsys.readouterr().out
     assert "follows the path" in told
     assert all(f"\n{form}" in told for form in FORMS)
@@ -90,8 +89,8 @@ def test_a_scene_is_told_in_every_form(capsys: pytest.CaptureFixture[str]) -> No
 
 def test_a_scene_is_saved_as_a_scenario(tmp_path: Path) -> None:
     file = tmp_path / "scene.yaml"
-    assert cli.main(["bench", "--suite", "deadlock", "--scene", "pockets:3", "--save", str(file)]) == 0
-    assert cli.main(["run", str(file), "--headless", "--duration", "0.1", "--report", str(tmp_path / "r.json")]) == 0
+    assert main(["bench", "--suite", "deadlock", "--scene", "pockets:3", "--save", str(file)]) == 0
+    assert main(["run", str(file), "--headless", "--duration", "0.1", "--report", str(tmp_path / "r.json")]) == 0
     assert json.loads((tmp_path / "r.json").read_text())["scenario"] == "pockets-3"
 
 
@@ -102,9 +101,9 @@ def test_a_scene_that_does_not_exist_is_refused_with_the_choices(name: str) -> N
 
 
 def test_options_of_another_suite_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["bench", "--suite", "tick", "--scenes", "3"]) == 2
+    assert main(["bench", "--suite", "tick", "--scenes", "3"]) == 2
     assert "--scenes belongs to --suite deadlock, not tick" in capsys.readouterr().err
-    assert cli.main(["bench", "--suite", "deadlock", "--save", "x.yaml"]) == 2
+    assert main(["bench", "--suite", "deadlock", "--save", "x.yaml"]) == 2
     assert "add --scene KIND:SEED" in capsys.readouterr().err
 
 

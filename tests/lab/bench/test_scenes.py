@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats
 from higvf_console.lab.bench.deadlock import make_scene, scene_named
 from higvf_console.lab.bench.planar import capsule, disc, distances, gap, hull, polygon
@@ -74,11 +74,11 @@ def test_scattered_obstacles_keep_their_gap_until_the_time_limit(kind: Kind, see
 
 @each_scene
 def test_a_team_starts_safe_and_spaced(kind: Kind, seed: int) -> None:
-    scene, gains = make_scene(kind, seed), Gains()
-    setup = scene_setup(scene, gains)
+    scene, params = make_scene(kind, seed), Parameters()
+    setup = scene_setup(scene, params)
     assert 3 <= len(scene.robots) <= 10
     obstacles = Obstacles(scene.circles, scene.bars, scene.polygons)
-    check_start(scene.robots, setup.start.motion.fire_radius, setup.world, obstacles, gains, "the scene")
+    check_start(scene.robots, setup.start.motion.fire_radius, setup.world, obstacles, params, "the scene")
     assert min(math.dist(a, b) for a, b in itertools.combinations(scene.robots, 2)) >= 40.0
 
 
@@ -111,7 +111,7 @@ def test_pockets_cut_the_straight_way_and_some_hold_the_team() -> None:
 @each_scene
 def test_a_saved_scene_is_the_same_run(kind: Kind, seed: int) -> None:
     scene = make_scene(kind, seed)
-    setup, saved = scene_setup(scene, Gains()), parse_scenario(scene_yaml(scene), "scene.yaml").setup()
+    setup, saved = scene_setup(scene, Parameters()), parse_scenario(scene_yaml(scene), "scene.yaml").setup()
     assert saved.start.motion.position.tobytes() == setup.start.motion.position.tobytes()
     assert saved.start.intent.path.spline.tobytes() == setup.start.intent.path.spline.tobytes()
     assert saved.start.intent.influenced == setup.start.intent.influenced

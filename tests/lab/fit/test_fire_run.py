@@ -39,7 +39,7 @@ def test_the_skipped_wait_leaves_the_state_that_a_roll_reaches(scenario: Scenari
     setup = scenario.setup()
     skipped = departure(setup)
     assert skipped.motion.tick > 100
-    rolled, _ = roll(setup.start, setup.world, setup.gains, skipped.motion.tick)
+    rolled, _ = roll(setup.start, setup.world, setup.params, skipped.motion.tick)
     for one, other in zip(rolled.motion, skipped.motion, strict=True):
         assert np.asarray(one).tobytes() == np.asarray(other).tobytes()
 

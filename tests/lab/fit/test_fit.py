@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from higvf_console.core.errors import HigvfError, ScenarioError
+from higvf_console.lab.fit import search as fit
 from higvf_console.lab.fit import study as fit_study
 from higvf_console.lab.fit.search import Trial, acceptable, attempt, choose, judged, misfit, search, widest
-from higvf_console.lab.fit.search import search as fit
 from higvf_console.lab.fit.space import NAMES, SPACE, Sample, distance, on_grid, sample_of, unit, world_of
 from higvf_console.lab.fit.study import BASE, predicted, scenario_text, study
 from higvf_console.lab.fit.table2 import ALONE, SCENARIO
@@ -80,7 +80,7 @@ def test_the_written_scenario_is_the_world_that_was_run(base: Setup, shipped: Sa
     text = scenario_text(trial(shipped), load_scenario(BASE))
     setup = parse_scenario(text, "written.yaml").setup()
     for one, other in zip(
-        (*setup.world, *setup.gains), (*(world := world_of(shipped, base)).world, *world.gains), strict=True
+        (*setup.world, *setup.params), (*(world := world_of(shipped, base)).world, *world.params), strict=True
     ):
         assert np.asarray(one).tobytes() == np.asarray(other).tobytes()
     assert parse_scenario(text, "written.yaml").warnings == ()

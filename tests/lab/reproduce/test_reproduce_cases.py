@@ -79,7 +79,7 @@ def test_behind_each_obstacle_the_team_returns_to_the_circle(reproduction: Resul
 
 def test_no_run_ever_comes_nearer_than_it_may(reproduction: Results) -> None:
     for run in reproduction.runs:
-        safety, world = run.setup.gains.safety, run.setup.world
+        safety, world = run.setup.params.safety, run.setup.world
         for i in range(run.position.shape[1]):
             for j in range(i):
                 apart = np.hypot(*(run.position[:, i] - run.position[:, j]).T)

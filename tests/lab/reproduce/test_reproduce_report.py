@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from higvf_console.cli.main import main as cli
+from higvf_console.cli.main import main
 from higvf_console.core.errors import HigvfError
 from higvf_console.lab.reproduce import command
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement
@@ -23,7 +23,7 @@ FEW = ["gvf", "bumps", "fire-priority"]
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a report of a few cases."""
     folder = tmp_path_factory.mktemp("report")
-    assert cli.main(["reproduce", *FEW, "--out", str(folder)]) == 0
+    assert main(["reproduce", *FEW, "--out", str(folder)]) == 0
     return folder
 
 
@@ -71,12 +71,12 @@ def test_the_json_says_what_was_run_and_what_was_found(report: Path) -> None:
 
 def test_the_digest_is_that_of_a_headless_run(report: Path, capsys: pytest.CaptureFixture[str]) -> None:
     script = Path(__file__).parents[3] / "scenarios" / "scripts" / "table2-priority.yaml"
-    assert cli.main(["run", "table2", "--headless", "--script", str(script)]) == 0
+    assert main(["run", "table2", "--headless", "--script", str(script)]) == 0
     assert json.loads(capsys.readouterr().out)["digest"] == load(report)["runs"][0]["digest"]
 
 
 def test_two_reproductions_differ_in_their_time_stamp_alone(report: Path, tmp_path: Path) -> None:
-    assert cli.main(["reproduce", *FEW, "--out", str(tmp_path)]) == 0
+    assert main(["reproduce", *FEW, "--out", str(tmp_path)]) == 0
     for name in ("report.html", "report.md", "report.json"):
         first, second = ((folder / name).read_text(encoding="utf-8") for folder in (report, tmp_path))
         made = load(report)["made"], load(tmp_path)["made"]
@@ -89,7 +89,7 @@ def test_json_on_standard_output_comes_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert cli.main(["reproduce", "bumps", "--json", "-"]) == 0
+    assert main(["reproduce", "bumps", "--json", "-"]) == 0
     assert [case["name"] for case in json.loads(capsys.readouterr().out)["cases"]] == ["bumps"]
     assert list(tmp_path.iterdir()) == []
 
@@ -98,7 +98,7 @@ def test_the_report_goes_to_reproduction_and_the_json_also_elsewhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert cli.main(["reproduce", "bumps", "--json", "numbers.json"]) == 0
+    assert main(["reproduce", "bumps", "--json", "numbers.json"]) == 0
     out, err = capsys.readouterr()
     assert out == ""
     assert "Report: reproduction/report.html" in err
@@ -106,7 +106,7 @@ def test_the_report_goes_to_reproduction_and_the_json_also_elsewhere(
 
 
 def test_an_unknown_case_is_refused_with_the_closest_and_all_of_them(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["reproduce", "gvf", "fire-prority"]) == 2
+    assert main(["reproduce", "gvf", "fire-prority"]) == 2
     line = capsys.readouterr().err
     assert "no case 'fire-prority' (did you mean 'fire-priority'?)" in line
     assert all(name in line for name in CASES)
@@ -119,7 +119,7 @@ def test_cases_run_in_the_papers_order_whatever_the_order_of_their_names() -> No
 
 def test_a_report_that_cannot_be_written_is_one_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "taken").write_text("")
-    assert cli.main(["reproduce", "bumps", "--out", str(tmp_path / "taken")]) == 2
+    assert main(["reproduce", "bumps", "--out", str(tmp_path / "taken")]) == 2
     assert f"--out {tmp_path / 'taken'}" in capsys.readouterr().err.splitlines()[-1]
 
 

@@ -9,8 +9,8 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from higvf_console.core.arrays import Floats
-from higvf_console.core.commands import AskReset, Freeze, LoadScenario, Pick, ResetStop, Stop
-from higvf_console.core.edits import AddThing, ChangeThing, MoveThing, SetArena, Thing, ToggleLink
+from higvf_console.core.commands import AskReset, EmergencyStop, Freeze, LoadScenario, Pick, ResetEmergencyStop
+from higvf_console.core.edits import AddEntity, ChangeEntity, EntityKind, MoveEntity, SetArena, ToggleLink
 from higvf_console.core.state import PathKind
 from higvf_console.core.viewport import Arena
 from higvf_console.scenario.scenario import load_scenario, parse_scenario
@@ -51,7 +51,9 @@ def whole_page(chromium: Browser, whole_console: Running) -> Iterator[Page]:
 def running(whole_console: Running) -> Running:
     """The console, frozen at the start of its scenario as shipped."""
     scenario = load_scenario("firefighting")
-    whole_console.push(Freeze(True), AskReset(), ResetStop(), LoadScenario(scenario.text, scenario.name), Pick(0))
+    whole_console.push(
+        Freeze(True), AskReset(), ResetEmergencyStop(), LoadScenario(scenario.text, scenario.name), Pick(0)
+    )
     wait_until(lambda: whole_console.given(Pick) and not whole_console.state.intent.stopped)
     whole_console.session.commands.clear()
     return whole_console
@@ -84,13 +86,13 @@ def test_a_fire_is_chosen_dragged_resized_and_brought_back(page: Page, running: 
     click(page, 500, 250)
     wait_until(shown(page, "Fire 1"))
     drag(page, np.linspace([500, 250], [560, 420], 20))
-    wait_until(lambda: running.given(MoveThing))
+    wait_until(lambda: running.given(MoveEntity))
     assert running.session.setup.world.fire_position[0] == pytest.approx([560, 420], abs=2.0)
     wait_until(lambda: visible(page, "/edit/square"))
     screenshot(page, "edit-fire")
     radius = running.state.motion.fire_radius[0]
     drag(page, np.linspace([560 + radius, 420], [610, 420], 20))
-    wait_until(lambda: running.given(ChangeThing))
+    wait_until(lambda: running.given(ChangeEntity))
     assert running.state.motion.fire_radius[0] == pytest.approx(50.0, abs=2.0)
     page.keyboard.press("Control+z")
     wait_until(lambda: running.state.motion.fire_radius[0] == radius)
@@ -109,7 +111,7 @@ def test_a_fire_dropped_on_a_robot_is_held_at_the_nearest_safe_place(page: Page,
     wait_until(lambda: any("nearest safe place" in event.text for event in running.session.snapshot.events))
     gap = np.hypot(*(running.state.motion.position - running.session.setup.world.fire_position[0]).T)
     gap -= running.state.motion.fire_radius[0]
-    least = running.session.setup.gains.safety.obstacle_clearance
+    least = running.session.setup.params.safety.obstacle_clearance
     assert least <= gap.min() < least + 0.01
 
 
@@ -119,14 +121,14 @@ def test_things_are_added_numbered_and_deleted(page: Page, running: Running) -> 
     wait_until(lambda: len(running.state.motion.position) == 4)
     take(page, "bar")
     click(page, 300, 560)
-    wait_until(lambda: len(running.given(AddThing)) == 2)
+    wait_until(lambda: len(running.given(AddEntity)) == 2)
     tab(page, "Edit")
     click(page, 300, 560)
     wait_until(shown(page, "Bar 2"))
     field = page.get_by_label("Angle deg")
     field.fill("30")
     field.press("Enter")
-    wait_until(lambda: running.given(ChangeThing))
+    wait_until(lambda: running.given(ChangeEntity))
     bar = running.session.setup.world.bars[1]
     assert np.degrees(np.arctan2(bar[3] - bar[1], bar[2] - bar[0])) == pytest.approx(30.0)
     screenshot(page, "edit-bar")
@@ -146,8 +148,8 @@ def test_a_typed_number_counts_once_and_one_that_cannot_be_springs_back(
     radius = page.get_by_label("Radius m", exact=True).input_value()
     type_over(page, "x m", "520")
     type_over(page, "Radius m", "-15")
-    wait_until(lambda: len(running.given(ChangeThing)) == 2)
-    given = [(change.name, change.value) for change in running.given(ChangeThing) if isinstance(change, ChangeThing)]
+    wait_until(lambda: len(running.given(ChangeEntity)) == 2)
+    given = [(change.name, change.value) for change in running.given(ChangeEntity) if isinstance(change, ChangeEntity)]
     assert given == [("x", 520.0), ("radius", -15.0)]
     wait_until(lambda: page.get_by_label("Radius m", exact=True).input_value() == radius)
     if not page.get_by_label("Right m").is_visible():
@@ -159,7 +161,7 @@ def test_a_typed_number_counts_once_and_one_that_cannot_be_springs_back(
 
 
 def test_a_field_left_empty_shows_what_holds_and_edits_nothing(page: Page, running: Running) -> None:
-    running.push(ChangeThing(Thing.FIRE, 0, "x", 500.126))
+    running.push(ChangeEntity(EntityKind.FIRE, 0, "x", 500.126))
     take(page, "edit")
     tab(page, "Edit")
     click(page, 500, 250)
@@ -200,12 +202,12 @@ def test_a_path_is_redrawn_bent_closed_and_slowed(page: Page, running: Running) 
     drag(page, HAND)
     wait_until(lambda: running.state.intent.path.kind != PathKind.NONE)
     first = running.state.intent.path
-    take(page, "amend")
+    take(page, "redraw")
     drag(page, np.linspace(HAND[20], [900, 600], 10).tolist() + np.linspace([900, 600], HAND[40], 10).tolist())
     wait_until(lambda: running.state.intent.path is not first)
     second = running.state.intent.path
     assert second.length > first.length + 100.0
-    take(page, "bend")
+    take(page, "move_point")
     drag(page, np.linspace([900, 590], [900, 640], 10))
     wait_until(lambda: running.state.intent.path is not second)
     press(page, "Close")
@@ -230,7 +232,7 @@ def test_a_circled_fire_has_priority_for_the_chosen_robot(page: Page, running: R
 def test_a_scenario_is_saved_and_loaded_again(page: Page, running: Running, tmp_path: Path) -> None:
     take(page, "circle")
     click(page, 200, 600)
-    wait_until(lambda: running.given(AddThing))
+    wait_until(lambda: running.given(AddEntity))
     unfold_files(page)
     with page.expect_download() as download:
         press(page, "Save scenario")
@@ -298,7 +300,7 @@ def test_obstacles_are_made_of_an_overhead_image(page: Page, running: Running, t
 def test_undo_does_not_set_a_stopped_team_in_motion(page: Page, running: Running) -> None:
     drag(page, HAND)
     wait_until(lambda: running.state.intent.path.kind != PathKind.NONE)
-    running.push(Stop())
+    running.push(EmergencyStop())
     page.keyboard.press("Control+z")
     wait_until(lambda: running.state.intent.path.kind == PathKind.NONE)
     assert running.state.intent.stopped

@@ -27,9 +27,9 @@ def screen(tablet: Page) -> CDPSession:
     return tablet.context.new_cdp_session(tablet)
 
 
-def touch(screen: CDPSession, *moments: Fingers) -> None:
+def touch(screen: CDPSession, *run_states: Fingers) -> None:
     """Fingers (n, 2) [CSS px] go down, move and are lifted together."""
-    for kind, fingers in zip(["touchStart", *["touchMove"] * (len(moments) - 1)], moments, strict=True):
+    for kind, fingers in zip(["touchStart", *["touchMove"] * (len(run_states) - 1)], run_states, strict=True):
         points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(fingers)]
         screen.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     screen.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})

@@ -9,15 +9,15 @@ from playwright.sync_api import Browser, Page
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import (
     ControlChange,
+    EmergencyStop,
     OperatorCommand,
     Pause,
     Pick,
-    ResetStop,
-    Stop,
+    ResetEmergencyStop,
 )
-from higvf_console.core.edits import MoveThing
+from higvf_console.core.edits import MoveEntity
 from higvf_console.core.state import PathKind, PathStatus
-from higvf_console.ui.page import steering
+from higvf_console.ui.page import control_lease
 from higvf_console.ui.page.roles import Roles
 from tests.browser import (
     close_notifications,
@@ -168,7 +168,7 @@ def test_stop_is_obeyed_from_every_page_and_reset_by_the_one_that_steers(
 ) -> None:
     second.keyboard.press("Space")
     wait_until(lambda: running.state.intent.stopped)
-    assert running.given(Stop)[0].operator == "Browser 2"
+    assert running.given(EmergencyStop)[0].operator == "Browser 2"
     second.locator("button.stop.stopped").wait_for()
     second.wait_for_timeout(600)
     press_stop(second)
@@ -178,7 +178,7 @@ def test_stop_is_obeyed_from_every_page_and_reset_by_the_one_that_steers(
         first.wait_for_timeout(600)
         press_stop(first)
         first.locator(f"button.stop.{state}").wait_for()
-    assert [reset.operator for reset in running.given(ResetStop)] == ["Browser 1"]
+    assert [reset.operator for reset in running.given(ResetEmergencyStop)] == ["Browser 1"]
 
 
 def test_the_palette_stops_from_every_page_and_does_nothing_else_from_one_that_watches(
@@ -189,7 +189,7 @@ def test_the_palette_stops_from_every_page_and_does_nothing_else_from_one_that_w
     send(second, type="CommandTriggerMessage", uuid=uuids["Key P"])
     send(second, type="CommandTriggerMessage", uuid=uuids["Key Space"])
     wait_until(lambda: running.state.intent.stopped)
-    assert kinds(running) == {Stop}
+    assert kinds(running) == {EmergencyStop}
 
 
 def test_control_is_asked_for_refused_asked_for_and_granted(first: Page, second: Page, running: Running) -> None:
@@ -218,10 +218,10 @@ def test_control_is_asked_for_refused_asked_for_and_granted(first: Page, second:
 
 def test_who_takes_over_has_the_pen_and_everybody_is_told(first: Page, second: Page, running: Running) -> None:
     draw(first, to_page(first, HAND[:30]), rate=0, finish="")
-    wait_until(lambda: len(running.state.drawing.stroke))
+    wait_until(lambda: len(running.state.pointer_state.stroke))
     click(second, "Take over")
     wait_until(lambda: says(first, "Browser 2 steers"))
-    wait_until(lambda: running.state.drawing.stroke_source == "")
+    wait_until(lambda: running.state.pointer_state.stroke_source == "")
     wait_until(lambda: not echoed(first))
     for page in (first, second):
         page.locator(".mantine-Notification-root", has_text="Browser 2 takes over control").wait_for()
@@ -255,10 +255,10 @@ def test_a_page_that_is_reloaded_keeps_its_control(first: Page, second: Page, ru
 
 def let_time_pass(roles: Roles, monkeypatch: pytest.MonkeyPatch) -> None:
     """Makes the last sign of life of the page that steers an old one; the others count as awake."""
-    monkeypatch.setattr(steering, "AWAKE", 60.0)
+    monkeypatch.setattr(control_lease, "AWAKE", 60.0)
     with roles._lock:  # pyright: ignore[reportPrivateUsage]
         control = roles._control  # pyright: ignore[reportPrivateUsage]
-        pages = (page._replace(heard=0.0) if page.identity == control.holder else page for page in control.pages)
+        pages = (page._replace(last_seen=0.0) if page.identity == control.holder else page for page in control.pages)
         roles._control = control._replace(pages=tuple(pages))  # pyright: ignore[reportPrivateUsage]
 
 
@@ -297,7 +297,7 @@ def test_what_a_hand_holds_is_let_go_where_it_was_when_its_page_vanishes(
     wait_until(lambda: view.drag is not None)
     third.close()
     wait_until(lambda: view.drag is None)
-    assert not running.given(MoveThing)
+    assert not running.given(MoveEntity)
     assert (running.session.setup.world.fire_position[0] == fire).all()
 
 

@@ -28,7 +28,17 @@ EYE = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 def attention(fires: list[float], robots: list[float], elsewhere: float = 0.0) -> AttentionReport:
     heat, extent = np.zeros((7, 12)), Arena(0, 0, 1200, 700)
-    return AttentionReport(heat, extent, 25.0, floats(fires), floats(robots), elsewhere, 2.5, 0.31, 0.42)
+    return AttentionReport(
+        heat=heat,
+        extent=extent,
+        degree=25.0,
+        fires=floats(fires),
+        robots=floats(robots),
+        elsewhere=elsewhere,
+        fixation_rate=2.5,
+        fixation_duration=0.31,
+        transition_entropy=0.42,
+    )
 
 
 def test_each_input_is_told_with_its_state_and_why() -> None:
@@ -77,7 +87,16 @@ def test_a_large_team_shares_one_line_and_loses_no_time() -> None:
 
 def test_the_calibration_is_told_with_its_error_and_file() -> None:
     points = ((0.0, 0.0),) * 5
-    report = CalibrationReport("a<b.yaml", "2026-03-02", (1920.0, 1080.0), points, points, EYE, 4.25, 1.5)
+    report = CalibrationReport(
+        file="a<b.yaml",
+        made="2026-03-02",
+        screen_px=(1920.0, 1080.0),
+        points_px=points,
+        points_m=points,
+        homography=EYE,
+        residual_px=4.25,
+        residual_m=1.5,
+    )
     html = calibration_html([("gaze", report)], CaptureReport("", outcome="in use"))
     for words in ("5 points", "4.2 px", "1.50 m", "a&lt;b.yaml", "2026-03-02", "in use"):
         assert words in html

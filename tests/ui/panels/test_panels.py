@@ -35,7 +35,7 @@ from higvf_console.ui.panels.widgets.html import area, clock
 from tests.teams import team
 
 SETUP = team(fires=[(500.0, 250.0, 20.0), (300.0, 450.0, 30.0)])
-STATE, TRACE = advance(SETUP.start, SETUP.world, SETUP.gains)
+STATE, TRACE = advance(SETUP.start, SETUP.world, SETUP.params)
 
 
 def with_intent(**changes: Any) -> SimState:

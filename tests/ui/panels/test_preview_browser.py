@@ -8,7 +8,7 @@ from playwright.sync_api import Browser, Page
 
 from higvf_console.analysis.preview import Preview
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.core.commands import BendPath, Confirm, Discard, Freeze, ProposePick
+from higvf_console.core.commands import Confirm, Discard, Freeze, MovePathPoint, ProposePick
 from higvf_console.core.state import NO_PATH, NOBODY, Path, PathKind
 from tests.browser import console_page, draw, screenshot, to_page, visible, wait_until
 from tests.consoles import Running, console_at_work
@@ -52,8 +52,8 @@ def latest(running: Running) -> Preview | None:
 def draw_and_wait(page: Page, running: Running, hand: Floats = HAND, beside: Path = NO_PATH) -> Preview:
     """Draws a stroke; what is foreseen of the path that waits, which is another than one before."""
     draw(page, to_page(page, hand))
-    wait_until(lambda: running.state.drawing.pending is not beside)
-    path = running.state.drawing.pending
+    wait_until(lambda: running.state.pointer_state.pending is not beside)
+    path = running.state.pointer_state.pending
 
     def of_this_path() -> list[Preview]:
         found = latest(running)
@@ -66,10 +66,10 @@ def test_a_ghost_is_seen_while_the_stroke_grows(page: Page, running: Running) ->
     draw(page, to_page(page, HAND), finish="")
     wait_until(lambda: visible(page, "/ghost/team") and visible(page, "/ghost/chosen") and visible(page, "/ghost/ends"))
     screenshot(page, "preview-drawing")
-    assert running.state.drawing.stroke_source
+    assert running.state.pointer_state.stroke_source
     assert running.state.intent.path is NO_PATH
     page.keyboard.press("Escape")
-    wait_until(lambda: not running.state.drawing.stroke_source)
+    wait_until(lambda: not running.state.pointer_state.stroke_source)
     wait_until(lambda: not visible(page, "/ghost/team"))
     assert running.given(Discard) == [], "Escape cancels the stroke and discards nothing else"
 
@@ -93,7 +93,7 @@ def test_a_committed_path_is_followed_as_its_ghost_said(page: Page, running: Run
 def test_a_discarded_path_is_dropped_and_so_is_its_ghost(page: Page, running: Running) -> None:
     draw_and_wait(page, running)
     page.get_by_role("button", name="Discard", exact=True).click()
-    wait_until(lambda: running.state.drawing.pending is NO_PATH)
+    wait_until(lambda: running.state.pointer_state.pending is NO_PATH)
     wait_until(lambda: not visible(page, "/ghost/path") and not visible(page, "/ghost/team"))
     wait_until(lambda: not page.get_by_role("button", name="Discard", exact=True).count())
     assert running.state.intent.path is NO_PATH
@@ -102,7 +102,7 @@ def test_a_discarded_path_is_dropped_and_so_is_its_ghost(page: Page, running: Ru
 def test_enter_commits_and_escape_discards(page: Page, running: Running) -> None:
     draw_and_wait(page, running)
     page.keyboard.press("Escape")
-    wait_until(lambda: running.state.drawing.pending is NO_PATH)
+    wait_until(lambda: running.state.pointer_state.pending is NO_PATH)
     draw_and_wait(page, running)
     page.keyboard.press("Enter")
     wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
@@ -125,10 +125,10 @@ def test_a_path_that_waits_is_drawn_anew_and_the_proposed_robot_stays(page: Page
     page.wait_for_timeout(500)
     screenshot(page, "preview-proposed")
     page.get_by_role("button", name="Redraw", exact=True).click()
-    wait_until(lambda: running.state.drawing.pending is NO_PATH)
-    assert running.state.drawing.proposed == 2
+    wait_until(lambda: running.state.pointer_state.pending is NO_PATH)
+    assert running.state.pointer_state.proposed == 2
     page.get_by_role("button", name="Commit", exact=True).click()
-    wait_until(lambda: running.state.intent.influenced == 2 and running.state.drawing.proposed == NOBODY)
+    wait_until(lambda: running.state.intent.influenced == 2 and running.state.pointer_state.proposed == NOBODY)
     wait_until(lambda: not visible(page, "/ghost/proposed"))
 
 
@@ -145,7 +145,7 @@ def test_a_path_that_waits_is_repaired_before_it_is_committed(page: Page, runnin
     assert running.state.intent.path is NO_PATH, "nothing moves along a path that waits"
     page.keyboard.press("Enter")
     wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
-    assert len(running.given(BendPath)) == 1
+    assert len(running.given(MovePathPoint)) == 1
 
 
 @pytest.mark.parametrize(("width", "height"), [(1280, 720), (1920, 1080)])
@@ -168,4 +168,4 @@ def test_with_commit_at_once_a_stroke_is_followed_when_it_ends(page: Page, runni
     wait_until(lambda: running.console._view.commit_at_once)  # pyright: ignore[reportPrivateUsage]
     draw(page, to_page(page, HAND))
     wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
-    assert running.state.drawing.pending is NO_PATH
+    assert running.state.pointer_state.pending is NO_PATH

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters
 from higvf_console.ui.panels.tune import (
     UNLIMITED,
     about,
@@ -20,7 +20,7 @@ from higvf_console.ui.panels.tune import (
 from higvf_console.ui.panels.widgets.typed import TYPED_S, Typed
 from higvf_console.world.editing.parameters import FIXED, parameter_names, quantity_of
 
-GAINS = Gains()
+GAINS = Parameters()
 FASTER = GAINS._replace(blending=GAINS.blending._replace(cruise_speed=75.0))
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from higvf_console.control.gains import Gains
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.commands import Freeze
 from higvf_console.core.edits import SetParameters
 from higvf_console.ui.scene.scene import View
@@ -36,16 +36,16 @@ def page(chromium: Browser, running: Running) -> Iterator[Page]:
 @pytest.fixture(autouse=True)
 def _as_in_the_scenario(running: Running, page: Page) -> None:
     """Each test begins with the scenario's values."""
-    gains = running.session.scenario.gains
-    if running.session.snapshot.setup.gains != gains:
+    params = running.session.scenario.params
+    if running.session.snapshot.setup.params != params:
         page.get_by_role("button", name="Reset all", exact=True).click()
-        wait_until(lambda: running.session.snapshot.setup.gains == gains)
+        wait_until(lambda: running.session.snapshot.setup.params == params)
     page.get_by_text("all values are the scenario's").wait_for()
     running.session.commands.clear()
 
 
-def gains_of(running: Running) -> Gains:
-    return running.session.snapshot.setup.gains
+def params_of(running: Running) -> Parameters:
+    return running.session.snapshot.setup.params
 
 
 def choose(page: Page, label: str, option: str) -> None:
@@ -60,42 +60,42 @@ def field(page: Page, label: str) -> Locator:
 def test_a_typed_value_counts_once_and_is_marked_put_back_and_undone(page: Page, running: Running) -> None:
     choose(page, "Group", "Safety")
     field(page, "Robot clearance m").fill("28")
-    wait_until(lambda: gains_of(running).safety.robot_clearance == 28.0)
+    wait_until(lambda: params_of(running).safety.robot_clearance == 28.0)
     given = [command.values for command in running.given(SetParameters) if isinstance(command, SetParameters)]
     assert given == [{"safety.robot_clearance": 28.0}]
     page.get_by_label("● Robot clearance m", exact=True).first.wait_for()
     page.locator(".hg tr", has_text="Robot clearance").get_by_text("28").wait_for()
     screenshot(page, "tune-changed")
     page.get_by_role("button", name="Reset this group", exact=True).click()
-    wait_until(lambda: gains_of(running).safety.robot_clearance == 25.0)
+    wait_until(lambda: params_of(running).safety.robot_clearance == 25.0)
     page.locator("body").press("Control+z")
-    wait_until(lambda: gains_of(running).safety.robot_clearance == 28.0)
+    wait_until(lambda: params_of(running).safety.robot_clearance == 28.0)
 
 
 def test_an_unsafe_value_is_refused_with_its_limit_and_springs_back(page: Page, running: Running) -> None:
     choose(page, "Group", "Formation")
-    before = gains_of(running)
+    before = params_of(running)
     field(page, "Formation rate 1/s").fill("49")
     page.locator(NOTE, has_text="must stay below").wait_for()
     page.locator(".hg .warn", has_text="must stay below").wait_for()
     wait_until(lambda: field(page, "Formation rate 1/s").input_value() == "0.5")
-    assert gains_of(running) is before
+    assert params_of(running) is before
     choose(page, "Group", "Path")
     field(page, "Capture distance m").fill("0.2")
     page.locator(".hg .warn", has_text="from 1 to 500 m").wait_for()
-    assert gains_of(running) is before
+    assert params_of(running) is before
 
 
 def test_no_limit_is_a_word_and_other_words_are_told(page: Page, running: Running) -> None:
     choose(page, "Group", "Perception")
     place = page.locator("input[value=unlimited]").first
     place.fill("150")
-    wait_until(lambda: gains_of(running).perception.perception_range == 150.0)
+    wait_until(lambda: params_of(running).perception.perception_range == 150.0)
     page.locator("input[value='150']").fill("far")
     page.locator(".hg .warn", has_text="neither a number nor").wait_for()
     screenshot(page, "tune-perception")
     page.locator("input[value='150']").fill("unlimited")
-    wait_until(lambda: gains_of(running).perception.perception_range == float("inf"))
+    wait_until(lambda: params_of(running).perception.perception_range == float("inf"))
 
 
 @pytest.mark.parametrize("theme", ["dark", "light"])
@@ -104,8 +104,8 @@ def test_a_preset_is_one_step_and_its_name_is_known(page: Page, running: Running
     view.look = USUAL_LOOK if theme == "dark" else USUAL_LOOK._replace(palette=LIGHT)
     choose(page, "Group", "Safety")
     choose(page, "Preset", "Cautious")
-    scenario = running.session.scenario.gains
-    wait_until(lambda: preset_name(gains_of(running), scenario) == "Cautious")
+    scenario = running.session.scenario.params
+    wait_until(lambda: preset_name(params_of(running), scenario) == "Cautious")
     page.locator(".hg tr", has_text="Cruise speed").get_by_text("36").wait_for()
     wait_until(lambda: field(page, "● Speed limit m/s").input_value() == "67.5")
     page.mouse.move(640, 300)
@@ -113,7 +113,7 @@ def test_a_preset_is_one_step_and_its_name_is_known(page: Page, running: Running
     screenshot(page, f"tune-{theme}")
     view.look = USUAL_LOOK
     page.get_by_role("tab", name="Tune", exact=True).press("Control+z")
-    wait_until(lambda: gains_of(running) == scenario)
+    wait_until(lambda: params_of(running) == scenario)
     wait_until(lambda: page.get_by_label("Preset", exact=True).first.input_value() == "As in the scenario")
 
 

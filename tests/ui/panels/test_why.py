@@ -7,9 +7,9 @@ from typing import cast
 import numpy as np
 import pytest
 
+from higvf_console.analysis.active_constraints import ActiveConstraint
 from higvf_console.analysis.explain import Part, Say
 from higvf_console.analysis.sight import sights
-from higvf_console.analysis.tight_rows import TightRow
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand, Pick
 from higvf_console.core.viewport import Viewport
@@ -17,9 +17,9 @@ from higvf_console.runtime.run import Run
 from higvf_console.runtime.session import Session
 from higvf_console.runtime.snapshot import Snapshot
 from higvf_console.sim.certificates import Certificate
-from higvf_console.ui.interaction.hand import Hand
+from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.page.roles import Roles
-from higvf_console.ui.panels.shares import SPAN, ShareHistory, bands_svg, legend_html
+from higvf_console.ui.panels.authority import SPAN, AuthorityHistory, bands_svg, legend_html
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.why_tables import MOST_ROWS, certificate_html, parts_html, rows_html, sight_html, signed
 from higvf_console.ui.scene.reasons import arrow, chain, part_colours, part_outline, sight_lines
@@ -91,7 +91,7 @@ def test_numbers_have_a_true_minus_and_zero_has_none(value: float, shown: str) -
 
 
 def test_what_holds_a_robot_back_is_named_with_its_distance() -> None:
-    rows = [TightRow(f"fire {k}", 12.34 + k, 12.0) for k in range(MOST_ROWS + 2)]
+    rows = [ActiveConstraint(f"fire {k}", 12.34 + k, 12.0) for k in range(MOST_ROWS + 2)]
     html = rows_html(rows)
     assert "<b>fire 0</b>, 12.3 m" in html
     assert "and 2 more" in html
@@ -115,7 +115,7 @@ def test_a_condition_that_is_not_met_stands_out() -> None:
 
 
 def test_the_history_of_say_begins_anew_for_another_robot_or_a_reset_run() -> None:
-    history = ShareHistory()
+    history = AuthorityHistory()
     for tick in range(2000):
         history.add(0.02 * tick, 0, EVEN, EVEN)
     time, own, _ = history.curves()
@@ -129,13 +129,13 @@ def test_the_history_of_say_begins_anew_for_another_robot_or_a_reset_run() -> No
 
 
 def test_bands_fill_the_height_and_are_left_out_for_who_has_no_say() -> None:
-    time, shares = floats([0.0, 15.0]), floats([[0.0, 1.0, 0.0, 0.0], [0.0, 0.5, 0.5, 0.0]])
-    svg = bands_svg("team", time, shares)
+    time, authority = floats([0.0, 15.0]), floats([[0.0, 1.0, 0.0, 0.0], [0.0, 0.5, 0.5, 0.0]])
+    svg = bands_svg("team", time, authority)
     assert svg.count("<polygon") == 2
     levels = [float(y) for y in re.findall(r",([\d.]+)", " ".join(re.findall('points="(.*?)"', svg)))]
     assert min(levels) == 4.0
     assert max(levels) == 56.0
-    assert "<polygon" not in bands_svg("team", time[:0], shares[:0])
+    assert "<polygon" not in bands_svg("team", time[:0], authority[:0])
     assert legend_html().count("swatch") == len(Say)
 
 
@@ -145,7 +145,7 @@ def test_a_click_on_the_steered_robot_shows_and_hides_its_reasons() -> None:
     session = SimpleNamespace(setup=setup, snapshot=SimpleNamespace(setup=setup, state=setup.start), viewport=None)
     roles = cast(Roles, SimpleNamespace(push=given.append, steers={0}.__contains__))
     view = View(explained=1)
-    hand = Hand(cast(Session, session), view, cast(SteerPanel, None), roles, lambda _tool, _client: None)
+    hand = ArenaInteraction(cast(Session, session), view, cast(SteerPanel, None), roles, lambda _tool, _client: None)
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.click(0, floats([300.0, 100.0]))
     assert not view.reasons

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from higvf_console.core.commands import AskReset, Freeze, Pick, ResetRun, ResetStop, SetSpeed, Stop
+from higvf_console.core.commands import AskReset, EmergencyStop, Freeze, Pick, ResetEmergencyStop, ResetRun, SetSpeed
 from higvf_console.sim.setup import Severity
 from higvf_console.ui.panels.log import STAY_S
 from higvf_console.ui.scene.scene import View
@@ -93,7 +93,7 @@ def view(running: Running) -> Iterator[View]:
     yield view
     view.look = USUAL_LOOK
     view.alarms.clear()
-    running.push(AskReset(), ResetStop(), ResetRun())
+    running.push(AskReset(), ResetEmergencyStop(), ResetRun())
     wait_until(lambda: not running.state.intent.stopped)
 
 
@@ -191,13 +191,13 @@ def test_an_alarm_stays_until_it_is_put_away_or_acknowledged(page: Page, running
         return " ".join(page.locator(".hg .unseen").all_inner_texts())
 
     note = page.locator(NOTE, has_text="all robots stand still")
-    running.push(Stop())
+    running.push(EmergencyStop())
     wait_until(note.count)
     wait_until(lambda: counted() == "1 alarm")
     note.locator("button").click()
     wait_until(lambda: counted() == "")
     assert view.alarms == []
-    running.push(AskReset(), ResetStop(), Stop())
+    running.push(AskReset(), ResetEmergencyStop(), EmergencyStop())
     wait_until(lambda: counted() == "1 alarm")
     wait_until(note.count)
     tab(page, "Log")
@@ -240,7 +240,7 @@ def test_nothing_overlaps_or_overflows_in_any_tab(
     page.evaluate("window.higvf.call('hints', 'reopen')")
     close_notifications(page)  # the browser's own, unless it has gone by itself
     wait_until(lambda: running.state.motion.tick > 100)
-    running.push(Stop())
+    running.push(EmergencyStop())
     last = page.locator(NOTE, has_text="all robots stand still")
     wait_until(lambda: (box := last.bounding_box()) and box["x"] > 0)  # it slides in
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(THEMES[theme].surround)}")

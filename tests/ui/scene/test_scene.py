@@ -5,9 +5,9 @@ from typing import cast
 import numpy as np
 import pytest
 
-from higvf_console.control.gains import Gains, RobotGains
 from higvf_console.control.guidance.field import FieldKind
 from higvf_console.control.guidance.paths import circle_path, line_path, sketch_path
+from higvf_console.control.parameters import Parameters, RobotParameters
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.state import NO_PATH, SimState
 from higvf_console.core.viewport import Arena
@@ -190,8 +190,8 @@ def test_a_long_stroke_is_thinned_between_its_ends() -> None:
 
 def test_a_fire_is_fought_when_its_crew_is_large_enough() -> None:
     setup = team(fires=[(500.0, 250.0, 20.0), (300.0, 450.0, 30.0), (900.0, 100.0, 40.0)])
-    state, trace = advance(setup.start, setup.world, setup.gains)
-    work = setup.gains.fires.extinguish_time * state.motion.fire_radius
+    state, trace = advance(setup.start, setup.world, setup.params)
+    work = setup.params.fires.extinguish_time * state.motion.fire_radius
     motion = state.motion._replace(fire_progress=work * [0.5, 0.0, 1.0], fire_burning=np.array([True, True, False]))
     look = fire_look(state._replace(motion=motion), trace._replace(crew=ints([2, 1, 2])), setup)
     assert look.fought.tolist() == [True, False, False]
@@ -286,19 +286,19 @@ class _Node:
     def highlight(self, *_: object) -> None: ...
 
 
-def drawn(gains: Gains) -> tuple[SimState, dict[str, _Node]]:
+def drawn(params: Parameters) -> tuple[SimState, dict[str, _Node]]:
     """A team after one tick, as it is drawn."""
-    setup = team(robots=[(100.0, 350.0), (40.0, 300.0)], gains=gains)
+    setup = team(robots=[(100.0, 350.0), (40.0, 300.0)], params=params)
     heading = floats([0.0, np.pi / 2])
     start = setup.start._replace(motion=setup.start.motion._replace(heading=heading))
-    state, trace = advance(start, setup.world, setup.gains)
+    state, trace = advance(start, setup.world, setup.params)
     canvas = _Drawn()
     Team(cast(Canvas, canvas), setup).update(state, trace, 0.0)
     return state, canvas.nodes
 
 
 def test_a_unicycle_is_drawn_at_its_centre_with_its_heading_its_point_and_both_clearances() -> None:
-    state, nodes = drawn(Gains(robots=RobotGains(look_ahead=6.0, turn_rate_limit=3.0, position_noise=0.5)))
+    state, nodes = drawn(Parameters(robots=RobotParameters(look_ahead=6.0, turn_rate_limit=3.0, position_noise=0.5)))
     points, centres = state.motion.position, nodes["/team/robots"].at
     assert centres == pytest.approx(points - [[6.0, 0.0], [0.0, 6.0]], abs=1e-3)
     assert (nodes["/team/robots"].heading == state.motion.heading).all()
@@ -311,14 +311,14 @@ def test_a_unicycle_is_drawn_at_its_centre_with_its_heading_its_point_and_both_c
 
 
 def test_a_single_integrator_has_neither_look_ahead_point_nor_a_second_clearance() -> None:
-    state, nodes = drawn(Gains())
+    state, nodes = drawn(Parameters())
     assert (nodes["/team/robots"].at == state.motion.position).all()
     assert nodes["/team/look_ahead"].count == nodes["/team/enlarged"].count == 0
     assert len(nodes["/team/look_ahead_ties"].segments) == 0
 
 
 def test_a_number_moves_with_a_halo_of_the_floor_that_is_wider_by_its_margin() -> None:
-    _, nodes = drawn(Gains())
+    _, nodes = drawn(Parameters())
     for digit in "12":
         number, halo = nodes[f"/team/digit_{digit}"], nodes[f"/team/halo_{digit}"]
         assert halo.at == pytest.approx(number.at)

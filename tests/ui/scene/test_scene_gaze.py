@@ -15,7 +15,17 @@ def report(*spots: tuple[int, int, float]) -> AttentionReport:
     for row, column, seconds in spots:
         heat[row, column] = seconds
     nothing = floats([])
-    return AttentionReport(heat, Arena(0, 0, 1200, 700), 25.0, nothing, nothing, 0.0, 0.0, np.nan, np.nan)
+    return AttentionReport(
+        heat=heat,
+        extent=Arena(0, 0, 1200, 700),
+        degree=25.0,
+        fires=nothing,
+        robots=nothing,
+        elsewhere=0.0,
+        fixation_rate=0.0,
+        fixation_duration=np.nan,
+        transition_entropy=np.nan,
+    )
 
 
 def test_the_brightest_and_least_clear_place_is_where_gaze_was_longest() -> None:

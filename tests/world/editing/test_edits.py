@@ -8,16 +8,16 @@ import pytest
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.core.edits import (
+    AddEntity,
     AddOutlines,
-    AddThing,
-    ChangeThing,
-    DeleteThing,
+    ChangeEntity,
+    DeleteEntity,
     Edit,
+    EntityKind,
     LinkByRange,
-    MoveThing,
+    MoveEntity,
     SetArena,
     SetParameters,
-    Thing,
     ToggleLink,
 )
 from higvf_console.core.state import PathStatus
@@ -25,13 +25,13 @@ from higvf_console.operator.path_commands import ACTING
 from higvf_console.runtime.history import History
 from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import load_scenario
+from higvf_console.world.editing.entities import NUMBERS, Place, centres, entity_at, how_many, numbers_of
 from higvf_console.world.editing.layout import layout_of, link_pairs, world_of
-from higvf_console.world.editing.things import NUMBERS, Place, centres, how_many, numbers_of, thing_at
 from tests.teams import stroke
-from tests.world.editing.deeds import HAIR, assert_same, edited_run, give, refused, shortfalls
+from tests.world.editing.actions import HAIR, assert_same, edited_run, give, refused, shortfalls
 
 
-def numbers(run: Run, thing: Thing, row: int) -> dict[str, float]:
+def numbers(run: Run, thing: EntityKind, row: int) -> dict[str, float]:
     return numbers_of(Place(thing, row), layout_of(run.setup), run.state.motion)
 
 
@@ -42,9 +42,9 @@ def at(x: float, y: float) -> Floats:
 @pytest.mark.parametrize("thing", ["robot", "fire", "circle", "bar"])
 def test_a_thing_is_added_where_it_is_wanted_and_is_the_last_of_its_kind(thing: str) -> None:
     run = edited_run(ticks=5)
-    kind = Thing(thing)
+    kind = EntityKind(thing)
     before = how_many(kind, layout_of(run.setup))
-    events = give(run, AddThing(thing, at(1000.0, 150.0)))
+    events = give(run, AddEntity(thing, at(1000.0, 150.0)))
     assert not refused(events)
     assert how_many(kind, layout_of(run.setup)) == before + 1
     new = numbers(run, kind, before)
@@ -56,7 +56,7 @@ def test_a_thing_is_added_where_it_is_wanted_and_is_the_last_of_its_kind(thing: 
 @pytest.mark.parametrize("thing", ["fire", "circle", "bar"])
 def test_what_is_dropped_on_a_robot_is_held_at_the_nearest_safe_place_and_that_is_said(thing: str) -> None:
     run = edited_run()
-    events = give(run, AddThing(thing, at(700.0, 310.0)))
+    events = give(run, AddEntity(thing, at(700.0, 310.0)))
     assert "held at the nearest safe place" in events[0].text
     assert shortfalls(run).max() <= HAIR
 
@@ -64,14 +64,14 @@ def test_what_is_dropped_on_a_robot_is_held_at_the_nearest_safe_place_and_that_i
 @pytest.mark.parametrize("place", [(300.0, 200.0), (900.0, 300.0), (700.0, 300.0), (510.0, 550.0), (-50.0, 300.0)])
 def test_a_robot_dropped_on_something_is_held_beside_it(place: tuple[float, float]) -> None:
     run = edited_run()
-    give(run, MoveThing("robot", 3, floats(place)))
+    give(run, MoveEntity("robot", 3, floats(place)))
     assert shortfalls(run).max() <= HAIR
     assert np.hypot(*(run.state.motion.position[3] - place)) < 150.0
 
 
 def test_a_robot_held_beside_a_lone_circle_is_at_the_place_nearest_to_where_it_was_dropped() -> None:
     run = edited_run()
-    give(run, MoveThing("robot", 3, at(310.0, 200.0)))
+    give(run, MoveEntity("robot", 3, at(310.0, 200.0)))
     x, y = run.state.motion.position[3]
     assert math.dist((x, y), (300.0, 200.0)) == pytest.approx(32.0, abs=1e-3)
     assert (x, y) == pytest.approx((332.0, 200.0), abs=0.5)
@@ -91,9 +91,9 @@ def test_a_number_of_a_thing_is_what_it_was_set_to_and_the_others_are_as_they_we
 ) -> None:
     run = edited_run(ticks=2)
     row = {"polygon": 1, "robot": 3}.get(thing, 0)
-    before = numbers(run, Thing(thing), row)
-    assert not refused(give(run, ChangeThing(thing, row, name, value)))
-    after = numbers(run, Thing(thing), row)
+    before = numbers(run, EntityKind(thing), row)
+    assert not refused(give(run, ChangeEntity(thing, row, name, value)))
+    after = numbers(run, EntityKind(thing), row)
     assert after == pytest.approx({**before, name: value})
 
 
@@ -105,9 +105,9 @@ def test_every_kind_of_thing_has_the_numbers_that_are_listed() -> None:
 
 def test_the_last_robot_stays() -> None:
     run = edited_run()
-    give(run, DeleteThing("robot", 0), DeleteThing("robot", 0), DeleteThing("robot", 0))
-    before = run.moment
-    events = give(run, DeleteThing("robot", 0))
+    give(run, DeleteEntity("robot", 0), DeleteEntity("robot", 0), DeleteEntity("robot", 0))
+    before = run.run_state
+    events = give(run, DeleteEntity("robot", 0))
     assert events[0].text == "Not done: robot 1 is the last one; a team has at least one robot."
     assert run.setup is before.setup
     assert run.state is before.state
@@ -117,7 +117,7 @@ def test_the_last_robot_stays() -> None:
 
 def test_a_fire_that_needs_more_robots_than_are_left_needs_all_of_them() -> None:
     run = edited_run()
-    give(run, DeleteThing("robot", 0), DeleteThing("robot", 0))
+    give(run, DeleteEntity("robot", 0), DeleteEntity("robot", 0))
     assert run.setup.world.fire_needs.tolist() == [2, 2]
 
 
@@ -127,7 +127,7 @@ def test_whoever_is_influenced_when_that_robot_is_deleted_the_human_intention_is
     give(run, *stroke([(700.0, 300.0), (500.0, 450.0), (200.0, 500.0)], 2))
     run.step()
     run.state = run.state._replace(motion=run.state.motion._replace(path_status=int(status)))
-    give(run, DeleteThing("robot", 2))
+    give(run, DeleteEntity("robot", 2))
     assert (run.state.intent.influenced, run.state.motion.path_status) == (0, PathStatus.FINISHED)
     for _ in range(20):
         run.step()
@@ -137,7 +137,7 @@ def test_the_influenced_robot_keeps_its_path_under_its_new_number() -> None:
     run = edited_run()
     give(run, *stroke([(700.0, 300.0), (500.0, 450.0), (200.0, 500.0)], 2))
     run.step()
-    give(run, DeleteThing("robot", 0))
+    give(run, DeleteEntity("robot", 0))
     assert (run.state.intent.influenced, run.state.motion.path_status) == (1, PathStatus.FOLLOWING)
 
 
@@ -145,7 +145,7 @@ def test_robots_whose_target_is_deleted_choose_another_and_the_others_keep_their
     run = edited_run(ticks=3)
     targets = run.state.motion.target.tolist()
     assert set(targets) == {0, 1}
-    give(run, DeleteThing("fire", 0))
+    give(run, DeleteEntity("fire", 0))
     assert run.state.motion.target.tolist() == [target - 1 for target in targets]  # -1 is no fire
     run.step()
     assert run.state.motion.target.tolist() == [0, 0, 0, 0]
@@ -156,9 +156,9 @@ def test_a_fire_that_is_out_can_be_moved_and_deleted() -> None:
     run = edited_run()
     while run.state.motion.fire_burning[0]:
         run.step()
-    give(run, MoveThing("fire", 0, run.state.motion.position[0]))
+    give(run, MoveEntity("fire", 0, run.state.motion.position[0]))
     assert not run.state.motion.fire_burning[0]
-    assert not refused(give(run, DeleteThing("fire", 0)))
+    assert not refused(give(run, DeleteEntity("fire", 0)))
     assert run.state.motion.fire_burning.tolist() == [True]
     for _ in range(20):
         run.step()
@@ -166,7 +166,7 @@ def test_a_fire_that_is_out_can_be_moved_and_deleted() -> None:
 
 def test_a_robot_that_joins_a_team_with_given_links_has_none_until_it_is_given_some() -> None:
     run = edited_run("linked")
-    give(run, AddThing("robot", at(640.0, 380.0)))
+    give(run, AddEntity("robot", at(640.0, 380.0)))
     assert link_pairs(run.setup.world) == ((0, 1), (1, 2), (2, 3))
     run.step()
     assert run.trace.component[4] == 4
@@ -177,7 +177,7 @@ def test_a_robot_that_joins_a_team_with_given_links_has_none_until_it_is_given_s
 
 def test_links_follow_their_robots_when_one_is_deleted() -> None:
     run = edited_run("linked")
-    give(run, DeleteThing("robot", 0))
+    give(run, DeleteEntity("robot", 0))
     assert link_pairs(run.setup.world) == ((0, 1), (1, 2))
 
 
@@ -193,26 +193,26 @@ def test_a_link_is_toggled_against_the_links_in_force() -> None:
 
 def test_a_unicycle_is_moved_by_its_centre_and_turns_about_it() -> None:
     run = edited_run("unicycles", ticks=10)
-    give(run, MoveThing("robot", 0, at(400.0, 350.0)))
+    give(run, MoveEntity("robot", 0, at(400.0, 350.0)))
     assert centres(layout_of(run.setup), run.state.motion)[0] == pytest.approx([400.0, 350.0])
-    give(run, ChangeThing("robot", 0, "heading", 120.0))
+    give(run, ChangeEntity("robot", 0, "heading", 120.0))
     assert centres(layout_of(run.setup), run.state.motion)[0] == pytest.approx([400.0, 350.0])
     ahead = run.state.motion.position[0] - (400.0, 350.0)
     assert ahead == pytest.approx([6.0 * math.cos(math.radians(120.0)), 6.0 * math.sin(math.radians(120.0))])
 
 
 REFUSALS = [
-    (AddThing("lake", at(1.0, 1.0)), "'lake' is nothing that can be edited; choose robot, fire, circle, bar, polygon"),
-    (AddThing("polygon", at(1.0, 1.0)), "a polygon needs an outline: draw one"),
-    (MoveThing("circle", 7, at(1.0, 1.0)), "there is no circle 8: there are circles 1 to 2"),
-    (DeleteThing("fire", -1), "there is no fire 0"),
-    (ChangeThing("circle", 0, "length", 3.0), "circle 1 has no number 'length'; it has x, y, radius"),
-    (ChangeThing("circle", 0, "radius", 0.0), "radius of circle 1: 0 is not from 0.1 to 100000 m"),
-    (ChangeThing("circle", 0, "radius", math.nan), "radius of circle 1: nan is not from 0.1"),
-    (ChangeThing("circle", 1, "radius", 100.0), "robot 2 would be inside circle 2; 12 m is the least"),
-    (ChangeThing("fire", 0, "needs", 2.5), "needs of fire 1: 2.5 is not a whole number within the team of 4"),
-    (ChangeThing("fire", 0, "needs", 9.0), "needs of fire 1: 9 is not a whole number within the team of 4"),
-    (ChangeThing("robot", 0, "heading", 3.0), "the robots have no heading: they are no unicycles"),
+    (AddEntity("lake", at(1.0, 1.0)), "'lake' is nothing that can be edited; choose robot, fire, circle, bar, polygon"),
+    (AddEntity("polygon", at(1.0, 1.0)), "a polygon needs an outline: draw one"),
+    (MoveEntity("circle", 7, at(1.0, 1.0)), "there is no circle 8: there are circles 1 to 2"),
+    (DeleteEntity("fire", -1), "there is no fire 0"),
+    (ChangeEntity("circle", 0, "length", 3.0), "circle 1 has no number 'length'; it has x, y, radius"),
+    (ChangeEntity("circle", 0, "radius", 0.0), "radius of circle 1: 0 is not from 0.1 to 100000 m"),
+    (ChangeEntity("circle", 0, "radius", math.nan), "radius of circle 1: nan is not from 0.1"),
+    (ChangeEntity("circle", 1, "radius", 100.0), "robot 2 would be inside circle 2; 12 m is the least"),
+    (ChangeEntity("fire", 0, "needs", 2.5), "needs of fire 1: 2.5 is not a whole number within the team of 4"),
+    (ChangeEntity("fire", 0, "needs", 9.0), "needs of fire 1: 9 is not a whole number within the team of 4"),
+    (ChangeEntity("robot", 0, "heading", 3.0), "the robots have no heading: they are no unicycles"),
     (ToggleLink(1, 1), "robot 2 cannot be linked to itself"),
     (ToggleLink(1, 9), "there is no robot 10: there are robots 1 to 4"),
     (SetArena(floats([5.0, 0.0, 5.0, 9.0]), walls=True), "an arena of 0 m x 9 m has no inside"),
@@ -220,10 +220,10 @@ REFUSALS = [
     (SetParameters({"safety.robot_clearence": 3.0}), "(did you mean 'safety.robot_clearance'?)"),
     (SetParameters({"safety.robot_clearance": 0.0}), "robot_clearance: 0.0 is out of range; give a number from 0.1"),
     (SetParameters({"safety.control_period": 0.05}), "safety.control_period is fixed for a run"),
-    (SetParameters({"safety.pair_rate": 900.0}), "pair_rate"),
+    (SetParameters({"safety.pair_gain": 900.0}), "pair_gain"),
     (SetParameters({"safety.robot_clearance": 90.0}), "robots 1 and 2 start 58.31 m apart; robot_clearance is 90 m"),
     (SetParameters({"formation.formation_rate": 50.0}), "lower formation_rate (50 1/s)"),
-    (SetParameters({"rings.repulsive_margin": 30.0}), "rings.reactive_margin (25 m) must be above"),
+    (SetParameters({"boundaries.repulsive_margin": 30.0}), "boundaries.reactive_margin (25 m) must be above"),
     (AddOutlines(()), "there is no outline"),
     (AddOutlines((floats([[0, 0], [10, 10], [10, 0], [0, 10]]),)), "crosses or touches itself"),
     (AddOutlines((floats([[690, 290], [710, 290], [700, 320]]),)), "robot 1 would be inside the obstacle"),
@@ -240,39 +240,39 @@ def test_a_refused_edit_changes_nothing_and_names_value_place_and_choices(
     command: OperatorCommand, message: str
 ) -> None:
     run = edited_run()
-    before = run.moment
+    before = run.run_state
     (event,) = run.apply(command)
     assert event.kind == "refused"
     assert message in event.text
-    assert run.moment.setup is before.setup
-    assert run.moment.state is before.state
+    assert run.run_state.setup is before.setup
+    assert run.run_state.state is before.state
     assert run.history == History()
 
 
 @pytest.mark.parametrize("place", [(math.nan, 100.0), (math.inf, 100.0), (1e300, 100.0)])
 @pytest.mark.parametrize("thing", ["robot", "fire", "circle", "bar"])
 def test_a_place_that_is_none_is_refused(thing: str, place: tuple[float, float]) -> None:
-    for command in (AddThing(thing, floats(place)), MoveThing(thing, 0, floats(place))):
+    for command in (AddEntity(thing, floats(place)), MoveEntity(thing, 0, floats(place))):
         run = edited_run()
-        before = run.moment
+        before = run.run_state
         assert refused(run.apply(command))
         assert run.state is before.state
 
 
 def test_an_edit_before_the_first_step_changes_the_start_and_a_later_one_does_not() -> None:
     run = edited_run()
-    give(run, MoveThing("robot", 3, at(300.0, 600.0)))
+    give(run, MoveEntity("robot", 3, at(300.0, 600.0)))
     assert run.setup.start.motion.position[3].tolist() == [300.0, 600.0]
     assert run.setup.world.formation[3].tolist() == [300.0, 600.0]
     run.step()
-    give(run, MoveThing("robot", 3, at(200.0, 600.0)))
+    give(run, MoveEntity("robot", 3, at(200.0, 600.0)))
     assert run.setup.start.motion.position[3].tolist() == [300.0, 600.0]
 
 
 def test_a_start_that_would_not_be_safe_any_more_is_moved_to_the_nearest_safe_place() -> None:
     run = edited_run(ticks=100)
     start = run.setup.start.motion.position.copy()
-    give(run, AddThing("circle", start[0]))
+    give(run, AddEntity("circle", start[0]))
     moved = run.setup.start.motion.position
     assert np.hypot(*(moved[0] - run.setup.world.circles[-1, :2])) >= run.setup.world.circles[-1, 2] + 12.0 - HAIR
 
@@ -284,8 +284,8 @@ def test_a_stroke_becomes_an_obstacle_by_its_outline() -> None:
     drawn = StrokePoints(points)
     events = give(run, StrokeBegin(), drawn, StrokeEnd(use="obstacle"))
     assert events[0].text == "Polygon 3 is added."
-    assert numbers(run, Thing.POLYGON, 2)["size"] == pytest.approx(60.0, abs=3.0)
-    assert len(run.state.drawing.stroke) == 0
+    assert numbers(run, EntityKind.POLYGON, 2)["size"] == pytest.approx(60.0, abs=3.0)
+    assert len(run.state.pointer_state.stroke) == 0
     events = give(run, StrokeBegin(), StrokePoints(points[:2]), StrokeEnd(use="obstacle"))
     assert events[0].text == "No obstacle: the stroke encloses nothing: draw round the obstacle."
     assert len(run.history.done) == 1
@@ -294,12 +294,12 @@ def test_a_stroke_becomes_an_obstacle_by_its_outline() -> None:
 def test_a_thing_is_found_under_a_point_robots_before_fires_before_obstacles() -> None:
     run = edited_run()
     layout, motion = layout_of(run.setup), run.state.motion
-    assert thing_at(at(701.0, 300.0), layout, motion, 10.0) == Place(Thing.ROBOT, 0)
-    assert thing_at(at(510.0, 250.0), layout, motion, 5.0) == Place(Thing.FIRE, 0)
-    assert thing_at(at(290.0, 195.0), layout, motion, 5.0) == Place(Thing.CIRCLE, 0)
-    assert thing_at(at(905.0, 300.0), layout, motion, 5.0) == Place(Thing.BAR, 0)
-    assert thing_at(at(510.0, 560.0), layout, motion, 5.0) == Place(Thing.POLYGON, 1)
-    assert thing_at(at(200.0, 200.0), layout, motion, 5.0) is None
+    assert entity_at(at(701.0, 300.0), layout, motion, 10.0) == Place(EntityKind.ROBOT, 0)
+    assert entity_at(at(510.0, 250.0), layout, motion, 5.0) == Place(EntityKind.FIRE, 0)
+    assert entity_at(at(290.0, 195.0), layout, motion, 5.0) == Place(EntityKind.CIRCLE, 0)
+    assert entity_at(at(905.0, 300.0), layout, motion, 5.0) == Place(EntityKind.BAR, 0)
+    assert entity_at(at(510.0, 560.0), layout, motion, 5.0) == Place(EntityKind.POLYGON, 1)
+    assert entity_at(at(200.0, 200.0), layout, motion, 5.0) is None
 
 
 @pytest.mark.parametrize("name", ["building", "unicycles", "swarm"])
@@ -309,8 +309,8 @@ def test_shipped_worlds_can_be_edited(name: str) -> None:
     run.step()
     middle = run.state.motion.position.mean(axis=0)
     for command in (
-        AddThing("robot", middle), AddThing("circle", middle), MoveThing("robot", 0, middle + 50.0),
-        DeleteThing("fire", 0), DeleteThing("robot", 1), ToggleLink(0, 1),
+        AddEntity("robot", middle), AddEntity("circle", middle), MoveEntity("robot", 0, middle + 50.0),
+        DeleteEntity("fire", 0), DeleteEntity("robot", 1), ToggleLink(0, 1),
     ):  # fmt: skip
         assert not refused(run.apply(command)), command
         assert shortfalls(run).max() <= HAIR
@@ -321,9 +321,9 @@ def test_shipped_worlds_can_be_edited(name: str) -> None:
 @pytest.mark.parametrize(
     "command",
     [
-        AddThing("robot", at(1000.0, 100.0)), DeleteThing("fire", 1), ToggleLink(0, 1),
+        AddEntity("robot", at(1000.0, 100.0)), DeleteEntity("fire", 1), ToggleLink(0, 1),
         SetArena(floats([0, 0, 1250, 700]), walls=False),
-        SetParameters({"safety.obstacle_clearance": 8.0}), AddThing("circle", at(1000.0, 100.0)),
+        SetParameters({"safety.obstacle_clearance": 8.0}), AddEntity("circle", at(1000.0, 100.0)),
     ],
 )  # fmt: skip
 def test_a_world_that_was_edited_is_the_world_that_is_made_of_what_it_came_to(command: OperatorCommand) -> None:
@@ -334,7 +334,7 @@ def test_a_world_that_was_edited_is_the_world_that_is_made_of_what_it_came_to(co
 
 def test_a_stroke_before_the_first_step_is_no_part_of_the_start_when_the_world_is_edited() -> None:
     run = edited_run()
-    give(run, *stroke([(700.0, 300.0), (500.0, 450.0), (200.0, 500.0)]), AddThing("circle", at(1000.0, 100.0)))
+    give(run, *stroke([(700.0, 300.0), (500.0, 450.0), (200.0, 500.0)]), AddEntity("circle", at(1000.0, 100.0)))
     assert run.state.motion.path_status == PathStatus.FOLLOWING
     assert run.setup.start.motion.path_status == PathStatus.NONE
 
@@ -344,5 +344,5 @@ def test_what_is_wrong_already_is_no_licence_for_tunables_that_are_wrong_too() -
     grown = run.state.motion.fire_radius + 60.0
     run.state = run.state._replace(motion=run.state.motion._replace(fire_radius=grown))
     assert not refused(run.apply(SetParameters({"blending.cruise_speed": 40.0})))
-    for values in ({"safety.pair_rate": 900.0}, {"fires.stand_off": 5.0}, {"formation.formation_rate": 50.0}):
+    for values in ({"safety.pair_gain": 900.0}, {"fires.stand_off": 5.0}, {"formation.formation_rate": 50.0}):
         assert refused(run.apply(SetParameters(values))), values

@@ -7,14 +7,14 @@ from higvf_console.control.forms import CORRECTED, PRINTED, Forms
 from higvf_console.core.edits import SetParameters
 from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import parse_scenario
-from tests.world.editing.deeds import SCENE, edited_run
+from tests.world.editing.actions import SCENE, edited_run
 
 
 @pytest.mark.parametrize(
     ("intention", "values", "limit"),
     [
         (CORRECTED, {"formation.formation_rate": 45.0}, "must stay below 2"),
-        (CORRECTED, {"safety.pair_rate": 900.0}, "parameters.safety"),
+        (CORRECTED, {"safety.pair_gain": 900.0}, "parameters.safety"),
         (PRINTED, {"intention.human_weight": 900.0}, "spectral radius"),
     ],
 )
@@ -30,7 +30,7 @@ def test_an_unstable_value_is_refused_with_its_limit(intention: float, values: d
 def test_the_corrected_intention_takes_any_weight() -> None:
     run = Run(parse_scenario(SCENE, "a test").setup())
     run.apply(SetParameters({"intention.human_weight": 900.0}))
-    assert run.setup.gains.intention.human_weight == 900.0
+    assert run.setup.params.intention.human_weight == 900.0
 
 
 def test_a_value_that_only_the_next_start_would_feel_is_refused_too() -> None:

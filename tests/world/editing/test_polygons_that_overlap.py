@@ -4,10 +4,10 @@ import pytest
 
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand
-from higvf_console.core.edits import AddOutlines, AddThing, ChangeThing, MoveThing
+from higvf_console.core.edits import AddEntity, AddOutlines, ChangeEntity, MoveEntity
 from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import parse_scenario
-from tests.world.editing.deeds import give, refused
+from tests.world.editing.actions import give, refused
 
 SCENE = """
 version: 1
@@ -22,10 +22,10 @@ obstacles:
 @pytest.mark.parametrize(
     "edit",
     [
-        AddThing("circle", floats([400.0, 400.0])),
-        MoveThing("circle", 0, floats([950.0, 500.0])),
-        MoveThing("polygon", 0, floats([300.0, 400.0])),
-        ChangeThing("polygon", 1, "angle", 20.0),
+        AddEntity("circle", floats([400.0, 400.0])),
+        MoveEntity("circle", 0, floats([950.0, 500.0])),
+        MoveEntity("polygon", 0, floats([300.0, 400.0])),
+        ChangeEntity("polygon", 1, "angle", 20.0),
         AddOutlines((floats([[500, 500], [560, 500], [530, 560]]),)),
     ],
 )

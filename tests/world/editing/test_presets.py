@@ -14,10 +14,10 @@ def test_every_preset_is_accepted_by_every_scenario_and_known_again(scenario: st
     loaded = load_scenario(scenario)
     run = Run(loaded.setup(), scenario=loaded)
     for name in (*PRESETS, AS_IN_THE_SCENARIO):
-        events = run.apply(SetParameters(preset_values(name, loaded.gains)))
+        events = run.apply(SetParameters(preset_values(name, loaded.params)))
         assert [event.text for event in events if event.kind == "refused"] == []
-        assert preset_name(run.setup.gains, loaded.gains) == name
-    assert run.setup.gains == loaded.setup().gains
+        assert preset_name(run.setup.params, loaded.params) == name
+    assert run.setup.params == loaded.setup().params
 
 
 def test_presets_name_tunables_that_can_change() -> None:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from higvf_console.core.commands import OperatorCommand, Redo, Undo
 from higvf_console.runtime.run import Run
-from tests.world.editing.deeds import (
+from tests.world.editing.actions import (
     EDITS,
     GIVEN,
     HAIR,
@@ -70,9 +70,9 @@ def test_undo_and_redo_at_once_are_exact_and_a_refusal_changes_nothing(
             give(run, *step)
     for command in last[:-1]:
         run.apply(command)
-    before, history = run.moment, run.history
+    before, history = run.run_state, run.history
     events = run.apply(last[-1])
-    after = run.moment
+    after = run.run_state
     if refused(events):
         assert run.setup is before.setup
         assert run.state.motion is before.state.motion

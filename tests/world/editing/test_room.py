@@ -9,7 +9,7 @@ from higvf_console.world.editing.layout import layout_of
 from higvf_console.world.editing.room import obstacle_room
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.placement import obstacle_gaps
-from tests.world.editing.deeds import edited_run
+from tests.world.editing.actions import edited_run
 
 OBSTACLES = layout_of(edited_run().setup).obstacles
 

@@ -1,13 +1,13 @@
 """Robots stay inside the walls of the arena."""
 
-from higvf_console.control.gains import SafetyGains
 from higvf_console.control.kernel import kernel
-from higvf_console.control.safety.barriers.row import class_k
+from higvf_console.control.parameters import SafetyParameters
+from higvf_console.control.safety.barriers.linear_constraint import class_k
 
 
 @kernel
-def wall_row(
-    x: float, y: float, normal_x: float, normal_y: float, offset: float, safety: SafetyGains
+def wall_constraint(
+    x: float, y: float, normal_x: float, normal_y: float, offset: float, safety: SafetyParameters
 ) -> tuple[float, float, float]:
     """The row of a wall: -n.v <= beta R_o k(h), h = (n.p - w)/R_o - 1.
 
@@ -24,5 +24,5 @@ def wall_row(
     """
     clearance = safety.obstacle_clearance
     h = (normal_x * x + normal_y * y - offset) / clearance - 1.0
-    b = safety.obstacle_rate * clearance * class_k(h)
+    b = safety.obstacle_gain * clearance * class_k(h)
     return -normal_x, -normal_y, max(b, -safety.speed_limit)

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.control.gains import SafetyGains
-from higvf_console.control.safety.barriers.fire import fire_reach
-from higvf_console.control.safety.barriers.obstacle import obstacle_reach
+from higvf_console.control.parameters import SafetyParameters
+from higvf_console.control.safety.barriers.fire import fire_activation_distance
+from higvf_console.control.safety.barriers.obstacle import obstacle_activation_distance
 from higvf_console.control.safety.barriers.robot_pair import sensing_radius
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import FilterError
@@ -22,9 +22,9 @@ __all__ = [
     "SAMPLING_LIMIT",
     "SamplingCondition",
     "check_sampling",
-    "fire_reach",
+    "fire_activation_distance",
     "least_stand_off",
-    "obstacle_reach",
+    "obstacle_activation_distance",
     "sampling_conditions",
     "sensing_radius",
 ]
@@ -53,7 +53,7 @@ class SamplingCondition(NamedTuple):
         return self.value <= SAMPLING_LIMIT
 
 
-def sampling_conditions(world: World, fire_radius: Floats, safety: SafetyGains) -> tuple[SamplingCondition, ...]:
+def sampling_conditions(world: World, fire_radius: Floats, safety: SafetyParameters) -> tuple[SamplingCondition, ...]:
     """The sampling condition of every kind of barrier that the world has, robot pairs first.
 
     Args:
@@ -61,8 +61,8 @@ def sampling_conditions(world: World, fire_radius: Floats, safety: SafetyGains) 
         fire_radius: (M,) smallest radius of each fire, that at the start [m].
         safety: clearances, rates, speed limit and control period.
     """
-    limit, margin, rate = safety.speed_limit, safety.obstacle_clearance, safety.obstacle_rate
-    found = [_round("pair", safety.robot_clearance, 2.0 * limit, safety.pair_rate, safety.control_period)]
+    limit, margin, rate = safety.speed_limit, safety.obstacle_clearance, safety.obstacle_gain
+    found = [_round("pair", safety.robot_clearance, 2.0 * limit, safety.pair_gain, safety.control_period)]
     for kind, radii in (("circle", world.circles[:, 2]), ("bar", world.bars[:, 4])):
         if radii.size:
             found.append(_round(kind, margin + float(radii.min()), limit, rate, safety.control_period))
@@ -75,7 +75,7 @@ def sampling_conditions(world: World, fire_radius: Floats, safety: SafetyGains) 
     return tuple(found)
 
 
-def check_sampling(world: World, fire_radius: Floats, safety: SafetyGains) -> None:
+def check_sampling(world: World, fire_radius: Floats, safety: SafetyParameters) -> None:
     """Refuses a world in which the barriers do not hold in discrete time.
 
     Raises:
@@ -88,11 +88,11 @@ def check_sampling(world: World, fire_radius: Floats, safety: SafetyGains) -> No
                 f" {condition.value:.3g} exceeds {SAMPLING_LIMIT:g} at clearance {condition.clearance:g} m and closing"
                 f" speed {condition.closing_speed:g} m/s; lower speed_limit ({safety.speed_limit:g} m/s),"
                 f" control_period ({safety.control_period:g} s) or"
-                f" {'pair_rate' if condition.kind == 'pair' else 'obstacle_rate'}, or raise the clearance"
+                f" {'pair_gain' if condition.kind == 'pair' else 'obstacle_gain'}, or raise the clearance"
             )
 
 
-def least_stand_off(fire_radius: float, growth: float, safety: SafetyGains) -> float:
+def least_stand_off(fire_radius: float, growth: float, safety: SafetyParameters) -> float:
     """Smallest stand-off [m] at which a robot can hold at a fire: the row of the growing fire pushes it that far.
 
     R_o + R_k (sqrt(1 + (2 R'/(beta R_k))^(1/3)) - 1), R_k = radius + R_o
@@ -103,7 +103,7 @@ def least_stand_off(fire_radius: float, growth: float, safety: SafetyGains) -> f
         safety: R_o and beta.
     """
     clearance = fire_radius + safety.obstacle_clearance
-    h = (2.0 * growth / (safety.obstacle_rate * clearance)) ** (1.0 / 3.0)
+    h = (2.0 * growth / (safety.obstacle_gain * clearance)) ** (1.0 / 3.0)
     return safety.obstacle_clearance + clearance * (math.sqrt(1.0 + h) - 1.0)
 
 

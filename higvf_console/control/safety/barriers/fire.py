@@ -1,13 +1,13 @@
 """Robots keep clear of burning fires, whose clearance R_k = radius + R_o grows while they move."""
 
-from higvf_console.control.gains import SafetyGains
 from higvf_console.control.kernel import kernel
-from higvf_console.control.safety.barriers.row import keep_out, reach
+from higvf_console.control.parameters import SafetyParameters
+from higvf_console.control.safety.barriers.linear_constraint import activation_distance, keep_out
 
 
 @kernel
-def fire_row(
-    x: float, y: float, fire_x: float, fire_y: float, radius: float, rate: float, safety: SafetyGains
+def fire_constraint(
+    x: float, y: float, fire_x: float, fire_y: float, radius: float, rate: float, safety: SafetyParameters
 ) -> tuple[float, float, float]:
     """The row of a fire, so that a robot is as safe of the fire at the end of the control period as of it now.
 
@@ -27,17 +27,19 @@ def fire_row(
     """
     clearance = radius + safety.obstacle_clearance
     growth = _growth(clearance, rate, safety)
-    return keep_out(x - fire_x, y - fire_y, clearance, 0.5 * safety.obstacle_rate, growth, safety.speed_limit)
+    return keep_out(x - fire_x, y - fire_y, clearance, 0.5 * safety.obstacle_gain, growth, safety.speed_limit)
 
 
 @kernel
-def fire_reach(radius: float, rate: float, safety: SafetyGains) -> float:
+def fire_activation_distance(radius: float, rate: float, safety: SafetyParameters) -> float:
     """Distance [m] to a fire's centre from which on its row cannot matter."""
     clearance = radius + safety.obstacle_clearance
-    return reach(clearance, 0.5 * safety.obstacle_rate, _growth(clearance, rate, safety), safety.speed_limit)
+    return activation_distance(
+        clearance, 0.5 * safety.obstacle_gain, _growth(clearance, rate, safety), safety.speed_limit
+    )
 
 
 @kernel
-def _growth(clearance: float, rate: float, safety: SafetyGains) -> float:
+def _growth(clearance: float, rate: float, safety: SafetyParameters) -> float:
     """(R_next^2 - R_k^2)/(2 dt) [m^2/s]."""
     return rate * (clearance + 0.5 * rate * safety.control_period)

@@ -1,14 +1,14 @@
 """Robots keep clear of obstacles: circles and bars, [26], [27], each with its own clearance R_k = radius + R_o."""
 
-from higvf_console.control.gains import SafetyGains
 from higvf_console.control.guidance.obstacles import spine_point
 from higvf_console.control.kernel import kernel
-from higvf_console.control.safety.barriers.row import keep_out, reach
+from higvf_console.control.parameters import SafetyParameters
+from higvf_console.control.safety.barriers.linear_constraint import activation_distance, keep_out
 
 
 @kernel
-def circle_row(
-    x: float, y: float, centre_x: float, centre_y: float, radius: float, safety: SafetyGains
+def circle_constraint(
+    x: float, y: float, centre_x: float, centre_y: float, radius: float, safety: SafetyParameters
 ) -> tuple[float, float, float]:
     """The row of a circle, [27] with a dimensionless h: -(p - o).v <= (beta/2) R_k^2 k(h).
 
@@ -24,12 +24,12 @@ def circle_row(
         ax, ay, b of the unit row a.v <= b.
     """
     clearance = radius + safety.obstacle_clearance
-    return keep_out(x - centre_x, y - centre_y, clearance, 0.5 * safety.obstacle_rate, 0.0, safety.speed_limit)
+    return keep_out(x - centre_x, y - centre_y, clearance, 0.5 * safety.obstacle_gain, 0.0, safety.speed_limit)
 
 
 @kernel
-def bar_row(
-    x: float, y: float, ax: float, ay: float, bx: float, by: float, half_width: float, safety: SafetyGains
+def capsule_constraint(
+    x: float, y: float, ax: float, ay: float, bx: float, by: float, half_width: float, safety: SafetyParameters
 ) -> tuple[float, float, float]:
     """The row of a bar: that of a circle of its half width round the nearest point of its spine a-b.
 
@@ -47,11 +47,11 @@ def bar_row(
         ax, ay, b of the unit row a.v <= b.
     """
     near_x, near_y = spine_point(x, y, ax, ay, bx, by)
-    return circle_row(x, y, near_x, near_y, half_width, safety)
+    return circle_constraint(x, y, near_x, near_y, half_width, safety)
 
 
 @kernel
-def obstacle_reach(radius: float, safety: SafetyGains) -> float:
+def obstacle_activation_distance(radius: float, safety: SafetyParameters) -> float:
     """Distance [m] to a circle's centre or a bar's spine from which on its row cannot matter."""
     clearance = radius + safety.obstacle_clearance
-    return reach(clearance, 0.5 * safety.obstacle_rate, 0.0, safety.speed_limit)
+    return activation_distance(clearance, 0.5 * safety.obstacle_gain, 0.0, safety.speed_limit)

@@ -1,13 +1,13 @@
 """Robots keep their distance from each other: [20]-[24], each of a pair takes half."""
 
-from higvf_console.control.gains import SafetyGains
 from higvf_console.control.kernel import kernel
-from higvf_console.control.safety.barriers.row import COINCIDENT, keep_out, reach
+from higvf_console.control.parameters import SafetyParameters
+from higvf_console.control.safety.barriers.linear_constraint import COINCIDENT, activation_distance, keep_out
 
 
 @kernel
-def pair_row(
-    x: float, y: float, other_x: float, other_y: float, first: bool, safety: SafetyGains
+def pair_constraint(
+    x: float, y: float, other_x: float, other_y: float, first: bool, safety: SafetyParameters
 ) -> tuple[float, float, float]:
     """A robot's half of a pair, [24] with a dimensionless h: -r.v_i <= (alpha/4) R_r^2 k(h), r = p_i - p_j.
 
@@ -27,10 +27,10 @@ def pair_row(
     dx, dy = x - other_x, y - other_y
     if abs(dx) < COINCIDENT and abs(dy) < COINCIDENT:
         return (1.0 if first else -1.0), 0.0, -safety.speed_limit
-    return keep_out(dx, dy, safety.robot_clearance, 0.25 * safety.pair_rate, 0.0, safety.speed_limit)
+    return keep_out(dx, dy, safety.robot_clearance, 0.25 * safety.pair_gain, 0.0, safety.speed_limit)
 
 
 @kernel
-def sensing_radius(safety: SafetyGains) -> float:
+def sensing_radius(safety: SafetyParameters) -> float:
     """r* [m]: robots farther apart cannot matter to each other in this tick."""
-    return reach(safety.robot_clearance, 0.25 * safety.pair_rate, 0.0, safety.speed_limit)
+    return activation_distance(safety.robot_clearance, 0.25 * safety.pair_gain, 0.0, safety.speed_limit)

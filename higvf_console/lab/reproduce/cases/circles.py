@@ -124,7 +124,7 @@ def _past_obstacles(run: Run, name: str) -> Findings:
     arrived = int(np.argmax(error <= BAND))
     away = measures.intervals(error[arrived:] > BAND)
     longest = max([run.time[b] - run.time[a] for a, b in away], default=0.0)
-    half_lap = 0.5 * path.length / run.setup.gains.blending.cruise_speed
+    half_lap = 0.5 * path.length / run.setup.params.blending.cruise_speed
     return Findings(
         (
             _clearance_measure(run),

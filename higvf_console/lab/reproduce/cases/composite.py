@@ -31,21 +31,23 @@ class _Panels:
     """The five fields of Fig. 6 on one grid, each a row a point (G, 2), unit vectors at most."""
 
     def __init__(self, setup: Setup, columns: int) -> None:
-        state, world, gains = setup.start, setup.world, setup.gains
-        speed = gains.blending.cruise_speed
+        state, world, params = setup.start, setup.world, setup.params
+        speed = params.blending.cruise_speed
         self.cell = setup.arena.width / columns
         self.points = grid_points(setup.arena, columns)
-        self.path = field_at(FieldKind.PATH, self.points, state, world, gains) / speed
+        self.path = field_at(FieldKind.PATH, self.points, state, world, params) / speed
         circle = world.circles[0]
         away = self.points - circle[:2]
-        self.bump = np.array([zero_in(float(np.hypot(*p)), float(circle[2]), gains.rings, gains.forms) for p in away])
+        self.bump = np.array(
+            [zero_in(float(np.hypot(*p)), float(circle[2]), params.boundaries, params.forms) for p in away]
+        )
         normal = np.array([part_at(0, x, y, world)[1:] for x, y in self.points.tolist()])
         self.around = floats(np.stack([normal[:, 1], -normal[:, 0]], axis=1))  # side E n, clockwise
         side = ints([[-1]])
         self.outside = np.hypot(*away.T) > circle[2]
         self.sum = self.bump[:, None] * self.path + (1.0 - self.bump)[:, None] * self.around
         agreed = state._replace(motion=state.motion._replace(side=side))
-        self.engine = field_at(FieldKind.COMPOSITE, self.points, agreed, world, gains) / speed
+        self.engine = field_at(FieldKind.COMPOSITE, self.points, agreed, world, params) / speed
 
 
 def run_composite(_: Runs) -> Findings:
@@ -98,7 +100,7 @@ def run_composite(_: Runs) -> Findings:
 
 def _inside_q(panels: _Panels, setup: Setup) -> Bools:
     circle = setup.world.circles[0]
-    return np.hypot(*(panels.points - circle[:2]).T) <= circle[2] + setup.gains.rings.repulsive_margin
+    return np.hypot(*(panels.points - circle[:2]).T) <= circle[2] + setup.params.boundaries.repulsive_margin
 
 
 def _draw_composite(setup: Setup) -> Figure:
@@ -139,7 +141,7 @@ def _dress_panel(axes: Axes, setup: Setup, title: str) -> None:
     axes.set_title(title)
     draw_path(axes, setup.start.intent.path)
     draw_obstacles(axes, setup.world)
-    draw_rings(axes, setup.world, setup.gains)
+    draw_rings(axes, setup.world, setup.params)
 
 
 CASES = (

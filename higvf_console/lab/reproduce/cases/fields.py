@@ -7,27 +7,27 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import Gains
 from higvf_console.control.guidance.bump import zero_in
 from higvf_console.control.guidance.guiding import guiding_vector
 from higvf_console.control.guidance.paths import EVERYWHERE, circle_path
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import floats
 from higvf_console.core.state import World
 from higvf_console.core.viewport import Arena
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, dress_map, new_figure
 from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
-from higvf_console.lab.reproduce.figures.maps import capsule, draw_obstacles, draw_path, ring
+from higvf_console.lab.reproduce.figures.maps import boundary, capsule, draw_obstacles, draw_path
 from higvf_console.lab.reproduce.runs import Runs
 from higvf_console.scenario.scenario import parse_scenario
 from higvf_console.sim.setup import Setup
 
-GAINS = Gains()
+GAINS = Parameters()
 CORRECTED, PIXELS = Forms(), Forms(bump=PRINTED)
 ARENA = Arena(-200.0, -200.0, 200.0, 200.0)
 CIRCLE = circle_path(0.0, 0.0, 120.0)
 RING_RADIUS = 20.0  # of the obstacle of the bump functions [m]
-WIDE = "rings: {reactive_margin: 45, repulsive_margin: 14}"
+WIDE = "boundaries: {reactive_margin: 45, repulsive_margin: 14}"
 _BOUNDED = f"""
 version: 1
 arena: {{x_min: -180, y_min: -100, x_max: 180, y_max: 100, walls: false}}
@@ -112,12 +112,12 @@ def _draw_gvf() -> Figure:
 
 def run_bumps(_: Runs) -> Findings:
     """S and Z over the ring, smooth in the dimensionless form, a jump in the printed one."""
-    rings = GAINS.rings
-    start = RING_RADIUS + rings.repulsive_margin
+    boundaries = GAINS.boundaries
+    start = RING_RADIUS + boundaries.repulsive_margin
     printed = _printed(start + 0.01)
-    smooth = zero_in(start + 0.01, RING_RADIUS, rings, CORRECTED)
-    distance = np.linspace(start, RING_RADIUS + rings.reactive_margin, 20001)
-    bump = np.array([zero_in(d, RING_RADIUS, rings, CORRECTED) for d in distance.tolist()])
+    smooth = zero_in(start + 0.01, RING_RADIUS, boundaries, CORRECTED)
+    distance = np.linspace(start, RING_RADIUS + boundaries.reactive_margin, 20001)
+    bump = np.array([zero_in(d, RING_RADIUS, boundaries, CORRECTED) for d in distance.tolist()])
     rise = distance[np.searchsorted(bump, 0.99)] - distance[np.searchsorted(bump, 0.01)]
     return Findings(
         (
@@ -159,16 +159,16 @@ def run_bumps(_: Runs) -> Findings:
 
 
 def _printed(distance: float) -> float:
-    return zero_in(distance, RING_RADIUS, GAINS.rings, PIXELS)
+    return zero_in(distance, RING_RADIUS, GAINS.boundaries, PIXELS)
 
 
 def _draw_bumps() -> Figure:
-    rings = GAINS.rings
+    boundaries = GAINS.boundaries
     figure = new_figure(PAGE, 2.5)
     panels = figure.subplots(1, 2, sharey=True)
     distance = np.linspace(RING_RADIUS + 10.0, RING_RADIUS + 29.0, 1901)
     shapes = (
-        ("Dimensionless, as run", [zero_in(d, RING_RADIUS, rings, CORRECTED) for d in distance.tolist()]),
+        ("Dimensionless, as run", [zero_in(d, RING_RADIUS, boundaries, CORRECTED) for d in distance.tolist()]),
         ("Squared pixels, as printed", [_printed(d) for d in distance.tolist()]),
     )
     for axes, (title, values) in zip(panels, shapes, strict=True):
@@ -183,8 +183,8 @@ def _draw_bumps() -> Figure:
             label="Z, zero-out",
         )
         for margin, ink, word in (
-            (rings.repulsive_margin, INK.repulsive, "Q"),
-            (rings.reactive_margin, INK.reactive, "R"),
+            (boundaries.repulsive_margin, INK.repulsive, "Q"),
+            (boundaries.reactive_margin, INK.reactive, "R"),
         ):
             axes.axvline(margin, color=ink, linewidth=0.9, linestyle=":")
             axes.text(margin, 1.03, word, color=ink, ha="center", va="bottom")
@@ -199,22 +199,22 @@ def _draw_bumps() -> Figure:
 def run_boundaries(_: Runs) -> Findings:
     """The reactive and the repulsive boundary of a circle and of a bar."""
     setup = parse_scenario(_BOUNDED, "boundaries").setup()
-    rings, safety = setup.gains.rings, setup.gains.safety
+    boundaries, safety = setup.params.boundaries, setup.params.safety
     return Findings(
         (
             Measurement(
                 "Reactive boundary R, from the surface",
-                rings.reactive_margin,
+                boundaries.reactive_margin,
                 "m",
                 "outside Q",
-                rings.reactive_margin > rings.repulsive_margin,
+                boundaries.reactive_margin > boundaries.repulsive_margin,
             ),
             Measurement(
                 "Repulsive boundary Q, from the surface",
-                rings.repulsive_margin,
+                boundaries.repulsive_margin,
                 "m",
                 "outside the safety barrier, else only the filter would ever see it",
-                rings.repulsive_margin > safety.obstacle_clearance,
+                boundaries.repulsive_margin > safety.obstacle_clearance,
             ),
             Measurement(
                 "Safety barrier, from the surface", safety.obstacle_clearance, "m", "the paper gives no numbers", None
@@ -237,7 +237,7 @@ def _draw_boundaries(setup: Setup) -> Figure:
     dress_map(axes, setup.arena, 50.0)
     draw_path(axes, setup.start.intent.path)
     draw_obstacles(axes, setup.world)
-    draw_rings(axes, setup.world, setup.gains)
+    draw_rings(axes, setup.world, setup.params)
     for words, at, ink in (
         ("reactive boundary R", (-85.0, 79.0), INK.reactive),
         ("repulsive boundary Q", (-85.0, 48.0), INK.repulsive),
@@ -247,15 +247,15 @@ def _draw_boundaries(setup: Setup) -> Figure:
     return figure
 
 
-def draw_rings(axes: Axes, world: World, gains: Gains) -> None:
+def draw_rings(axes: Axes, world: World, params: Parameters) -> None:
     """R and Q of every circle and bar."""
     spines = [(x, y, x, y, radius) for x, y, radius in world.circles.tolist()] + world.bars.tolist()
     for ax, ay, bx, by, radius in spines:
         for margin, ink in (
-            (gains.rings.reactive_margin, INK.reactive),
-            (gains.rings.repulsive_margin, INK.repulsive),
+            (params.boundaries.reactive_margin, INK.reactive),
+            (params.boundaries.repulsive_margin, INK.repulsive),
         ):
-            ring(axes, capsule(ax, ay, bx, by, radius + margin), ink)
+            boundary(axes, capsule(ax, ay, bx, by, radius + margin), ink)
 
 
 CASES = (

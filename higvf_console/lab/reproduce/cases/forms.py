@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.control.forms import PRINTED, Forms
-from higvf_console.control.gains import Gains
 from higvf_console.control.intention.intention import map_radius
+from higvf_console.control.parameters import Parameters
 from higvf_console.lab.reproduce import experiments
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Table
 from higvf_console.lab.reproduce.runs import Runs
@@ -36,7 +36,7 @@ class Doubt(NamedTuple):
     corrected: str
     shown: str
     unit: str
-    measure: Callable[[Gains], float]
+    measure: Callable[[Parameters], float]
     low: float
     high: float
 
@@ -47,110 +47,110 @@ class Doubt(NamedTuple):
 
 DOUBTS = (
     Doubt(
-        "formation",
-        "[12] formation",
-        "-| |r| - d | r/|r|",
-        "-k_form (|r| - d) r/|r|",
-        "distance of two robots after 30 s, 30 m apart at first, d = 60",
-        "m",
-        experiments.formation_distance,
-        59.0,
-        61.0,
+        field="formation",
+        equation="[12] formation",
+        printed="-| |r| - d | r/|r|",
+        corrected="-k_form (|r| - d) r/|r|",
+        shown="distance of two robots after 30 s, 30 m apart at first, d = 60",
+        unit="m",
+        measure=experiments.formation_distance,
+        low=59.0,
+        high=61.0,
     ),
     Doubt(
-        "intention",
-        "[15] shared intention",
-        "a map with weights, not rates",
-        "semi-implicit step of its ODE",
-        "largest |v_s| in the first second, the human intention being 1",
-        "",
-        experiments.intention_peak,
-        0.0,
-        1.0,
+        field="intention",
+        equation="[15] shared intention",
+        printed="a map with weights, not rates",
+        corrected="semi-implicit step of its ODE",
+        shown="largest |v_s| in the first second, the human intention being 1",
+        unit="",
+        measure=experiments.intention_peak,
+        low=0.0,
+        high=1.0,
     ),
     Doubt(
-        "target",
-        "[11] robot intention",
-        "-θ φ ∇φ, φ in m²",
-        "θ sat(distance / band) towards the fire",
-        "largest |v_t| at the start of Table I, a human intention being at most 1",
-        "",
-        experiments.target_length,
-        0.0,
-        math.pi,
+        field="target",
+        equation="[11] robot intention",
+        printed="-θ φ ∇φ, φ in m²",
+        corrected="θ sat(distance / band) towards the fire",
+        shown="largest |v_t| at the start of Table I, a human intention being at most 1",
+        unit="",
+        measure=experiments.target_length,
+        low=0.0,
+        high=math.pi,
     ),
     Doubt(
-        "human",
-        "[9] human intention",
-        "zero-in only: Π S · X_P",
-        "composite step with Z X_R, once, on the velocity",
-        "way of a robot in 15 s; a circle on its path ends at 220 m",
-        "m",
-        experiments.way_past_obstacle,
-        250.0,
-        math.inf,
+        field="human",
+        equation="[9] human intention",
+        printed="zero-in only: Π S · X_P",
+        corrected="composite step with Z X_R, once, on the velocity",
+        shown="way of a robot in 15 s; a circle on its path ends at 220 m",
+        unit="m",
+        measure=experiments.way_past_obstacle,
+        low=250.0,
+        high=math.inf,
     ),
     Doubt(
-        "speed",
-        "[17] speed",
-        "C v/|v|",
-        "C v/max(|v|, δ)",
-        "speed wanted at rest, v_s = 0 and v_f = 0",
-        "m/s",
-        experiments.speed_at_rest,
-        0.0,
-        0.0,
+        field="speed",
+        equation="[17] speed",
+        printed="C v/|v|",
+        corrected="C v/max(|v|, δ)",
+        shown="speed wanted at rest, v_s = 0 and v_f = 0",
+        unit="m/s",
+        measure=experiments.speed_at_rest,
+        low=0.0,
+        high=0.0,
     ),
     Doubt(
-        "blending",
-        "[19] blending",
-        "k_s a/(k_s a + k_f b)",
-        "k_s a/(k_s a + k_f b + δ)",
-        "λ at |v_s| = 1e-9, v_f = 0; λ is to be continuous with λ(0, 0) = 0",
-        "",
-        experiments.weight_near_rest,
-        0.0,
-        1e-3,
+        field="blending",
+        equation="[19] blending",
+        printed="k_s a/(k_s a + k_f b)",
+        corrected="k_s a/(k_s a + k_f b + δ)",
+        shown="λ at |v_s| = 1e-9, v_f = 0; λ is to be continuous with λ(0, 0) = 0",
+        unit="",
+        measure=experiments.weight_near_rest,
+        low=0.0,
+        high=1e-3,
     ),
     Doubt(
-        "bump",
-        "[29]-[31] bump",
-        "φ in squared lengths",
-        "φ dimensionless",
-        "S 0.01 m outside the repulsive boundary, where S = 0",
-        "",
-        experiments.bump_at_boundary,
-        0.0,
-        1e-3,
+        field="bump",
+        equation="[29]-[31] bump",
+        printed="φ in squared lengths",
+        corrected="φ dimensionless",
+        shown="S 0.01 m outside the repulsive boundary, where S = 0",
+        unit="",
+        measure=experiments.bump_at_boundary,
+        low=0.0,
+        high=1e-3,
     ),
     Doubt(
-        "fire_row",
-        "[27] row of a growing fire",
-        "no term for the growth",
-        "- (R_next² - R²)/(2 dt)",
-        "smallest clearance of a paused robot beside a fire that grows by 1 m/s",
-        "m",
-        experiments.clearance_at_fire,
-        0.0,
-        math.inf,
+        field="fire_row",
+        equation="[27] row of a growing fire",
+        printed="no term for the growth",
+        corrected="- (R_next² - R²)/(2 dt)",
+        shown="smallest clearance of a paused robot beside a fire that grows by 1 m/s",
+        unit="m",
+        measure=experiments.clearance_at_fire,
+        low=0.0,
+        high=math.inf,
     ),
     Doubt(
-        "h_index",
-        "[27] index of h",
-        "h_ij in the row of obstacle k",
-        "h_ik",
-        "smallest clearance on a path through the second of two circles",
-        "m",
-        experiments.clearance_by_index,
-        0.0,
-        math.inf,
+        field="h_index",
+        equation="[27] index of h",
+        printed="h_ij in the row of obstacle k",
+        corrected="h_ik",
+        shown="smallest clearance on a path through the second of two circles",
+        unit="m",
+        measure=experiments.clearance_by_index,
+        low=0.0,
+        high=math.inf,
     ),
 )
 
 
-def printed_alone(field: str) -> Gains:
+def printed_alone(field: str) -> Parameters:
     """The default gains with one equation as printed."""
-    return Gains(forms=Forms()._replace(**{field: PRINTED}))
+    return Parameters(forms=Forms()._replace(**{field: PRINTED}))
 
 
 def run_forms(_: Runs) -> Findings:
@@ -159,7 +159,7 @@ def run_forms(_: Runs) -> Findings:
     rows: list[tuple[str, ...]] = []
     with np.errstate(all="ignore"):
         for doubt in DOUBTS:
-            good, bad = doubt.measure(Gains()), doubt.measure(printed_alone(doubt.field))
+            good, bad = doubt.measure(Parameters()), doubt.measure(printed_alone(doubt.field))
             holds = doubt.works(good) and not doubt.works(bad)
             measured.append(
                 Measurement(
@@ -214,7 +214,7 @@ def run_forms(_: Runs) -> Findings:
 def _radius() -> float:
     setup = load_scenario("firefighting").setup()
     robots = len(setup.start.motion.position)
-    return map_radius(robots * np.eye(robots) - 1.0, 0, setup.gains.intention)
+    return map_radius(robots * np.eye(robots) - 1.0, 0, setup.params.intention)
 
 
 def _number(value: float) -> float | str:

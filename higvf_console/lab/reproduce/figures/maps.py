@@ -191,7 +191,7 @@ def legend_below(axes: Axes, columns: int = 6) -> None:
     )
 
 
-def ring(axes: Axes, outline: Floats, colour: str, label: str | None = None) -> None:
+def boundary(axes: Axes, outline: Floats, colour: str, label: str | None = None) -> None:
     """A dashed closed boundary (n, 2)."""
     closed = Outline(np.vstack([outline, outline[:1]]))
     axes.add_patch(

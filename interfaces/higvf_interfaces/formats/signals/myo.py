@@ -49,7 +49,17 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
             notes.append(f"{torn} rows that are not eight signed bytes left out")
 
     table = SampleTable(
-        file.path, NAME, rows, tuple(range(_CHANNELS)), names, ("",) * _CHANNELS, None, number, None, None, None
+        path=file.path,
+        format=NAME,
+        rows=rows,
+        channels=tuple(range(_CHANNELS)),
+        names=names,
+        units=("",) * _CHANNELS,
+        time=None,
+        seconds=number,
+        counter=None,
+        marker=None,
+        rate=None,
     )
     return table_signals(table, request)
 

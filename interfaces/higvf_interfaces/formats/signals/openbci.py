@@ -65,10 +65,18 @@ def _table(file: TextFile) -> SampleTable:
         return _rows(file, titled, len(first), notes)
 
     return SampleTable(
-        file.path, NAME, rows, channels, tuple(names), ("uV",) * len(channels), time,
-        epoch_seconds if titled else _old_seconds, 0, _titled(first, "marker channel") if titled else None,
-        float(rate[1]) if rate and rate[1].count(".") < 2 and float(f"0{rate[1]}") > 0 else None,
-    )  # fmt: skip
+        path=file.path,
+        format=NAME,
+        rows=rows,
+        channels=channels,
+        names=tuple(names),
+        units=("uV",) * len(channels),
+        time=time,
+        seconds=epoch_seconds if titled else _old_seconds,
+        counter=0,
+        marker=_titled(first, "marker channel") if titled else None,
+        rate=float(rate[1]) if rate and rate[1].count(".") < 2 and float(f"0{rate[1]}") > 0 else None,
+    )
 
 
 def _rows(file: TextFile, titled: bool, width: int, notes: list[str]) -> Iterator[list[str]]:

@@ -65,10 +65,18 @@ def _table(file: TextFile, name: str) -> SampleTable:
 
     marker = file.find(*_MARKERS)
     return SampleTable(
-        file.path, name, rows, tuple(c.place for c in channels), tuple(c.title.strip() for c in channels),
-        tuple(c.unit for c in channels), None if time is None else time.place, seconds_of(file.path, time), None,
-        None if marker is None else marker.place, None,
-    )  # fmt: skip
+        path=file.path,
+        format=name,
+        rows=rows,
+        channels=tuple(c.place for c in channels),
+        names=tuple(c.title.strip() for c in channels),
+        units=tuple(c.unit for c in channels),
+        time=None if time is None else time.place,
+        seconds=seconds_of(file.path, time),
+        counter=None,
+        marker=None if marker is None else marker.place,
+        rate=None,
+    )
 
 
 def _channels(file: TextFile) -> list[Column]:

@@ -43,7 +43,7 @@ def keep_out(
 
 
 @kernel
-def reach(clearance: float, rate: float, growth: float, speed_limit: float) -> float:
+def activation_distance(clearance: float, rate: float, growth: float, speed_limit: float) -> float:
     """Distance [m] from which on a row of `keep_out` allows more than `speed_limit`, so that it cannot matter.
 
     The root of rate R h^3 = v_max sqrt(1 + h) + growth / R, by Newton's method from above. The difference is convex, so

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.core.edits import Thing
+from higvf_console.core.edits import EntityKind
 from higvf_console.core.quantity import Quantity
 from higvf_console.core.state import Motion
 from higvf_console.sim.unicycle import body_centres
@@ -28,24 +28,24 @@ _ANGLE = Quantity("deg", -360.0, 360.0, "", "Counter-clockwise from the x axis."
 _LENGTH = Quantity("m", 0.1, 1e5, "", "A length.")
 
 # Names of the numbers of each kind of thing, and what they mean.
-NUMBERS: dict[Thing, dict[str, Quantity]] = {
-    Thing.ROBOT: {**_PLACE, "heading": _ANGLE},
-    Thing.FIRE: {
+NUMBERS: dict[EntityKind, dict[str, Quantity]] = {
+    EntityKind.ROBOT: {**_PLACE, "heading": _ANGLE},
+    EntityKind.FIRE: {
         **_PLACE,
         "radius": _LENGTH,
         "growth": Quantity("m/s", 0.0, 100.0, "", "How fast its radius grows."),
         "needs": Quantity("", 1.0, 1e5, "", "Robots that it takes to put it out."),
     },
-    Thing.CIRCLE: {**_PLACE, "radius": _LENGTH},
-    Thing.BAR: {**_PLACE, "length": _LENGTH, "half width": _LENGTH, "angle": _ANGLE},
-    Thing.POLYGON: {**_PLACE, "size": _LENGTH, "angle": _ANGLE},
+    EntityKind.CIRCLE: {**_PLACE, "radius": _LENGTH},
+    EntityKind.BAR: {**_PLACE, "length": _LENGTH, "half width": _LENGTH, "angle": _ANGLE},
+    EntityKind.POLYGON: {**_PLACE, "size": _LENGTH, "angle": _ANGLE},
 }
 
 
 class Place(NamedTuple):
     """One thing."""
 
-    thing: Thing
+    thing: EntityKind
     row: int
 
 
@@ -54,18 +54,18 @@ def name_of(place: Place) -> str:
     return f"{place.thing.value} {place.row + 1}"
 
 
-def how_many(thing: Thing, layout: Layout) -> int:
+def how_many(thing: EntityKind, layout: Layout) -> int:
     """Things of a kind."""
     match thing:
-        case Thing.ROBOT:
+        case EntityKind.ROBOT:
             return len(layout.formation)
-        case Thing.FIRE:
+        case EntityKind.FIRE:
             return len(layout.fire_position)
-        case Thing.CIRCLE:
+        case EntityKind.CIRCLE:
             return len(layout.obstacles.circles)
-        case Thing.BAR:
+        case EntityKind.BAR:
             return len(layout.obstacles.bars)
-        case Thing.POLYGON:
+        case EntityKind.POLYGON:
             return len(obstacles_of(layout.obstacles.polygons))
 
 
@@ -78,22 +78,22 @@ def numbers_of(place: Place, layout: Layout, motion: Motion) -> dict[str, float]
     """The numbers that describe a thing now, by the names in `NUMBERS`."""
     row, obstacles = place.row, layout.obstacles
     match place.thing:
-        case Thing.ROBOT:
+        case EntityKind.ROBOT:
             x, y = centres(layout, motion)[row].tolist()
             return {"x": x, "y": y, "heading": math.degrees(math.remainder(motion.heading[row], 2.0 * math.pi))}
-        case Thing.FIRE:
+        case EntityKind.FIRE:
             x, y = layout.fire_position[row].tolist()
             growth, needs = float(layout.fire_growth[row]), float(layout.fire_needs[row])
             return {"x": x, "y": y, "radius": float(motion.fire_radius[row]), "growth": growth, "needs": needs}
-        case Thing.CIRCLE:
+        case EntityKind.CIRCLE:
             x, y, radius = obstacles.circles[row].tolist()
             return {"x": x, "y": y, "radius": radius}
-        case Thing.BAR:
+        case EntityKind.BAR:
             ax, ay, bx, by, half_width = obstacles.bars[row].tolist()
             angle = math.degrees(math.atan2(by - ay, bx - ax))
             middle = {"x": (ax + bx) / 2, "y": (ay + by) / 2}
             return {**middle, "length": math.hypot(bx - ax, by - ay), "half width": half_width, "angle": angle}
-        case Thing.POLYGON:
+        case EntityKind.POLYGON:
             chain = obstacles_of(obstacles.polygons)[row][0]
             x, y = chain.mean(axis=0).tolist()
             reach = np.hypot(*(chain - (x, y)).T)
@@ -103,15 +103,18 @@ def numbers_of(place: Place, layout: Layout, motion: Motion) -> dict[str, float]
 
 def centres(layout: Layout, motion: Motion) -> Floats:
     """(N, 2) centres of the robots' bodies [m]."""
-    return body_centres(motion.position, motion.heading, layout.gains.robots.look_ahead)
+    return body_centres(motion.position, motion.heading, layout.params.robots.look_ahead)
 
 
-def thing_at(point: Floats, layout: Layout, motion: Motion, reach: float) -> Place | None:
+def entity_at(point: Floats, layout: Layout, motion: Motion, reach: float) -> Place | None:
     """What lies under a point (2,) or within `reach` [m] of it: robots before fires, fires before obstacles."""
-    gaps: list[tuple[Thing, Floats]] = [
-        (Thing.ROBOT, np.hypot(*(centres(layout, motion) - point).T)),
-        (Thing.FIRE, np.hypot(*(layout.fire_position - point).T) - motion.fire_radius),
-        *((thing, obstacle_gaps(thing, layout, point)) for thing in (Thing.CIRCLE, Thing.BAR, Thing.POLYGON)),
+    gaps: list[tuple[EntityKind, Floats]] = [
+        (EntityKind.ROBOT, np.hypot(*(centres(layout, motion) - point).T)),
+        (EntityKind.FIRE, np.hypot(*(layout.fire_position - point).T) - motion.fire_radius),
+        *(
+            (thing, obstacle_gaps(thing, layout, point))
+            for thing in (EntityKind.CIRCLE, EntityKind.BAR, EntityKind.POLYGON)
+        ),
     ]
     for thing, gap in gaps:
         if len(gap) and gap.min() <= reach:
@@ -119,11 +122,11 @@ def thing_at(point: Floats, layout: Layout, motion: Motion, reach: float) -> Pla
     return None
 
 
-def obstacle_gaps(thing: Thing, layout: Layout, point: Floats) -> Floats:
+def obstacle_gaps(thing: EntityKind, layout: Layout, point: Floats) -> Floats:
     """(K,) distance of a point (2,) from the surface of every obstacle of a kind [m], negative inside."""
     obstacles, points = layout.obstacles, floats(point, 1, 2)
-    if thing is Thing.CIRCLE:
+    if thing is EntityKind.CIRCLE:
         return np.hypot(*(obstacles.circles[:, :2] - point).T) - obstacles.circles[:, 2]
-    if thing is Thing.BAR:
+    if thing is EntityKind.BAR:
         return floats([segment_distance(points, bar[:2], bar[2:4])[0] - bar[4] for bar in obstacles.bars], -1)
     return floats([signed_distance(chains, points)[0] for chains in obstacles_of(obstacles.polygons)], -1)

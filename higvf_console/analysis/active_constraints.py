@@ -6,10 +6,16 @@ import numpy as np
 
 from higvf_console.analysis.explain import Moved
 from higvf_console.control.forms import PRINTED
-from higvf_console.control.gains import controlled, packed
 from higvf_console.control.guidance.obstacles import spine_point
-from higvf_console.control.safety.barriers.arena import wall_row
-from higvf_console.control.safety.barriers.surroundings import NO_ROBOT, Surroundings, most_rows, rows_of, survey
+from higvf_console.control.parameters import controlled, packed
+from higvf_console.control.safety.barriers.arena import wall_constraint
+from higvf_console.control.safety.barriers.surroundings import (
+    NO_ROBOT,
+    Surroundings,
+    constraints_of,
+    most_constraints,
+    survey,
+)
 from higvf_console.core.arrays import Floats
 from higvf_console.sim.disturbances import measured
 from higvf_console.sim.fires import growth_rates
@@ -17,7 +23,7 @@ from higvf_console.sim.setup import Setup
 from higvf_console.world.polygons import obstacles_of
 
 
-class TightRow(NamedTuple):
+class ActiveConstraint(NamedTuple):
     """A barrier row that held a robot back.
 
     Attributes:
@@ -31,68 +37,68 @@ class TightRow(NamedTuple):
     least: float
 
 
-def tight_rows(robot: int, moved: Moved, setup: Setup) -> list[TightRow]:
+def active_constraints(robot: int, moved: Moved, setup: Setup) -> list[ActiveConstraint]:
     """The active rows of a robot in one control period, the tightest first: as many as its trace counts.
 
     Without one the same is done, so that a panel that shows a first moment has loaded all kernels.
     """
     around = _around(moved, setup)
-    rows, other = np.empty((most_rows(around), 3)), np.empty(most_rows(around), np.int64)
-    used = rows_of(robot, around, rows, other)
+    rows, other = np.empty((most_constraints(around), 3)), np.empty(most_constraints(around), np.int64)
+    used = constraints_of(robot, around, rows, other)
     slack = rows[:used, 2] - rows[:used, :2] @ moved.after.velocity[robot]
     neighbours = [int(j) for j in other[:used] if j != NO_ROBOT]
     dangers = _neighbour_dangers(robot, neighbours, around) + _still_dangers(robot, moved, around, setup)
-    return [dangers[row] for row in np.argsort(slack, kind="stable")[: moved.trace.active_rows[robot]]]
+    return [dangers[row] for row in np.argsort(slack, kind="stable")[: moved.trace.active_constraints[robot]]]
 
 
 def seen_positions(moved: Moved, setup: Setup) -> Floats:
     """Positions (N, 2) [m] as controller and filter measured them."""
     motion = moved.before.motion
-    if setup.gains.robots.position_noise == 0.0:
+    if setup.params.robots.position_noise == 0.0:
         return motion.position
-    return measured(motion.position, motion.tick, packed(setup.gains)[0].robots)
+    return measured(motion.position, motion.tick, packed(setup.params)[0].robots)
 
 
 def _around(moved: Moved, setup: Setup) -> Surroundings:
     """What the filter surveyed."""
-    world, gains, motion = setup.world, setup.gains, moved.before.motion
+    world, params, motion = setup.world, setup.params, moved.before.motion
     rate = growth_rates(motion, moved.trace.crew, world)
-    if gains.forms.fire_row == PRINTED:
+    if params.forms.fire_constraint == PRINTED:
         rate = np.zeros(len(rate))
     return survey(
         seen_positions(moved, setup), world.circles, world.bars, world.walls, world.fire_position, motion.fire_radius,
-        rate, motion.fire_burning, controlled(gains).safety._replace(h_index=gains.forms.h_index),
+        rate, motion.fire_burning, controlled(params).safety._replace(h_index=params.forms.h_index),
     )  # fmt: skip
 
 
-def _neighbour_dangers(robot: int, neighbours: list[int], around: Surroundings) -> list[TightRow]:
+def _neighbour_dangers(robot: int, neighbours: list[int], around: Surroundings) -> list[ActiveConstraint]:
     gaps = np.hypot(*(around.position[neighbours] - around.position[robot]).T)
     least = around.safety.robot_clearance
-    return [TightRow(f"robot {j + 1}", float(gap), least) for j, gap in zip(neighbours, gaps, strict=True)]
+    return [ActiveConstraint(f"robot {j + 1}", float(gap), least) for j, gap in zip(neighbours, gaps, strict=True)]
 
 
-def _still_dangers(robot: int, moved: Moved, around: Surroundings, setup: Setup) -> list[TightRow]:
-    """Circles, bars, walls and fires that made a row, in the order of `rows_of`."""
+def _still_dangers(robot: int, moved: Moved, around: Surroundings, setup: Setup) -> list[ActiveConstraint]:
+    """Circles, bars, walls and fires that made a row, in the order of `constraints_of`."""
     x, y = around.position[robot].tolist()
     least, world = around.safety.obstacle_clearance, setup.world
-    found: list[TightRow] = []
+    found: list[ActiveConstraint] = []
     for k, (cx, cy, radius) in enumerate(world.circles):
         square = (x - cx) ** 2 + (y - cy) ** 2
-        if square < around.circle_reach[k]:
-            found.append(TightRow(part_name(k, setup), square**0.5 - radius, least))
+        if square < around.circle_activation[k]:
+            found.append(ActiveConstraint(part_name(k, setup), square**0.5 - radius, least))
     for k, (ax, ay, bx, by, radius) in enumerate(world.bars):
         near_x, near_y = spine_point(x, y, ax, ay, bx, by)
         square = (x - near_x) ** 2 + (y - near_y) ** 2
-        if square < around.bar_reach[k]:
-            found.append(TightRow(part_name(len(world.circles) + k, setup), square**0.5 - radius, least))
+        if square < around.capsule_activation[k]:
+            found.append(ActiveConstraint(part_name(len(world.circles) + k, setup), square**0.5 - radius, least))
     for nx, ny, offset in world.walls:
-        if wall_row(x, y, nx, ny, offset, around.safety)[2] < around.safety.speed_limit:
-            found.append(TightRow("wall", float(nx * x + ny * y - offset), least))
+        if wall_constraint(x, y, nx, ny, offset, around.safety)[2] < around.safety.speed_limit:
+            found.append(ActiveConstraint("wall", float(nx * x + ny * y - offset), least))
     for place, fire in enumerate(np.flatnonzero(moved.before.motion.fire_burning).tolist()):
         fx, fy, radius, _ = around.fires[place]
         square = (x - fx) ** 2 + (y - fy) ** 2
-        if square < around.fire_reach[place]:
-            found.append(TightRow(f"fire {fire + 1}", square**0.5 - radius, least))
+        if square < around.fire_activation_distance[place]:
+            found.append(ActiveConstraint(f"fire {fire + 1}", square**0.5 - radius, least))
     return found
 
 

@@ -10,24 +10,24 @@ from higvf_console.core.commands import (
     ClearPath,
     Confirm,
     Discard,
+    EmergencyStop,
     Freeze,
     OperatorCommand,
     Pause,
     Pick,
     Prioritise,
     Redo,
-    ResetStop,
+    ResetEmergencyStop,
     Resume,
     ReversePath,
     Step,
-    Stop,
     StrokeBegin,
     StrokeCancel,
     StrokePoints,
     StrokeUse,
     Undo,
 )
-from higvf_console.core.edits import AddThing, DeleteThing
+from higvf_console.core.edits import AddEntity, DeleteEntity
 from higvf_console.core.state import Motion, PathKind
 from higvf_console.core.viewport import Viewport
 from higvf_console.operator.path_commands import in_hand
@@ -39,8 +39,8 @@ from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.view import next_field
 from higvf_console.ui.scene.scene import View
+from higvf_console.world.editing.entities import Place, centres, entity_at, exists, how_many
 from higvf_console.world.editing.layout import Layout, layout_of
-from higvf_console.world.editing.things import Place, centres, exists, how_many, thing_at
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
@@ -49,7 +49,7 @@ PICK_RADIUS_PX = 26.0  # a click this close to a robot picks it, at one device p
 GRIP_RADIUS_PX = 10.0  # likewise for what is edited, from its edge
 
 
-class Hand:
+class ArenaInteraction:
     """Turns what a page's pointer and keys do into commands; called on viser's event loop."""
 
     def __init__(
@@ -66,7 +66,7 @@ class Hand:
         """
         self._session, self._view, self._steer, self._roles = session, view, steer, roles
         self._show_tool = show_tool
-        self._drawing: int | None = None
+        self._pointer_state: int | None = None
         self._drag_tool, self._use = Tool.PATH, StrokeUse.PATH  # with which that began
         self._tools: dict[int, Tool] = {}
         self._viewports: dict[int, Viewport] = {}
@@ -86,14 +86,14 @@ class Hand:
     @property
     def use(self) -> StrokeUse:
         """What the stroke is for that is drawn now."""
-        return StrokeUse.PATH if self._drawing is None else self._use
+        return StrokeUse.PATH if self._pointer_state is None else self._use
 
     def stroke(self, client_id: int, phase: pointer.Phase, points: Floats) -> None:
         """A stroke begins, grows and ends; one of a page that has lost control since is not taken up again."""
         if phase == "start":
             tool = self._tools.get(client_id, Tool.PATH)
-            self._drawing, self._drag_tool, self._use = client_id, tool, self._use_of(tool)
-        elif client_id != self._drawing:
+            self._pointer_state, self._drag_tool, self._use = client_id, tool, self._use_of(tool)
+        elif client_id != self._pointer_state:
             return
         tool = self._drag_tool
         if tool in USES:
@@ -104,12 +104,12 @@ class Hand:
         else:
             self._drag(client_id, tool, phase, points)
         if phase in ("cancel", "end"):
-            self._drawing = None
+            self._pointer_state = None
 
     def _use_of(self, tool: Tool) -> StrokeUse:
         """What a stroke of a tool is for; where there is no path to redraw a part of, it is a path."""
         use = USES.get(tool, StrokeUse.PATH)
-        if use is StrokeUse.AMEND and in_hand(self._session.snapshot.state).kind == PathKind.NONE:
+        if use is StrokeUse.REDRAW and in_hand(self._session.snapshot.state).kind == PathKind.NONE:
             return StrokeUse.PATH
         return use
 
@@ -133,16 +133,16 @@ class Hand:
             self._view.drag = drag = drag._replace(now=points[-1])
         if phase == "end" and drag is not None:
             reach, waits = self._reach(client_id, PICK_RADIUS_PX), not self._view.commit_at_once
-            for command in result_of(drag, *self._moment(), reach=reach, waits=waits):
+            for command in result_of(drag, *self._run_state(), reach=reach, waits=waits):
                 self._push(command)
         if phase in ("cancel", "end"):
             self._view.drag = None
 
     def _held(self, client_id: int, tool: Tool, point: Floats) -> Drag | None:
-        layout, motion = self._moment()
+        layout, motion = self._run_state()
         reach = self._reach(client_id, GRIP_RADIUS_PX)
-        if tool is Tool.BEND:
-            return Drag(point, point, bends=True)
+        if tool is Tool.MOVE_POINT:
+            return Drag(point, point, moves_path=True)
         if tool is Tool.LINK:
             robot = robot_near(centres(layout, motion), point, self._reach(client_id, PICK_RADIUS_PX))
             return None if robot is None else Drag(point, point, link=robot)
@@ -158,21 +158,21 @@ class Hand:
         if tool in ADDS:
             self._add(client_id, tool, point)
         elif tool is Tool.EDIT:
-            layout, motion = self._moment()
-            self._view.choose(thing_at(point, layout, motion, self._reach(client_id, GRIP_RADIUS_PX)), layout)
+            layout, motion = self._run_state()
+            self._view.choose(entity_at(point, layout, motion, self._reach(client_id, GRIP_RADIUS_PX)), layout)
         else:
             self._pick(client_id, point)
 
     def _add(self, client_id: int, tool: Tool, point: Floats) -> None:
         """Adds a thing, and chooses it where it will be the last of its kind."""
-        layout, _ = self._moment()
-        self._push(AddThing(ADDS[tool], floats(point)))
+        layout, _ = self._run_state()
+        self._push(AddEntity(ADDS[tool], floats(point)))
         self.tool(client_id, Tool.EDIT)
         self._view.choose(Place(ADDS[tool], how_many(ADDS[tool], layout)), layout)
 
     def _pick(self, client_id: int, point: Floats) -> None:
         """Picks a robot; a second click shows or hides why it moves."""
-        robot = robot_near(centres(*self._moment()), point, self._reach(client_id, PICK_RADIUS_PX))
+        robot = robot_near(centres(*self._run_state()), point, self._reach(client_id, PICK_RADIUS_PX))
         if robot is None:
             return
         if robot == self._session.snapshot.state.intent.influenced:
@@ -187,9 +187,9 @@ class Hand:
 
     def hand_over(self, client_id: int | None) -> None:
         """Another page steers from now on, or none: a stroke that is being drawn goes with the hand that drew it."""
-        if self._drawing is not None:
+        if self._pointer_state is not None:
             self._push(StrokeCancel())
-            self._drawing, self._view.drag = None, None
+            self._pointer_state, self._view.drag = None, None
         self._edits(Tool.PATH if client_id is None else self._tools.get(client_id, Tool.PATH))
         self._view.selected = None
         if client_id in self._viewports:
@@ -203,12 +203,12 @@ class Hand:
     def key(self, client_id: int, name: str) -> None:
         """A key of `keys.KEYMAP`, or the same action out of the command palette."""
         if name == "stop":  # first, and on its own: nothing may come between
-            self._roles.push_of(client_id, Stop())
+            self._roles.push_of(client_id, EmergencyStop())
             return
         snapshot = self._session.snapshot
         commands: dict[str, OperatorCommand] = {
             "ask_reset": AskReset(),
-            "reset_stop": ResetStop(),
+            "reset_stop": ResetEmergencyStop(),
             "pause": Resume() if snapshot.state.intent.paused else Pause(),
             "confirm": Confirm(),
             "discard": Discard(),
@@ -226,7 +226,7 @@ class Hand:
             self._delete()
         elif name in commands:
             self._push(commands[name])
-            if name == "discard" and not waiting(snapshot.state.drawing, snapshot.time):
+            if name == "discard" and not waiting(snapshot.state.pointer_state, snapshot.time):
                 self._put_away(client_id)
         elif name.startswith("tool_"):
             self.tool(client_id, Tool(name.removeprefix("tool_")))
@@ -243,12 +243,12 @@ class Hand:
             self.tool(client_id, Tool.PATH)
 
     def _delete(self) -> None:
-        place, (layout, _) = self._view.selected, self._moment()
+        place, (layout, _) = self._view.selected, self._run_state()
         if place is not None and exists(place, layout):
             self._view.choose(None, layout)
-            self._push(DeleteThing(place.thing, place.row))
+            self._push(DeleteEntity(place.thing, place.row))
 
-    def _moment(self) -> tuple[Layout, Motion]:
+    def _run_state(self) -> tuple[Layout, Motion]:
         snapshot = self._session.snapshot
         return layout_of(snapshot.setup), snapshot.state.motion
 

@@ -18,64 +18,65 @@ import math
 import numpy as np
 
 from higvf_console.control.forms import PRINTED
-from higvf_console.control.gains import Gains
 from higvf_console.control.intention.intention import shared_intention
 from higvf_console.control.kernel import kernel
+from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.state import NOBODY, Motion
 
-OTHER_SIDE, MORE_HUMAN, ASK = 1, 2, 3
+OTHER_DIRECTION, MORE_HUMAN, ASK = 1, 2, 3
 GIVE_UP = 9  # a robot on a higher rung has tried enough
-EN_ROUTE_PATIENCE = 40.0  # a robot on its way round obstacles may take this many times longer than one that stands
-_LOOSENING = 0.1  # share of the path's patience after which an idle team keeps no formation
-_SHUTTLE = 0.125  # share of the path's patience that passes between two rungs of a robot that moves in vain
+EN_ROUTE_TIMEOUTS = 40.0  # a robot on its way round obstacles may take this many times longer than one that stands
+_LOOSENING = 0.1  # share of the path's progress timeout after which an idle team keeps no formation
+_SHUTTLE = 0.125  # share of the progress timeout between two recovery stages of a robot that moves without progress
 _TURNED = 0.985  # cosine of ten degrees: a smaller turn is none
 
 
 @kernel
-def climb(motion: Motion, leader: int, gains: Gains) -> tuple[Ints, Bools]:
+def recover(motion: Motion, leader: int, params: Parameters) -> tuple[Ints, Bools]:
     """Rungs (N,) after this tick, and the robots (N,) for which the other side is to be tried now.
 
     A stalled robot climbs each time that its stall has lasted another `stall_time`; the influenced robot, `leader`,
     also when it moves without progress on its path: then it may shuttle where a ring turns it back.
     """
-    rung, flip = motion.rung.copy(), np.zeros(motion.rung.shape[0], np.bool_)
-    if gains.forms.human == PRINTED:
-        return rung, flip
-    period = gains.safety.control_period
-    slow = gains.stall.stall_fraction * gains.blending.cruise_speed
-    for i in range(rung.shape[0]):
-        climbs = passes(float(motion.stalled[i]), gains.stall.stall_time, period)
+    recovery_stage, flip = motion.recovery_stage.copy(), np.zeros(motion.recovery_stage.shape[0], np.bool_)
+    if params.forms.human == PRINTED:
+        return recovery_stage, flip
+    period = params.safety.control_period
+    slow = params.stall.stall_fraction * params.blending.cruise_speed
+    for i in range(recovery_stage.shape[0]):
+        recovers = passes(float(motion.stalled[i]), params.stall.stall_time, period)
         if i == leader and math.hypot(motion.velocity[i, 0], motion.velocity[i, 1]) > slow:
-            climbs = climbs or passes(motion.path_idle, _SHUTTLE * gains.path.patience, period / EN_ROUTE_PATIENCE)
-        if climbs:
-            rung[i] += 1
-            flip[i] = rung[i] & (rung[i] - 1) == 0  # 1, 2, 4, 8, ...
-    return rung, flip
+            wait = _SHUTTLE * params.path.progress_timeout
+            recovers = recovers or passes(motion.path_idle, wait, period / EN_ROUTE_TIMEOUTS)
+        if recovers:
+            recovery_stage[i] += 1
+            flip[i] = recovery_stage[i] & (recovery_stage[i] - 1) == 0  # 1, 2, 4, 8, ...
+    return recovery_stage, flip
 
 
 @kernel
-def formation_grip(rung: Ints, component: Ints, leader: int, idle: float, gains: Gains) -> Floats:
+def formation_grip(recovery_stage: Ints, component: Ints, leader: int, idle: float, params: Parameters) -> Floats:
     """How firmly each robot keeps the formation, (N,) from 0 to 1.
 
     Args:
-        rung: (N,) from `climb`.
+        recovery_stage: (N,) from `recover`.
         component: (N,) names of connected components.
         leader: the influenced robot, or NOBODY.
         idle: how long it has made no progress on its path [s], see `following.progress`.
-        gains: with the patience for that.
+        params: with the timeout for that.
     """
-    grip = np.ones(rung.shape[0])
-    if gains.forms.human == PRINTED:
+    grip = np.ones(recovery_stage.shape[0])
+    if params.forms.human == PRINTED:
         return grip
-    loose = np.zeros(rung.shape[0], np.bool_)  # by component
-    for i in range(rung.shape[0]):
-        loose[component[i]] = loose[component[i]] or rung[i] > 0
-    for i in range(rung.shape[0]):
+    loose = np.zeros(recovery_stage.shape[0], np.bool_)  # by component
+    for i in range(recovery_stage.shape[0]):
+        loose[component[i]] = loose[component[i]] or recovery_stage[i] > 0
+    for i in range(recovery_stage.shape[0]):
         if loose[component[i]]:
             grip[i] = 0.0
         elif leader != NOBODY and component[i] == component[leader]:
-            grip[i] = max(0.0, 1.0 - idle / (_LOOSENING * gains.path.patience))
+            grip[i] = max(0.0, 1.0 - idle / (_LOOSENING * params.path.progress_timeout))
     return grip
 
 
@@ -87,47 +88,54 @@ def passes(time: float, step: float, period: float) -> bool:
 
 @kernel
 def receptivity(
-    leader: int, rung: Ints, robot: Floats, human: Floats, intention: Floats, start: Ints, to: Ints, gains: Gains
+    leader: int,
+    recovery_stage: Ints,
+    robot: Floats,
+    human: Floats,
+    intention: Floats,
+    start: Ints,
+    to: Ints,
+    params: Parameters,
 ) -> float:
     """Psi of the influenced robot: 1, or `human_boost` on the second rung if that turns its shared intention.
 
     Args:
         leader: the influenced robot, or NOBODY.
-        rung: (N,) from `climb`.
+        recovery_stage: (N,) from `recover`.
         robot: (N, 2) v_t.
         human: (N, 2) v_h.
         intention: (N, 2) v_s.
         start: (N + 1,) rows of `to`.
         to: neighbours.
-        gains: weights and boost.
+        params: weights and boost.
     """
-    if leader == NOBODY or rung[leader] < MORE_HUMAN:
+    if leader == NOBODY or recovery_stage[leader] < MORE_HUMAN:
         return 1.0
-    plain_x, plain_y = _fixed_point(leader, 1.0, robot, human, intention, start, to, gains)
-    more_x, more_y = _fixed_point(leader, gains.stall.human_boost, robot, human, intention, start, to, gains)
+    plain_x, plain_y = _fixed_point(leader, 1.0, robot, human, intention, start, to, params)
+    more_x, more_y = _fixed_point(leader, params.stall.human_boost, robot, human, intention, start, to, params)
     along = plain_x * more_x + plain_y * more_y
     turned = along < _TURNED * math.hypot(plain_x, plain_y) * math.hypot(more_x, more_y)
-    return gains.stall.human_boost if turned else 1.0
+    return params.stall.human_boost if turned else 1.0
 
 
 @kernel
 def _fixed_point(
-    i: int, psi: float, robot: Floats, human: Floats, intention: Floats, start: Ints, to: Ints, gains: Gains
+    i: int, psi: float, robot: Floats, human: Floats, intention: Floats, start: Ints, to: Ints, params: Parameters
 ) -> tuple[float, float]:
     return shared_intention(
         i, intention[i, 0], intention[i, 1], robot[i, 0], robot[i, 1], human[i, 0], human[i, 1], psi, intention,
-        start, to, gains.intention, gains.forms, math.inf,
+        start, to, params.intention, params.forms, math.inf,
     )  # fmt: skip
 
 
 @kernel
-def forgotten(rung: Ints, side: Ints, stalled: Floats) -> Ints:
-    """Rungs (N,) without those of robots whose component is in no ring (`side` (N, K) is then 0) and not stalled."""
-    kept = rung.copy()
+def forgotten(recovery_stage: Ints, circulation: Ints, stalled: Floats) -> Ints:
+    """Stages (N,), 0 for robots that do not stall and whose component is in no boundary (`circulation` (N, K) is 0)."""
+    kept = recovery_stage.copy()
     for i in range(kept.shape[0]):
         inside = stalled[i] > 0.0
-        for k in range(side.shape[1]):
-            inside = inside or side[i, k] != 0
+        for k in range(circulation.shape[1]):
+            inside = inside or circulation[i, k] != 0
         if not inside:
             kept[i] = 0
     return kept

@@ -6,12 +6,12 @@ from typing import NamedTuple, cast
 import numpy as np
 import pytest
 
-from higvf_console.control.gains import Gains, RobotGains
 from higvf_console.control.guidance.paths import line_path
+from higvf_console.control.parameters import Parameters, RobotParameters
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import (
-    BendPath,
     Discard,
+    MovePathPoint,
     OperatorCommand,
     Pick,
     Redo,
@@ -21,18 +21,18 @@ from higvf_console.core.commands import (
     StrokeUse,
     Undo,
 )
-from higvf_console.core.edits import AddThing, ChangeThing, DeleteThing, MoveThing, Thing, ToggleLink
+from higvf_console.core.edits import AddEntity, ChangeEntity, DeleteEntity, EntityKind, MoveEntity, ToggleLink
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.session import Session
 from higvf_console.sim.setup import Setup
+from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.interaction.grips import Drag, gripped, handles_of, result_of, robot_near, wished
-from higvf_console.ui.interaction.hand import Hand
 from higvf_console.ui.interaction.tools import USES, Tool
 from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.scene.scene import View
+from higvf_console.world.editing.entities import Place
 from higvf_console.world.editing.layout import layout_of
-from higvf_console.world.editing.things import Place
 from tests.teams import team
 
 TRIANGLE = floats([[100, 350], [60, 320], [60, 380]])
@@ -42,7 +42,7 @@ PAGE = 7
 class Held(NamedTuple):
     """A hand over a team, and what it has given."""
 
-    hand: Hand
+    hand: ArenaInteraction
     view: View
     given: list[OperatorCommand]
     shown: list[Tool]
@@ -60,7 +60,9 @@ def held(setup: Setup, tool: Tool = Tool.PATH) -> Held:
     roles = cast(Roles, SimpleNamespace(push=given.append, steers={PAGE}.__contains__))
     steer = SimpleNamespace(stroke_end=lambda use: StrokeEnd(use=use.value))  # pyright: ignore[reportUnknownLambdaType]
     view = View()
-    hand = Hand(cast(Session, session), view, cast(SteerPanel, steer), roles, lambda tool, _client: shown.append(tool))
+    hand = ArenaInteraction(
+        cast(Session, session), view, cast(SteerPanel, steer), roles, lambda tool, _client: shown.append(tool)
+    )
     hand.viewport(PAGE, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.tool(PAGE, tool)
     return Held(hand, view, given, shown)
@@ -84,8 +86,8 @@ def test_a_click_picks_the_nearest_robot_within_reach_and_nobody_beyond() -> Non
 
 
 def test_a_click_picks_a_unicycle_by_its_body_not_by_its_look_ahead_point() -> None:
-    gains = Gains(robots=RobotGains(look_ahead=30.0, turn_rate_limit=3.0))
-    setup = team(robots=[(100.0, 100.0), (100.0, 200.0)], gains=gains)
+    params = Parameters(robots=RobotParameters(look_ahead=30.0, turn_rate_limit=3.0))
+    setup = team(robots=[(100.0, 100.0), (100.0, 200.0)], params=params)
     motion = setup.start.motion._replace(heading=floats([np.pi / 2, -np.pi / 2]))  # bodies at y = 70 and y = 230
     hand = held(setup._replace(start=setup.start._replace(motion=motion)))
     for y in (60.0, 100.0, 240.0):
@@ -102,7 +104,7 @@ def test_a_stroke_is_for_what_the_tool_says(tool: Tool) -> None:
 
 
 def test_a_stroke_that_would_redraw_a_part_of_no_path_draws_one() -> None:
-    hand = held(burning(), Tool.AMEND)
+    hand = held(burning(), Tool.REDRAW)
     hand.drag([100.0, 100.0], [200.0, 150.0])
     assert cast(StrokeEnd, hand.given[-1]).use == StrokeUse.PATH
 
@@ -111,9 +113,9 @@ def test_what_is_dragged_moves_by_as_much_as_the_hand() -> None:
     hand = held(burning(), Tool.EDIT)
     hand.drag([610.0, 340.0], [700.0, 400.0], [650.0, 300.0])
     (moved,) = hand.given
-    assert isinstance(moved, MoveThing)
-    assert (moved.thing, moved.index, moved.point.tolist()) == (Thing.FIRE, 0, [640.0, 310.0])
-    assert hand.view.selected == Place(Thing.FIRE, 0)
+    assert isinstance(moved, MoveEntity)
+    assert (moved.thing, moved.index, moved.point.tolist()) == (EntityKind.FIRE, 0, [640.0, 310.0])
+    assert hand.view.selected == Place(EntityKind.FIRE, 0)
     assert hand.view.drag is None
 
 
@@ -137,8 +139,8 @@ def test_escape_lets_go_of_what_is_chosen_then_of_the_tool_but_first_discards_wh
     assert hand.shown == [Tool.EDIT, Tool.PATH]
     assert hand.given == [Discard(), Discard()], "what began to wait since the snapshot is discarded all the same"
     setup = burning()
-    drawing = setup.start.drawing._replace(proposed=1)
-    waits = held(setup._replace(start=setup.start._replace(drawing=drawing)), Tool.EDIT)
+    pointer_state = setup.start.pointer_state._replace(proposed=1)
+    waits = held(setup._replace(start=setup.start._replace(pointer_state=pointer_state)), Tool.EDIT)
     waits.hand.key(PAGE, "discard")
     assert waits.given == [Discard()]
     assert waits.shown == [Tool.EDIT]
@@ -148,26 +150,26 @@ def test_the_square_of_what_is_chosen_resizes_it() -> None:
     hand = held(burning(), Tool.EDIT)
     hand.hand.click(PAGE, floats([600.0, 350.0]))
     hand.drag([630.0, 350.0], [655.0, 350.0])
-    assert hand.given == [ChangeThing(Thing.FIRE, 0, "radius", 55.0)]
+    assert hand.given == [ChangeEntity(EntityKind.FIRE, 0, "radius", 55.0)]
 
 
 def test_a_new_thing_stands_where_it_is_put_and_the_hand_can_move_it() -> None:
     hand = held(burning(), Tool.ROBOT)
     hand.hand.click(PAGE, floats([400.0, 500.0]))
     (added,) = hand.given
-    assert isinstance(added, AddThing)
-    assert (added.thing, added.point.tolist()) == (Thing.ROBOT, [400.0, 500.0])
+    assert isinstance(added, AddEntity)
+    assert (added.thing, added.point.tolist()) == (EntityKind.ROBOT, [400.0, 500.0])
     assert hand.shown[-1] is Tool.EDIT
 
 
 def test_a_link_goes_from_robot_to_robot_and_a_path_is_bent_from_where_it_is_held() -> None:
     hand = held(burning(), Tool.LINK)
     hand.drag([100.0, 100.0], [290.0, 110.0])
-    hand.hand.tool(PAGE, Tool.BEND)
+    hand.hand.tool(PAGE, Tool.MOVE_POINT)
     hand.drag([500.0, 500.0], [520.0, 560.0])
     link, bend = hand.given
     assert link == ToggleLink(0, 1)
-    assert isinstance(bend, BendPath)
+    assert isinstance(bend, MovePathPoint)
     assert (bend.grip.tolist(), bend.point.tolist()) == ([500.0, 500.0], [520.0, 560.0])
 
 
@@ -179,16 +181,16 @@ def test_what_is_held_is_let_go_where_it_was_when_nobody_steers_any_more() -> No
     hand.hand.hand_over(None)
     hand.hand.stroke(PAGE, "end", floats([], 0, 2))
     assert hand.view.drag is None
-    assert not [command for command in hand.given if isinstance(command, MoveThing)]
+    assert not [command for command in hand.given if isinstance(command, MoveEntity)]
 
 
 @pytest.mark.parametrize("at_once", [True, False])
 def test_a_bent_path_waits_unless_it_is_committed_at_once(at_once: bool) -> None:
-    hand = held(burning(), Tool.BEND)
+    hand = held(burning(), Tool.MOVE_POINT)
     hand.view.commit_at_once = at_once
     hand.drag([500.0, 500.0], [520.0, 560.0])
     (bend,) = hand.given
-    assert isinstance(bend, BendPath)
+    assert isinstance(bend, MovePathPoint)
     assert bend.preview is not at_once
 
 
@@ -196,10 +198,10 @@ def test_keys_undo_redo_delete_and_take_up_tools() -> None:
     hand = held(burning(), Tool.EDIT)
     hand.hand.key(PAGE, "delete")  # nothing is chosen
     hand.hand.click(PAGE, floats([600.0, 350.0]))
-    for key in ("undo", "redo", "delete", "tool_bend"):
+    for key in ("undo", "redo", "delete", "tool_move_point"):
         hand.hand.key(PAGE, key)
-    assert hand.given == [Undo(), Redo(), DeleteThing(Thing.FIRE, 0)]
-    assert hand.shown[-1] is Tool.BEND
+    assert hand.given == [Undo(), Redo(), DeleteEntity(EntityKind.FIRE, 0)]
+    assert hand.shown[-1] is Tool.MOVE_POINT
     assert hand.view.selected is None
 
 
@@ -211,10 +213,10 @@ def bar_and_polygon() -> Setup:
 @pytest.mark.parametrize(
     ("place", "handle", "to", "value"),
     [
-        (Place(Thing.BAR, 0), "length", [550.0, 300.0], 200.0),
-        (Place(Thing.BAR, 0), "angle", [450.0, 400.0], 90.0),
-        (Place(Thing.POLYGON, 0), "size", [850.0, 250.0], 100.0),
-        (Place(Thing.POLYGON, 0), "angle", [950.0, 150.0], 0.0),
+        (Place(EntityKind.BAR, 0), "length", [550.0, 300.0], 200.0),
+        (Place(EntityKind.BAR, 0), "angle", [450.0, 400.0], 90.0),
+        (Place(EntityKind.POLYGON, 0), "size", [850.0, 250.0], 100.0),
+        (Place(EntityKind.POLYGON, 0), "angle", [950.0, 150.0], 0.0),
     ],
 )
 def test_a_handle_changes_its_number(place: Place, handle: str, to: list[float], value: float) -> None:
@@ -224,14 +226,14 @@ def test_a_handle_changes_its_number(place: Place, handle: str, to: list[float],
     drag = Drag(grip.point, floats(to), place, handle)
     assert wished(drag, layout, motion)[handle] == pytest.approx(value)
     (changed,) = result_of(drag, layout, motion)
-    assert isinstance(changed, ChangeThing)
+    assert isinstance(changed, ChangeEntity)
     assert (changed.thing, changed.index, changed.name) == (place.thing, 0, handle)
     assert changed.value == pytest.approx(value)
 
 
 def test_what_is_gone_when_the_hand_lets_go_is_left_alone() -> None:
     setup = burning()
-    drag = Drag(floats([0.0, 0.0]), floats([9.0, 9.0]), Place(Thing.FIRE, 5))
+    drag = Drag(floats([0.0, 0.0]), floats([9.0, 9.0]), Place(EntityKind.FIRE, 5))
     assert result_of(drag, layout_of(setup), setup.start.motion) == []
 
 
@@ -245,7 +247,7 @@ def test_a_drag_ends_with_the_tool_with_which_it_began() -> None:
     hand.hand.stroke(PAGE, "start", floats([[600.0, 350.0]]))
     hand.hand.tool(PAGE, Tool.PATH)
     hand.hand.stroke(PAGE, "end", floats([[640.0, 350.0]]))
-    assert [type(command) for command in hand.given] == [MoveThing]
+    assert [type(command) for command in hand.given] == [MoveEntity]
     assert hand.view.drag is None
 
 
@@ -268,13 +270,13 @@ def test_what_is_added_is_chosen_as_soon_as_it_is_there() -> None:
     hand.hand.click(PAGE, floats([600.0, 350.0]))
     hand.hand.tool(PAGE, Tool.CIRCLE)
     hand.hand.click(PAGE, floats([400.0, 500.0]))
-    assert hand.view.selected == Place(Thing.CIRCLE, 0)
+    assert hand.view.selected == Place(EntityKind.CIRCLE, 0)
     hand.hand.key(PAGE, "delete")
-    assert [type(command) for command in hand.given] == [AddThing], "it is not there yet"
+    assert [type(command) for command in hand.given] == [AddEntity], "it is not there yet"
     hand.view.keep_choice(layout_of(burning()))
     added = team(robots=[(100.0, 100.0), (300.0, 100.0)], circles=[(400.0, 500.0, 20.0)])
     hand.view.keep_choice(layout_of(added))
-    assert hand.view.selected == Place(Thing.CIRCLE, 0)
+    assert hand.view.selected == Place(EntityKind.CIRCLE, 0)
 
 
 def test_a_choice_ends_when_things_of_its_kind_come_or_go() -> None:
@@ -282,7 +284,7 @@ def test_a_choice_ends_when_things_of_its_kind_come_or_go() -> None:
     hand = held(two, Tool.EDIT)
     hand.hand.click(PAGE, floats([900.0, 350.0]))
     hand.view.keep_choice(layout_of(two))
-    assert hand.view.selected == Place(Thing.FIRE, 1)
+    assert hand.view.selected == Place(EntityKind.FIRE, 1)
     hand.view.keep_choice(layout_of(team(fires=[(100.0, 350.0, 30.0), (600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])))
     assert hand.view.selected is None
 
@@ -296,7 +298,7 @@ def test_a_link_that_ends_at_no_robot_is_none() -> None:
 def test_the_middle_of_a_small_thing_moves_it_though_its_square_is_within_reach() -> None:
     setup = team(fires=[(600.0, 350.0, 8.0)])
     layout, motion = layout_of(setup), setup.start.motion
-    chosen = Place(Thing.FIRE, 0)
+    chosen = Place(EntityKind.FIRE, 0)
     for x, handle in ((600.0, ""), (603.0, ""), (606.0, "radius"), (608.0, "radius")):
         drag = gripped(floats([x, 350.0]), chosen, layout, motion, 10.0, 1.0)
         assert drag is not None

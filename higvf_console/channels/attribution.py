@@ -12,7 +12,7 @@ from higvf_console.world.editing.carry import NEW
 Favour: TypeAlias = tuple[float, ...]  # a priority: robot, fire, factor
 
 
-class Claims(NamedTuple):
+class Attribution(NamedTuple):
     """Names of channels, empty where nobody gave anything.
 
     Attributes:
@@ -32,14 +32,14 @@ class Claims(NamedTuple):
         return sorted({int(favour[0]) for favour, by in self.priorities.items() if by == channel})
 
 
-def claimed(
-    claims: Claims, channel: str, command: OperatorCommand, before: SimState, after: SimState,
+def attributed(
+    attribution: Attribution, channel: str, command: OperatorCommand, before: SimState, after: SimState,
     rows: tuple[Ints, Ints] | None = None,
-) -> Claims:  # fmt: skip
+) -> Attribution:  # fmt: skip
     """The claims after a command.
 
     Args:
-        claims: before it.
+        attribution: before it.
         channel: that gave it.
         command: what it gave.
         before: the state before it.
@@ -47,14 +47,14 @@ def claimed(
         rows: (N,), (M,) row before of each robot and each fire after it; None = as they were.
     """
     if isinstance(command, LoadScenario) and after.intent is not before.intent:
-        return Claims()  # what a scenario begins with is nobody's
-    path, waits, clutch, priorities = claims
-    pending = after.drawing.pending
+        return Attribution()  # what a scenario begins with is nobody's
+    path, waits, clutch, priorities = attribution
+    pending = after.pointer_state.pending
     if after.intent.path.kind == PathKind.NONE:
         path = ""
     elif after.intent.path is not before.intent.path or _revived(before, after):
         path = waits if isinstance(command, Confirm) and waits else channel
-    if pending is not before.drawing.pending:
+    if pending is not before.pointer_state.pending:
         waits = "" if pending.kind == PathKind.NONE else channel
     if isinstance(command, Clutch):
         clutch = channel if command.closed else ""
@@ -63,7 +63,7 @@ def claimed(
         given = _favoured(command, after)
         favours: list[Favour] = [tuple(row) for row in after.intent.priority.tolist()]
         priorities = {favour: channel if favour[0] == given else kept.get(favour, channel) for favour in favours}
-    return Claims(path, waits, clutch, priorities)
+    return Attribution(path, waits, clutch, priorities)
 
 
 def _favoured(command: OperatorCommand, after: SimState) -> int:

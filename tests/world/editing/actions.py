@@ -21,12 +21,12 @@ from higvf_console.core.commands import (
     StrokePoints,
 )
 from higvf_console.core.edits import (
+    AddEntity,
     AddOutlines,
-    AddThing,
-    ChangeThing,
-    DeleteThing,
+    ChangeEntity,
+    DeleteEntity,
     LinkByRange,
-    MoveThing,
+    MoveEntity,
     SetArena,
     SetParameters,
     ToggleLink,
@@ -54,7 +54,7 @@ parameters:
   robots: {look_ahead: 6, turn_rate_limit: 4, position_noise: 0.5, packet_loss: 0.3}
   safety: {robot_clearance: 20, obstacle_clearance: 10, speed_limit: 30}
   blending: {cruise_speed: 20}
-  rings: {reactive_margin: 30, repulsive_margin: 18}
+  boundaries: {reactive_margin: 30, repulsive_margin: 18}
   fires: {stand_off: 30}
 """
 LINKED = "links: [[1, 2], [2, 3], [3, 4]]\n"
@@ -78,11 +78,11 @@ PARAMETERS = st.one_of(
     st.floats(0.1, 30.0).map(lambda rate: {"formation.formation_rate": rate}),
 )
 EDITS = st.one_of(
-    st.builds(AddThing, thing=THINGS, point=PLACES),
+    st.builds(AddEntity, thing=THINGS, point=PLACES),
     st.builds(AddOutlines, outlines=st.tuples(OUTLINES)),
-    st.builds(MoveThing, thing=THINGS, index=ROWS, point=PLACES),
-    st.builds(ChangeThing, thing=THINGS, index=ROWS, name=NUMBERS, value=VALUES),
-    st.builds(DeleteThing, thing=THINGS, index=ROWS),
+    st.builds(MoveEntity, thing=THINGS, index=ROWS, point=PLACES),
+    st.builds(ChangeEntity, thing=THINGS, index=ROWS, name=NUMBERS, value=VALUES),
+    st.builds(DeleteEntity, thing=THINGS, index=ROWS),
     st.builds(ToggleLink, first=ROBOTS, second=ROBOTS),
     st.builds(LinkByRange),
     st.builds(
@@ -137,7 +137,7 @@ def refused(events: tuple[Event, ...]) -> bool:
 def shortfalls(run: Run) -> Floats:
     """(N,) by how much each robot's controlled point misses a clearance [m], negative where none is missed."""
     layout, motion = layout_of(run.setup), run.state.motion
-    position, safety, robots = motion.position, layout.gains.safety, layout.gains.robots
+    position, safety, robots = motion.position, layout.params.safety, layout.params.robots
     margin = robots.look_ahead + robots.position_noise
     gaps = [gap for _, gap in obstacle_gaps(position, layout.obstacles)]
     gaps += list(wall_gaps(position, layout.arena)) if layout.walls else []

@@ -18,18 +18,18 @@ from higvf_console.core.quantity import Quantity as Q  # noqa: N817
 INFINITE = float("inf")
 
 
-class PathGains(NamedTuple):
+class PathParameters(NamedTuple):
     """Guiding vector field of the desired path, [2]."""
 
     capture_distance: A[
         float, Q("m", 1.0, 500.0, "1/k", "Distance at which the field turns 45 degrees to the path.")
     ] = 40.0
     end_radius: A[float, Q("m", 1.0, 500.0, "", "An open path is finished this close to its end.")] = 40.0
-    patience: A[float, Q("s", 0.1, 60.0, "", "No progress for this long ends the human intention.")] = 2.0
+    progress_timeout: A[float, Q("s", 0.1, 60.0, "", "No progress for this long ends the human intention.")] = 2.0
     stroke_smoothing: A[float, Q("m", 0.0, 100.0, "", "Standard deviation by which a path may leave its stroke.")] = 4.0
 
 
-class RingGains(NamedTuple):
+class BoundaryParameters(NamedTuple):
     """Reactive and repulsive boundaries and bump functions, [3]-[6], [29]-[31]."""
 
     reactive_margin: A[float, Q("m", 1.0, 500.0, "R", "Surface to reactive boundary: robots react inside.")] = 25.0
@@ -40,7 +40,7 @@ class RingGains(NamedTuple):
     bump_out: A[float, Q("", 0.001, 10.0, "l_2", "Rate of the bump near the reactive boundary.")] = 0.1
 
 
-class PerceptionGains(NamedTuple):
+class PerceptionParameters(NamedTuple):
     """Observed fire value and target choice, [10]-[13]."""
 
     perception_range: A[float, Q("m", 0.0, INFINITE, "", "Fires farther away are not seen.")] = INFINITE
@@ -56,7 +56,7 @@ class PerceptionGains(NamedTuple):
     ] = INFINITE
 
 
-class FormationGains(NamedTuple):
+class FormationParameters(NamedTuple):
     """Formation control, [12], [14]."""
 
     communication_range: A[float, Q("m", 0.0, INFINITE, "R_c", "Robots this close exchange intentions.")] = INFINITE
@@ -64,7 +64,7 @@ class FormationGains(NamedTuple):
     formation_speed: A[float, Q("m/s", 0.0, 1000.0, "", "Largest formation velocity.")] = 30.0
 
 
-class IntentionGains(NamedTuple):
+class IntentionParameters(NamedTuple):
     """Shared intention, [15], [16]."""
 
     decay: A[float, Q("1/s", 0.0, 1000.0, "omega_0", "Weight of forgetting.")] = 2.5
@@ -74,7 +74,7 @@ class IntentionGains(NamedTuple):
     dead_zone: A[float, Q("", 0.0, 10.0, "epsilon", "Neighbours that differ less have no influence.")] = 0.0
 
 
-class BlendingGains(NamedTuple):
+class BlendingParameters(NamedTuple):
     """Speed and policy blending, [17]-[19]."""
 
     cruise_speed: A[float, Q("m/s", 0.1, 400.0, "C", "Desired speed of the team.")] = 60.0
@@ -83,19 +83,19 @@ class BlendingGains(NamedTuple):
     intention_floor: A[float, Q("", 0.0001, 1.0, "delta", "Below this shared intention the robot slows down.")] = 0.05
 
 
-class SafetyGains(NamedTuple):
+class SafetyParameters(NamedTuple):
     """Safety barrier certificates, [20]-[28]."""
 
     robot_clearance: A[float, Q("m", 0.1, 1000.0, "R_r", "Least distance between robot centres.")] = 25.0
     obstacle_clearance: A[float, Q("m", 0.1, 1000.0, "R_o", "Least distance from robot centre to a surface.")] = 12.0
-    pair_rate: A[float, Q("1/s", 0.01, 1000.0, "alpha", "Rate at which robots may close in on each other.")] = 20.0
-    obstacle_rate: A[float, Q("1/s", 0.01, 1000.0, "beta", "Rate at which a robot may close in on an obstacle.")] = 20.0
+    pair_gain: A[float, Q("1/s", 0.01, 1000.0, "alpha", "Rate at which robots may close in on each other.")] = 20.0
+    obstacle_gain: A[float, Q("1/s", 0.01, 1000.0, "beta", "Rate at which a robot may close in on an obstacle.")] = 20.0
     speed_limit: A[float, Q("m/s", 0.1, 600.0, "v_max", "No robot is ever faster.")] = 90.0
     control_period: A[float, Q("s", 0.001, 0.1, "dt", "Time between two control steps.")] = 0.02
-    h_index: float = CORRECTED  # set by `Gains.forms`: which margin an obstacle's row takes
+    h_index: float = CORRECTED  # set by `Parameters.forms`: which margin an obstacle's row takes
 
 
-class FireGains(NamedTuple):
+class FireParameters(NamedTuple):
     """The firefighting world of Table I."""
 
     stand_off: A[float, Q("m", 0.1, 500.0, "", "A robot extinguishes a fire this close to its edge.")] = 25.0
@@ -103,7 +103,7 @@ class FireGains(NamedTuple):
     start_delay: A[float, Q("s", 0.0, 600.0, "", "Robots set out this long after the fires start.")] = 0.0
 
 
-class StallGains(NamedTuple):
+class StallParameters(NamedTuple):
     """The deadlock detector, and the ladder out of a deadlock."""
 
     stall_fraction: A[float, Q("", 0.001, 0.5, "", "Slower than this share of the cruise speed is a stall.")] = 0.05
@@ -113,7 +113,7 @@ class StallGains(NamedTuple):
     ] = 4.0
 
 
-class RobotGains(NamedTuple):
+class RobotParameters(NamedTuple):
     """The robots' model, `sim.unicycle`, and what disturbs it, `sim.disturbances`."""
 
     look_ahead: A[float, Q("m", 0.0, 100.0, "l", "Centre of a unicycle to its controlled point; 0 = no unicycles.")] = (
@@ -125,37 +125,53 @@ class RobotGains(NamedTuple):
     seed: float = 0.0  # of errors and losses; set by the run
 
 
-class Gains(NamedTuple):
+class Parameters(NamedTuple):
     """All tunables, and the forms of the equations."""
 
-    path: PathGains = PathGains()
-    rings: RingGains = RingGains()
-    perception: PerceptionGains = PerceptionGains()
-    formation: FormationGains = FormationGains()
-    intention: IntentionGains = IntentionGains()
-    blending: BlendingGains = BlendingGains()
-    safety: SafetyGains = SafetyGains()
-    fires: FireGains = FireGains()
-    stall: StallGains = StallGains()
-    robots: RobotGains = RobotGains()
+    path: PathParameters = PathParameters()
+    boundaries: BoundaryParameters = BoundaryParameters()
+    perception: PerceptionParameters = PerceptionParameters()
+    formation: FormationParameters = FormationParameters()
+    intention: IntentionParameters = IntentionParameters()
+    blending: BlendingParameters = BlendingParameters()
+    safety: SafetyParameters = SafetyParameters()
+    fires: FireParameters = FireParameters()
+    stall: StallParameters = StallParameters()
+    robots: RobotParameters = RobotParameters()
     forms: Forms = Forms()
 
 
-PackedGains: TypeAlias = NDArray[Any]  # (1,) of one record; kernels read `packed[0].path.capture_distance`
+RENAMED = {
+    "rings": "boundaries",
+    "path.patience": "path.progress_timeout",
+    "safety.pair_rate": "safety.pair_gain",
+    "safety.obstacle_rate": "safety.obstacle_gain",
+}  # groups and names of version 0.1, which scenarios, scripts and recordings may still hold
 
 
-def controlled(gains: Gains) -> Gains:
+def current_name(name: str) -> str:
+    """The name today of a group, or of a parameter "group.name"."""
+    group, _, key = name.partition(".")
+    group = RENAMED.get(group, group)
+    name = f"{group}.{key}" if key else group
+    return RENAMED.get(name, name)
+
+
+PackedParameters: TypeAlias = NDArray[Any]  # (1,) of one record; kernels read `packed[0].path.capture_distance`
+
+
+def controlled(params: Parameters) -> Parameters:
     """The same tunables for the point of a robot that is controlled, as that robot measures it.
 
     Its clearances are those of the body, enlarged by its distance l from the centre and by the largest error e of a
     measured position (twice both between robots); its speed limit is one that a unicycle can always drive.
     """
-    robots, safety = gains.robots, gains.safety
+    robots, safety = params.robots, params.safety
     margin, limit = robots.look_ahead + robots.position_noise, safety.speed_limit
     if robots.look_ahead > 0.0:
         half_turn = 0.5 * min(robots.turn_rate_limit * safety.control_period, math.pi)
         limit = min(limit, 2.0 * robots.look_ahead * math.sin(half_turn) / safety.control_period)
-    return gains._replace(
+    return params._replace(
         safety=safety._replace(
             robot_clearance=safety.robot_clearance + 2.0 * margin,
             obstacle_clearance=safety.obstacle_clearance + margin,
@@ -165,12 +181,12 @@ def controlled(gains: Gains) -> Gains:
 
 
 @lru_cache(maxsize=64)
-def packed(gains: Gains) -> PackedGains:
+def packed(params: Parameters) -> PackedParameters:
     """All tunables of the controlled points as an array (1,) of one record with the same names.
 
     One more part, `body`, keeps the safety gains of the bodies. Equal gains give the same array.
     """
-    groups = {**controlled(gains)._asdict(), "body": gains.safety}
+    groups = {**controlled(params)._asdict(), "body": params.safety}
     parts = [
         (name, np.dtype((np.record, [(key, np.float64) for key in part._fields]))) for name, part in groups.items()
     ]

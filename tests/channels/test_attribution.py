@@ -2,14 +2,14 @@
 
 import pytest
 
-from higvf_console.channels.claims import Claims, claimed
+from higvf_console.channels.attribution import Attribution, attributed
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import (
-    BendPath,
     ClearPath,
     Clutch,
     Confirm,
     LoadScenario,
+    MovePathPoint,
     NextTask,
     OperatorCommand,
     Pick,
@@ -22,11 +22,11 @@ from higvf_console.core.commands import (
     TakeUpPath,
     Undo,
 )
-from higvf_console.core.edits import DeleteThing, Edit
+from higvf_console.core.edits import DeleteEntity, Edit
 from higvf_console.runtime.history import rows_before
 from higvf_console.runtime.run import Run
 from tests.teams import stroke
-from tests.world.editing.deeds import SCENE, edited_run
+from tests.world.editing.actions import SCENE, edited_run
 
 WAY = [(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)]
 WAITS = [*stroke(WAY)[:2], StrokeEnd(preview=True)]
@@ -34,17 +34,17 @@ WITH_PATH = SCENE + "path: {circle: {at_m: [700, 300], radius_m: 100}}\n"
 CIRCLE = floats([[450.0, 200.0], [550.0, 200.0], [550.0, 300.0], [450.0, 300.0]])
 
 
-def told(run: Run, *said: tuple[str, list[OperatorCommand] | OperatorCommand]) -> Claims:
+def told(run: Run, *said: tuple[str, list[OperatorCommand] | OperatorCommand]) -> Attribution:
     """What the channels have a claim to, after each has given its commands."""
-    claims = Claims()
+    attribution = Attribution()
     for channel, commands in said:
         for command in commands if isinstance(commands, list) else [commands]:
             before, history = run.state, run.history
             run.apply(command)
             new = run.history is not history and isinstance(command, Edit | Undo | Redo)
             rows = rows_before(run.history, undone=isinstance(command, Undo)) if new else None
-            claims = claimed(claims, channel, command, before, run.state, rows)
-    return claims
+            attribution = attributed(attribution, channel, command, before, run.state, rows)
+    return attribution
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def told(run: Run, *said: tuple[str, list[OperatorCommand] | OperatorCommand]) -
         ([("gaze", stroke(WAY)), ("mouse", ClearPath())], ""),
         ([("gaze", stroke(WAY)), ("mouse", ClearPath()), ("mouse", Undo())], "mouse"),
         ([("gaze", stroke(WAY)), ("mouse", NextTask()), ("mouse", TakeUpPath(0))], "mouse"),
-        ([("gaze", stroke(WAY)), ("mouse", BendPath(floats([500, 450]), floats([500, 500])))], "mouse"),
+        ([("gaze", stroke(WAY)), ("mouse", MovePathPoint(floats([500, 450]), floats([500, 500])))], "mouse"),
         ([("gaze", stroke(WAY)), ("mouse", Pick(2))], "gaze"),
         ([("mouse", LoadScenario(text=WITH_PATH, name="path.yaml"))], ""),
         ([("gaze", stroke(WAY)), ("mouse", LoadScenario(text="version: 9", name="refused.yaml"))], "gaze"),
@@ -77,12 +77,12 @@ def test_a_clutch_is_the_channel_s_that_closed_it() -> None:
 
 def test_priorities_stay_those_of_their_channel_when_rows_are_renumbered_and_come_back() -> None:
     run = edited_run()
-    claims = told(
-        run, ("gaze", Prioritise(fires=(1,), robot=2)), ("mouse", DeleteThing("fire", 0)),
-        ("mouse", DeleteThing("robot", 0)), ("mouse", Undo()),
+    attribution = told(
+        run, ("gaze", Prioritise(fires=(1,), robot=2)), ("mouse", DeleteEntity("fire", 0)),
+        ("mouse", DeleteEntity("robot", 0)), ("mouse", Undo()),
     )  # fmt: skip
-    assert claims.priorities == {(2.0, 0.0, 8.0): "gaze"}
-    assert (claims.robots("gaze"), claims.robots("mouse")) == ([2], [])
+    assert attribution.priorities == {(2.0, 0.0, 8.0): "gaze"}
+    assert (attribution.robots("gaze"), attribution.robots("mouse")) == ([2], [])
 
 
 def test_a_priority_that_another_channel_gives_again_is_that_channel_s() -> None:

@@ -18,12 +18,12 @@ from higvf_console.control.kernel import kernel
 from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.state import NOBODY, Motion, World
 
-NO_RING = -math.inf  # radius of a ring that is not there: an extinguished fire
+NO_BOUNDARY = -math.inf  # radius of a ring that is not there: an extinguished fire
 ALONE, TOGETHER = 0, 1  # a ring by itself, or as one with its cluster
 _CORNERS = 16  # of the polygon that stands for a disc in a hull
 
 
-class Rings(NamedTuple):
+class Boundaries(NamedTuple):
     """The rings of one tick, K = G + M.
 
     Attributes:
@@ -41,38 +41,38 @@ class Rings(NamedTuple):
 
 
 @kernel
-def find_rings(motion: Motion, world: World, clearance: float) -> Rings:
+def find_boundaries(motion: Motion, world: World, clearance: float) -> Boundaries:
     """The rings as the fires are now; `clearance` is R_o [m], so a gap below 2 R_o has no way through."""
-    groups, fires = world.ring.shape[0], world.fire_position.shape[0]
+    groups, fires = world.boundary.shape[0], world.fire_position.shape[0]
     capsule = np.empty((groups + fires, 5))
     corner_start = np.zeros((2, groups + fires + 1), np.int64)
     for g in range(groups):
         for column in range(5):
-            capsule[g, column] = world.ring[g, column]
-        corner_start[0, g + 1] = world.ring_start[0, g + 1]
+            capsule[g, column] = world.boundary[g, column]
+        corner_start[0, g + 1] = world.boundary_start[0, g + 1]
     for j in range(fires):
         k = groups + j
         capsule[k, 0] = capsule[k, 2] = world.fire_position[j, 0]
         capsule[k, 1] = capsule[k, 3] = world.fire_position[j, 1]
-        capsule[k, 4] = motion.fire_radius[j] if motion.fire_burning[j] else NO_RING
+        capsule[k, 4] = motion.fire_radius[j] if motion.fire_burning[j] else NO_BOUNDARY
         corner_start[0, k + 1] = corner_start[0, k]
-    rings = Rings(capsule, corner_start, world.hull, np.arange(groups + fires))
-    return _with_clusters(rings, groups, clearance)
+    boundaries = Boundaries(capsule, corner_start, world.hull, np.arange(groups + fires))
+    return _with_clusters(boundaries, groups, clearance)
 
 
 @kernel
-def _with_clusters(rings: Rings, groups: int, clearance: float) -> Rings:
+def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Boundaries:
     """Fires join the rings that they have grown to; each cluster gets its hull."""
-    cluster, joined = rings.cluster, False
+    cluster, joined = boundaries.cluster, False
     count = cluster.shape[0]
     for k in range(groups, count):
-        radius = rings.capsule[k, 4]
-        if radius == NO_RING:
+        radius = boundaries.capsule[k, 4]
+        if radius == NO_BOUNDARY:
             continue
         for other in range(k):
-            if rings.capsule[other, 4] == NO_RING:
+            if boundaries.capsule[other, 4] == NO_BOUNDARY:
                 continue
-            gap, _, _ = ring_at(rings, ALONE, other, rings.capsule[k, 0], rings.capsule[k, 1])
+            gap, _, _ = boundary_at(boundaries, ALONE, other, boundaries.capsule[k, 0], boundaries.capsule[k, 1])
             if gap - radius < 2.0 * clearance and cluster[other] != cluster[k]:
                 joined = True
                 old, new = max(cluster[k], cluster[other]), min(cluster[k], cluster[other])
@@ -80,8 +80,8 @@ def _with_clusters(rings: Rings, groups: int, clearance: float) -> Rings:
                     if cluster[member] == old:
                         cluster[member] = new
     if not joined:
-        return rings
-    corner, corner_start = rings.corner, rings.corner_start
+        return boundaries
+    corner, corner_start = boundaries.corner, boundaries.corner_start
     first = corner.shape[0]
     for name in range(count):
         corner_start[1, name] = first
@@ -89,21 +89,21 @@ def _with_clusters(rings: Rings, groups: int, clearance: float) -> Rings:
         for member in range(count):
             size += cluster[member] == name
         if size > 1:
-            hull = convex_hull(_corners_of(rings, name))
+            hull = convex_hull(_corners_of(boundaries, name))
             corner = np.concatenate((corner, hull))
             first += hull.shape[0]
     corner_start[1, count] = first
-    return Rings(rings.capsule, corner_start, corner, cluster)
+    return Boundaries(boundaries.capsule, corner_start, corner, cluster)
 
 
 @kernel
-def _corners_of(rings: Rings, name: int) -> Floats:
+def _corners_of(boundaries: Boundaries, name: int) -> Floats:
     """Points (n, 2) whose hull holds every ring of a cluster."""
     points = np.empty((0, 2))
-    for k in range(rings.cluster.shape[0]):
-        if rings.cluster[k] == name:
-            first, last = rings.corner_start[0, k], rings.corner_start[0, k + 1]
-            own = rings.corner[first:last] if last > first else capsule_corners(rings.capsule[k])
+    for k in range(boundaries.cluster.shape[0]):
+        if boundaries.cluster[k] == name:
+            first, last = boundaries.corner_start[0, k], boundaries.corner_start[0, k + 1]
+            own = boundaries.corner[first:last] if last > first else capsule_corners(boundaries.capsule[k])
             points = np.concatenate((points, own))
     return points
 
@@ -158,25 +158,25 @@ def convex_hull(points: Floats) -> Floats:
 
 
 @kernel
-def ring_at(rings: Rings, row: int, k: int, x: float, y: float) -> tuple[float, float, float]:
+def boundary_at(boundaries: Boundaries, row: int, k: int, x: float, y: float) -> tuple[float, float, float]:
     """Ring k from (x, y): gap to its surface [m], negative inside, and outward unit normal; far from a hull, a bound.
 
     Args:
-        rings: from `find_rings`.
+        boundaries: from `find_boundaries`.
         row: ALONE, or TOGETHER for the cluster that k names.
         k: ring.
         x: position [m].
         y: position [m].
     """
-    first, last = rings.corner_start[row, k], rings.corner_start[row, k + 1]
+    first, last = boundaries.corner_start[row, k], boundaries.corner_start[row, k + 1]
     if first == last or row == ALONE:
-        capsule = rings.capsule
+        capsule = boundaries.capsule
         gap, nx, ny = capsule_at(
             x, y, capsule[k, 0], capsule[k, 1], capsule[k, 2], capsule[k, 3], float(capsule[k, 4])
         )  # fmt: skip
         if first == last or gap > capsule[k, 4]:
             return gap, nx, ny
-    return _hull_at(rings.corner, first, last, x, y)
+    return _hull_at(boundaries.corner, first, last, x, y)
 
 
 @kernel
@@ -203,39 +203,45 @@ def _hull_at(corner: Floats, first: int, last: int, x: float, y: float) -> tuple
 
 
 @kernel
-def has_hull(rings: Rings, row: int, k: int) -> bool:
+def has_hull(boundaries: Boundaries, row: int, k: int) -> bool:
     """Whether ring k (row ALONE), or the cluster that k names (TOGETHER), is a hull."""
-    return rings.corner_start[row, k + 1] > rings.corner_start[row, k]
+    return boundaries.corner_start[row, k + 1] > boundaries.corner_start[row, k]
 
 
 @kernel
-def opened(rings: Rings, row: int, k: int, goal_x: float, goal_y: float) -> bool:
+def opened(boundaries: Boundaries, row: int, k: int, goal_x: float, goal_y: float) -> bool:
     """Whether a hull holds the goal, so that a robot must be let in; never for a goal that is not a number."""
-    return math.isfinite(goal_x) and has_hull(rings, row, k) and ring_at(rings, row, k, goal_x, goal_y)[0] < 0.0
+    return (
+        math.isfinite(goal_x)
+        and has_hull(boundaries, row, k)
+        and boundary_at(boundaries, row, k, goal_x, goal_y)[0] < 0.0
+    )
 
 
 @kernel
-def row_of(rings: Rings, k: int, own_ring: int, goal_x: float, goal_y: float) -> int:
+def row_of(boundaries: Boundaries, k: int, own_boundary: int, goal_x: float, goal_y: float) -> int:
     """How a robot goes round ring k: ALONE or TOGETHER; NOBODY where another ring stands for it, or it is the goal.
 
     Args:
-        rings: from `find_rings`.
+        boundaries: from `find_boundaries`.
         k: ring.
-        own_ring: ring of the robot's target, or NOBODY.
+        own_boundary: ring of the robot's target, or NOBODY.
         goal_x: where the robot is bound for [m]; NaN for nowhere.
         goal_y: where the robot is bound for [m].
     """
-    name = rings.cluster[k]
-    if k == own_ring or rings.capsule[k, 4] == NO_RING:
+    name = boundaries.cluster[k]
+    if k == own_boundary or boundaries.capsule[k, 4] == NO_BOUNDARY:
         return NOBODY
-    if not has_hull(rings, TOGETHER, name):
+    if not has_hull(boundaries, TOGETHER, name):
         return ALONE
-    if (own_ring != NOBODY and rings.cluster[own_ring] == name) or opened(rings, TOGETHER, name, goal_x, goal_y):
+    if (own_boundary != NOBODY and boundaries.cluster[own_boundary] == name) or opened(
+        boundaries, TOGETHER, name, goal_x, goal_y
+    ):
         return ALONE
     return TOGETHER if k == name else NOBODY
 
 
 @kernel
-def fire_ring(fire: int, world: World) -> int:
+def fire_boundary(fire: int, world: World) -> int:
     """The ring of a fire; NOBODY for none."""
-    return NOBODY if fire == NOBODY else world.ring.shape[0] + fire
+    return NOBODY if fire == NOBODY else world.boundary.shape[0] + fire

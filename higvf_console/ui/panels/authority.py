@@ -31,7 +31,7 @@ class Sample(NamedTuple):
     team: Floats
 
 
-class ShareHistory:
+class AuthorityHistory:
     """The last `SPAN` seconds; another robot, or a time that runs backwards, starts anew."""
 
     def __init__(self) -> None:
@@ -68,16 +68,16 @@ def legend_html() -> str:
     )
 
 
-def bands_svg(title: str, time: Floats, shares: Floats) -> str:
+def bands_svg(title: str, time: Floats, authority: Floats) -> str:
     """Shares (n, 4) over time (n,) [s] as bands of the full height; a gap where nobody has a say."""
     right, bottom = WIDTH - 8, HEIGHT - _BOTTOM
     end = max(float(time[-1]) if len(time) else 0.0, SPAN)
     x = _LEFT + (right - _LEFT) * (1.0 - (end - time) / SPAN)
-    edges = bottom - (bottom - 4) * np.concatenate([np.zeros((len(time), 1)), np.cumsum(shares, axis=1)], axis=1)
+    edges = bottom - (bottom - 4) * np.concatenate([np.zeros((len(time), 1)), np.cumsum(authority, axis=1)], axis=1)
     bands = [
         f'<polygon points="{_points(x, edges[:, say], edges[:, say + 1])}" fill="{SAY_LOOK[say][1]}"/>'
         for say in Say
-        if len(time) > 1 and shares[:, say].any()
+        if len(time) > 1 and authority[:, say].any()
     ]
     frame = f'<path class="rule" d="M{_LEFT} 4H{right}V{bottom}H{_LEFT}Z"/>'
     lettering = (

@@ -1,7 +1,7 @@
 """Who of several pages steers: a pure state machine, fed with the time, the pages' signs of life and their clicks.
 
 One page has control and the others watch. Whoever comes while nobody has it gets it. A page that is not heard of for
-`patience` is forgotten, so that a reload keeps its control, and its place among those who wait; what a forgotten or a
+`timeout` is forgotten, so that a reload keeps its control, and its place among those who wait; what a forgotten or a
 willing holder leaves goes to whoever has waited longest. Anybody may take over, at any time.
 """
 
@@ -19,12 +19,12 @@ class Page(NamedTuple):
     Attributes:
         identity: its own secret; the same after a reload.
         name: as people read it.
-        heard: when it last gave a sign of life [s].
+        last_seen: when it last gave a sign of life [s].
     """
 
     identity: str
     name: str
-    heard: float
+    last_seen: float
 
 
 class Change(NamedTuple):
@@ -69,14 +69,14 @@ class Control(NamedTuple):
 Outcome = tuple[Control, Change | None]
 
 
-def heard(control: Control, identity: str, now: float) -> Outcome:
+def heartbeat(control: Control, identity: str, now: float) -> Outcome:
     """A page gave a sign of life at `now` [s]; one that was not there has come.
 
     Raises:
         ValueError: there are too many pages already.
     """
     if control.page(identity) is not None:
-        pages = tuple(page._replace(heard=now) if page.identity == identity else page for page in control.pages)
+        pages = tuple(page._replace(last_seen=now) if page.identity == identity else page for page in control.pages)
         control = control._replace(pages=pages)
     elif len(control.pages) >= MOST_PAGES:
         raise ValueError(f"{MOST_PAGES} pages are remembered already")
@@ -89,9 +89,9 @@ def heard(control: Control, identity: str, now: float) -> Outcome:
     return control, None
 
 
-def forgotten(control: Control, now: float, patience: float) -> Outcome:
-    """Forgets the pages that were not heard of for `patience` [s]."""
-    gone = {page.identity for page in control.pages if now - page.heard > patience}
+def forgotten(control: Control, now: float, timeout: float) -> Outcome:
+    """Forgets the pages that were not heard of for `timeout` [s]."""
+    gone = {page.identity for page in control.pages if now - page.last_seen > timeout}
     if not gone:
         return control, None
     lost, by = control.holder in gone, control.name(control.holder)
@@ -101,7 +101,7 @@ def forgotten(control: Control, now: float, patience: float) -> Outcome:
     )
     if not lost:
         return control, None
-    awake = (page.identity for page in control.pages if now - page.heard <= AWAKE)
+    awake = (page.identity for page in control.pages if now - page.last_seen <= AWAKE)
     return _left(control, tuple(awake), ControlChange.LOST, by)
 
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from higvf_console.core.commands import ControlChange
-from higvf_console.ui.page.steering import (
+from higvf_console.ui.page.control_lease import (
     MOST_PAGES,
     Change,
     Control,
@@ -15,7 +15,7 @@ from higvf_console.ui.page.steering import (
     answered,
     asked,
     forgotten,
-    heard,
+    heartbeat,
     released,
     taken,
 )
@@ -26,7 +26,7 @@ PATIENCE = 8.0  # [s]
 def with_pages(*identities: str, at: float = 0.0) -> Control:
     control = Control()
     for identity in identities:
-        control, _ = heard(control, identity, at)
+        control, _ = heartbeat(control, identity, at)
     return control
 
 
@@ -39,9 +39,9 @@ def done(control: Control, *steps: Callable[[Control], Outcome]) -> tuple[Contro
 
 
 def test_the_first_page_steers_and_those_after_it_watch() -> None:
-    control, change = heard(Control(), "a", 0.0)
+    control, change = heartbeat(Control(), "a", 0.0)
     assert change == Change(ControlChange.FIRST, "Browser 1", "Browser 1")
-    control, change = heard(control, "b", 1.0)
+    control, change = heartbeat(control, "b", 1.0)
     assert change is None
     assert control.holder == "a"
     assert control.name("b") == "Browser 2"
@@ -106,14 +106,17 @@ def test_what_nobody_has_is_had_for_one_click(act: Callable[[Control, str], Outc
 
 def test_a_page_that_comes_while_nobody_steers_steers() -> None:
     free, _ = released(with_pages("a"), "a")
-    assert heard(free, "b", 1.0)[0].holder == "b"
-    assert heard(free, "a", 1.0)[0].holder == "", "who let go is no newcomer"
+    assert heartbeat(free, "b", 1.0)[0].holder == "b"
+    assert heartbeat(free, "a", 1.0)[0].holder == "", "who let go is no newcomer"
 
 
 def test_a_reload_keeps_control_name_and_place_in_the_line() -> None:
     control, _ = asked(with_pages("a", "b"), "b")
     control, told = done(
-        control, lambda c: forgotten(c, 7.9, PATIENCE), lambda c: heard(c, "b", 7.9), lambda c: heard(c, "a", 7.9)
+        control,
+        lambda c: forgotten(c, 7.9, PATIENCE),
+        lambda c: heartbeat(c, "b", 7.9),
+        lambda c: heartbeat(c, "a", 7.9),
     )
     assert told == []
     assert (control.holder, control.waiting, control.name("a")) == ("a", ("b",), "Browser 1")
@@ -122,14 +125,17 @@ def test_a_reload_keeps_control_name_and_place_in_the_line() -> None:
 def test_a_holder_that_falls_silent_is_lost_and_its_control_goes_to_one_that_waits_and_is_awake() -> None:
     control, _ = done(with_pages("a", "b", "c", "d"), lambda c: asked(c, "b"), lambda c: asked(c, "c"))
     control, told = done(
-        control, lambda c: heard(c, "b", 4.0), lambda c: heard(c, "c", 8.0), lambda c: forgotten(c, 8.5, PATIENCE)
+        control,
+        lambda c: heartbeat(c, "b", 4.0),
+        lambda c: heartbeat(c, "c", 8.0),
+        lambda c: forgotten(c, 8.5, PATIENCE),
     )
     assert control.holder == "c", "b has not been heard of for a while either"
     assert told == [Change(ControlChange.LOST, "Browser 3", "Browser 1")]
 
 
 def test_a_lost_holder_whom_nobody_asked_leaves_it_to_nobody() -> None:
-    control, _ = heard(with_pages("a", "b"), "b", 8.0)
+    control, _ = heartbeat(with_pages("a", "b"), "b", 8.0)
     control, change = forgotten(control, 8.5, PATIENCE)
     assert control.holder == ""
     assert change == Change(ControlChange.LOST, "", "Browser 1")
@@ -137,7 +143,7 @@ def test_a_lost_holder_whom_nobody_asked_leaves_it_to_nobody() -> None:
 
 def test_a_page_that_is_lost_while_it_watches_is_not_missed() -> None:
     control, _ = asked(with_pages("a", "b"), "b")
-    control, _ = heard(control, "a", 8.0)
+    control, _ = heartbeat(control, "a", 8.0)
     control, change = forgotten(control, 8.5, PATIENCE)
     assert change is None
     assert (control.holder, control.waiting) == ("a", ())
@@ -145,14 +151,14 @@ def test_a_page_that_is_lost_while_it_watches_is_not_missed() -> None:
 
 def test_no_two_pages_ever_have_the_same_name() -> None:
     control, _ = forgotten(with_pages("a"), 9.0, PATIENCE)
-    assert heard(control, "b", 9.0)[0].name("b") == "Browser 2"
+    assert heartbeat(control, "b", 9.0)[0].name("b") == "Browser 2"
 
 
 def test_more_pages_than_can_be_remembered_are_refused() -> None:
     full = with_pages(*(str(number) for number in range(MOST_PAGES)))
     with pytest.raises(ValueError, match=str(MOST_PAGES)):
-        heard(full, "one more", 0.0)
-    assert heard(full, "3", 1.0)[1] is None
+        heartbeat(full, "one more", 0.0)
+    assert heartbeat(full, "3", 1.0)[1] is None
 
 
 IDENTITIES = st.sampled_from(["a", "b", "c", ""])
@@ -172,7 +178,7 @@ def test_whatever_is_clicked_one_page_that_is_there_steers_or_nobody_and_every_c
         before = control
         match act:
             case "heard":
-                control, change = heard(control, identity, now)
+                control, change = heartbeat(control, identity, now)
             case "ask":
                 control, change = asked(control, identity)
             case "take":
