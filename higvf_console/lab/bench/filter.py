@@ -1,11 +1,11 @@
-"""The safety filter against other ways to the same end.
+"""Compares the safety filter with other solvers.
 
-    distributed   the compiled filter
-    coupled       the centralised filter: rows, OSQP, polish
-    daqp          a general active-set solver, one call a robot, on rows that are given to it (their making is free)
-    orca          ORCA in C++: it solves another problem, and is here as a yardstick of speed
+    distributed   the compiled filter of each robot
+    coupled       the centralised filter: constraints, OSQP, polish
+    daqp          a general active-set solver, one call per robot; the time to build its constraints is not counted
+    orca          ORCA in C++, as a reference for speed; it solves a different problem
 
-Robots stand on a grid and want to go at random; circles and growing fires stand in gaps of the grid.
+Robots stand on a grid with random nominal velocities; circles and growing fires stand in gaps of the grid.
 """
 
 import itertools
@@ -25,7 +25,7 @@ from higvf_console.lab.bench.timing import Case, Suite, take_turns
 
 try:
     import daqp
-except ImportError:  # it comes with the extra `bench`
+except ImportError:  # part of the extra `bench`
     daqp = None
 try:
     from pyrvo.pyrvo import RVOSimulator
@@ -34,9 +34,9 @@ except ImportError:
 
 TEAMS = (3, 30, 100, 1000)
 SPACING = {"medium": 60.0, "dense": 30.0}  # [m]
-_WISHES = 8  # different nominal velocities that are filtered in turn
+_WISHES = 8  # sets of nominal velocities, filtered in turn
 _Turn: TypeAlias = Callable[[int], object]
-_COMPARED = 60  # robots of each scene whose velocity is compared with brute force
+_COMPARED = 60  # robots of each scene that are compared with brute force
 
 
 class _Hazards(NamedTuple):
@@ -59,7 +59,7 @@ class _Scene(NamedTuple):
 
 
 def run() -> Suite:
-    """Medium and dense scenes of 3 to 1000 robots."""
+    """Measures medium and dense scenes of 3 to 1000 robots."""
     cases = [_case(density, robots) for density in SPACING for robots in TEAMS]
     return Suite("Safety filter, one tick of the whole team", "distributed", tuple(cases))
 
@@ -108,7 +108,7 @@ def _scene(spacing: float, robots: int) -> _Scene:
 
 
 def _contenders(scene: _Scene) -> tuple[dict[str, _Turn], dict[str, _Turn]]:
-    """What is timed, by name, and what comes before it."""
+    """The timed functions by name, and the untimed preparations of some of them."""
     coupled = CoupledFilter()
     position, wishes, hazards = scene
     found: dict[str, _Turn] = {
@@ -126,8 +126,8 @@ def _contenders(scene: _Scene) -> tuple[dict[str, _Turn], dict[str, _Turn]]:
 def _by_daqp(scene: _Scene) -> _Turn:
     assert daqp is not None
     hessian, solve_one = np.eye(2), daqp.solve
-    rows = _all_rows(survey(scene.position, *scene.hazards))
-    parts = [(np.ascontiguousarray(row[:, :2]), row[:, 2].copy()) for row in rows]
+    constraints = _all_constraints(survey(scene.position, *scene.hazards))
+    parts = [(np.ascontiguousarray(own[:, :2]), own[:, 2].copy()) for own in constraints]
 
     def solve(turn: int) -> list[Any]:
         wish = -scene.wishes[turn % _WISHES]
@@ -140,7 +140,7 @@ def _by_daqp(scene: _Scene) -> _Turn:
 
 
 def _by_orca(scene: _Scene) -> tuple[_Turn, _Turn]:
-    """One step of the simulator, and the restoring of positions and wishes before it."""
+    """One step of the simulator, and the preparation that restores positions and nominal velocities."""
     assert RVOSimulator is not None
     safety = scene.hazards.safety
     period, clearance, limit = safety.control_period, safety.robot_clearance, safety.speed_limit
@@ -167,14 +167,14 @@ def _by_orca(scene: _Scene) -> tuple[_Turn, _Turn]:
     return step, restore
 
 
-def _all_rows(around: Surroundings) -> list[Floats]:
+def _all_constraints(around: Surroundings) -> list[Floats]:
     space = np.empty((most_constraints(around), 3))
     other = np.empty(len(space), np.int64)
     return [space[: constraints_of(i, around, space, other)].copy() for i in range(len(around.position))]
 
 
 def brute_force_error(position: Floats, nominal: Floats, *hazards: Any) -> float:
-    """Largest difference [share of v_max] between the exact projection and a search of all points where it can be.
+    """Largest difference between the exact projection and a brute-force search, as a share of v_max.
 
     Args:
         position: (N, 2) [m].
@@ -183,9 +183,10 @@ def brute_force_error(position: Floats, nominal: Floats, *hazards: Any) -> float
     """
     limit = hazards[-1].speed_limit
     worst = 0.0
-    for rows, wish in itertools.islice(zip(_all_rows(survey(position, *hazards)), nominal, strict=True), _COMPARED):
-        ux, uy, feasible = project(wish[0], wish[1], rows, len(rows), limit, np.empty(len(rows), np.int64))
-        expected = _searched(wish, rows, limit)
+    constraints = _all_constraints(survey(position, *hazards))
+    for own, wish in itertools.islice(zip(constraints, nominal, strict=True), _COMPARED):
+        ux, uy, feasible = project(wish[0], wish[1], own, len(own), limit, np.empty(len(own), np.int64))
+        expected = _searched(wish, own, limit)
         if feasible != (expected is not None):
             return math.inf
         if expected is not None:
@@ -193,14 +194,18 @@ def brute_force_error(position: Floats, nominal: Floats, *hazards: Any) -> float
     return worst
 
 
-def _searched(wish: Floats, rows: Floats, limit: float) -> Floats | None:
-    """The nearest of: the wish, its feet on the lines, their crossings, their ends on the disc."""
-    normal, bound = rows[:, :2], rows[:, 2]
+def _searched(wish: Floats, constraints: Floats, limit: float) -> Floats | None:
+    """The nearest feasible candidate to `wish` (2,) [m/s]; None if the constraints (n, 3) are infeasible.
+
+    Candidates are `wish`, its projections onto the lines a.v = b, their intersections with each other and with the disc
+    of radius `limit`.
+    """
+    normal, bound = constraints[:, :2], constraints[:, 2]
     along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
     feet = wish - (normal @ wish - bound)[:, None] * normal
     chord = np.sqrt(np.maximum(limit**2 - bound**2, 0.0))[:, None] * along
     tried = [wish[None], feet, bound[:, None] * normal + chord, bound[:, None] * normal - chord]
-    for i, j in itertools.combinations(range(len(rows)), 2):
+    for i, j in itertools.combinations(range(len(constraints)), 2):
         if abs(normal[i] @ along[j]) > 1e-9:
             tried.append(floats(np.linalg.solve(normal[[i, j]], bound[[i, j]]), 1, 2))
     points = np.concatenate(tried)

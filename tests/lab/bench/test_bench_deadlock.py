@@ -96,7 +96,7 @@ def test_a_scene_is_saved_as_a_scenario(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["crowded", "crowded:", "crowded:-1", "full:3", "3"])
 def test_a_scene_that_does_not_exist_is_refused_with_the_choices(name: str) -> None:
-    with pytest.raises(HigvfError, match="choose spaced, crowded, pockets and a seed, such as crowded:17"):
+    with pytest.raises(HigvfError, match="with a kind of spaced, crowded, pockets, such as crowded:17"):
         scene_named(name)
 
 

@@ -14,7 +14,7 @@ from higvf_console.cli.arguments import parser
 from higvf_console.core.errors import HigvfError
 from higvf_console.lab.bench import bench, chromium, console_page
 from higvf_console.lab.bench import ui as bench_ui
-from higvf_console.lab.bench.wire import ROBOTS_NODE, Frame, Positions, first_motion, robots_in
+from higvf_console.lab.bench.viser_client import ROBOTS_NODE, Frame, Positions, first_motion, robots_in
 from higvf_console.scenario.scenario import parse_scenario
 
 
@@ -95,7 +95,7 @@ def test_what_is_missing_for_the_suite_is_said(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.delenv("HIGVF_CHROMIUM", raising=False)
     monkeypatch.setattr(shutil, "which", {}.get)
-    with pytest.raises(HigvfError, match="install the package 'chromium'"), console_page.browser_at_hand():
+    with pytest.raises(HigvfError, match="install the package 'chromium'"), console_page.open_browser():
         pass
     monkeypatch.setattr(chromium, "import_module", without_playwright)
     with pytest.raises(HigvfError, match="needs Playwright: pip install"), chromium.launched("chromium"):

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats
 from higvf_console.lab.bench.deadlock import make_scene, scene_named
-from higvf_console.lab.bench.planar import capsule, disc, distances, gap, hull, polygon
+from higvf_console.lab.bench.geometry import capsule, disc, distances, gap, hull, polygon
 from higvf_console.lab.bench.scene_file import scene_setup, scene_yaml
 from higvf_console.lab.bench.scenes import END_CLEARANCE, GAPS, TIME_LIMIT, Kind, Scene
 from higvf_console.scenario.scenario import parse_scenario
