@@ -72,7 +72,7 @@ def test_gains_that_no_scenario_would_accept_are_refused(base: Setup) -> None:
 
 
 def test_a_world_without_its_bar_is_no_sample(base: Setup) -> None:
-    with pytest.raises(ScenarioError, match="one upright bar, not 0"):
+    with pytest.raises(ScenarioError, match="one vertical bar, not 0"):
         sample_of(base._replace(world=base.world._replace(bars=np.zeros((0, 5)))))
 
 

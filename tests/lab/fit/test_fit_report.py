@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from higvf_console.lab.fit.fire_run import FireRun
+from higvf_console.lab.fit.firefighting import FirefightingRun
 from higvf_console.lab.fit.report import sensitivity, spread
 from higvf_console.lab.fit.space import NAMES, SPACE, Sample, on_grid
 from higvf_console.lab.fit.table2 import ALONE, Columns
@@ -18,7 +18,7 @@ BAR = NAMES.index("bar.x")
 def printed(factor: float = 1.0, changed: float = 1.0) -> Columns:
     """The paper's columns, all areas times `factor`, those of columns 2 and 3 times `changed` as well."""
     return {
-        name: FireRun(
+        name: FirefightingRun(
             column.order, factor * (1.0 if name == ALONE else changed) * np.array(column.loss_area), 2000, 1.0
         )
         for name, column in COLUMNS.items()

@@ -7,18 +7,20 @@ import numpy as np
 import pytest
 
 from higvf_console.core.arrays import floats
-from higvf_console.lab.fit.fire_run import FireRun
+from higvf_console.lab.fit.firefighting import FirefightingRun
 from higvf_console.lab.fit.table2 import Verdict, kept_fit, summed, table2, verdicts
 from higvf_console.lab.reproduce.paper import COLUMNS
 
 ALONE, PRIORITY, HIDDEN = COLUMNS
 
 
-def as_printed() -> dict[str, FireRun]:
-    return {name: FireRun(column.order, floats(column.loss_area), 2100, 1.0) for name, column in COLUMNS.items()}
+def as_printed() -> dict[str, FirefightingRun]:
+    return {
+        name: FirefightingRun(column.order, floats(column.loss_area), 2100, 1.0) for name, column in COLUMNS.items()
+    }
 
 
-def missed(runs: Mapping[str, FireRun]) -> list[str]:
+def missed(runs: Mapping[str, FirefightingRun]) -> list[str]:
     return [verdict.target for verdict in verdicts(runs) if not verdict.met]
 
 
