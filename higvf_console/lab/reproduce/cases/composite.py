@@ -9,7 +9,7 @@ from higvf_console.control.guidance.field import FieldKind, field_at
 from higvf_console.control.guidance.obstacles import part_at
 from higvf_console.core.arrays import Bools, Floats, floats, ints
 from higvf_console.lab.reproduce.case import Case, Findings, Picture, within
-from higvf_console.lab.reproduce.cases.fields import WIDE, draw_rings
+from higvf_console.lab.reproduce.cases.fields import WIDE, draw_obstacle_boundaries
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, dress_map, new_figure
 from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.maps import draw_obstacles, draw_path
@@ -42,11 +42,11 @@ class _Panels:
             [zero_in(float(np.hypot(*p)), float(circle[2]), params.boundaries, params.forms) for p in away]
         )
         normal = np.array([part_at(0, x, y, world)[1:] for x, y in self.points.tolist()])
-        self.around = floats(np.stack([normal[:, 1], -normal[:, 0]], axis=1))  # side E n, clockwise
-        side = ints([[-1]])
+        self.around = floats(np.stack([normal[:, 1], -normal[:, 0]], axis=1))  # -E n: clockwise
+        clockwise = ints([[-1]])
         self.outside = np.hypot(*away.T) > circle[2]
         self.sum = self.bump[:, None] * self.path + (1.0 - self.bump)[:, None] * self.around
-        agreed = state._replace(motion=state.motion._replace(side=side))
+        agreed = state._replace(motion=state.motion._replace(circulation=clockwise))
         self.engine = field_at(FieldKind.COMPOSITE, self.points, agreed, world, params) / speed
 
 
@@ -141,7 +141,7 @@ def _dress_panel(axes: Axes, setup: Setup, title: str) -> None:
     axes.set_title(title)
     draw_path(axes, setup.start.intent.path)
     draw_obstacles(axes, setup.world)
-    draw_rings(axes, setup.world, setup.params)
+    draw_obstacle_boundaries(axes, setup.world, setup.params)
 
 
 CASES = (
