@@ -1,4 +1,4 @@
-"""The study of deadlocks: its figures, its JSON, its words, and that a scene can be run again."""
+"""The study of deadlocks: its figures, JSON and table, and the report and file of a single scene."""
 
 import io
 import json
@@ -49,7 +49,7 @@ def test_figures_count_arrivals_violations_and_times() -> None:
 
 
 @pytest.mark.usefixtures("made_up")
-def test_json_puts_the_forms_side_by_side_and_the_hard_kinds_inside() -> None:
+def test_the_json_is_grouped_by_form_and_kind() -> None:
     report = json.loads(bench.run_suite("deadlock", as_json=True))
     assert list(report) == ["printed", "zero_in", "corrected"]
     own = {"scenes", "arrival_share", "violations", "deadlock_s_mean", "median_s", "failed"}
@@ -79,7 +79,7 @@ def test_a_spaced_scene_arrives_safely_in_the_corrected_form() -> None:
     assert end.seconds < 180.0
 
 
-def test_a_scene_is_told_in_every_form(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_report_of_a_scene_covers_every_form(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "--suite", "deadlock", "--scene", "spaced:1"]) == 0
     told = capsys.readouterr().out
     assert "follows the path" in told
@@ -112,7 +112,7 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_a_progress_bar_draws_on_a_terminal_alone() -> None:
+def test_a_progress_bar_draws_only_on_a_terminal() -> None:
     terminal, file = Terminal(), io.StringIO()
     for stream in (terminal, file):
         bar = ProgressBar("scenes", 4, stream)
