@@ -102,7 +102,7 @@ def test_a_scene_that_does_not_exist_is_refused_with_the_choices(name: str) -> N
 
 def test_options_of_another_suite_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "--suite", "tick", "--scenes", "3"]) == 2
-    assert "--scenes belongs to --suite deadlock, not tick" in capsys.readouterr().err
+    assert "--scenes is an option of --suite deadlock, not of --suite tick" in capsys.readouterr().err
     assert main(["bench", "--suite", "deadlock", "--save", "x.yaml"]) == 2
     assert "add --scene KIND:SEED" in capsys.readouterr().err
 
