@@ -43,7 +43,7 @@ def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="run a benchmark")
     bench.add_argument(
         "--suite", choices=("filter", "tick", "deadlock", "preview", "lsl", "ui"), required=True,
-        help="what to measure: safety filter, whole tick, deadlocks in random scenes, previews, live streams, or console",
+        help="what to measure: safety filter, whole tick, deadlocks in random scenes, previews, live streams, console",
     )  # fmt: skip
     bench.add_argument("--json", action="store_true", help="write JSON instead of a table")
     deadlock = bench.add_argument_group("suite deadlock")

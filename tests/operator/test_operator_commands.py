@@ -137,17 +137,17 @@ def test_a_pending_path_influences_no_robot(setup: Setup) -> None:
     state, events = after(setup, drawn(robot=2), before)
     assert (state.motion, state.intent) == (before.motion, before.intent)
     assert state.pointer_state.pending.length == pytest.approx(400.0, abs=1.0)
-    assert "400 m waits" in events[-1].text
+    assert "400 m is pending" in events[-1].text
 
 
 def test_a_confirmed_path_is_joined_from_the_present_position_of_the_robot(setup: Setup) -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 200)
     circle = floats(np.stack([600.0 + 150.0 * np.cos(turn), 350.0 + 150.0 * np.sin(turn)], axis=1))
-    waits, _ = after(setup, [*stroke(circle)[:2], StrokeEnd(preview=True)])
-    position = waits.motion.position + np.array([600.0 - waits.motion.position[0, 0], 200.0])  # above the centre
-    state, events = after(setup, [Confirm()], waits._replace(motion=waits.motion._replace(position=position)))
+    pending, _ = after(setup, [*stroke(circle)[:2], StrokeEnd(preview=True)])
+    position = pending.motion.position + np.array([600.0 - pending.motion.position[0, 0], 200.0])  # above the centre
+    state, events = after(setup, [Confirm()], pending._replace(motion=pending.motion._replace(position=position)))
     assert state.motion.path_parameter == pytest.approx(150.0 * np.pi / 2, abs=2.0)
-    assert state.intent.path is waits.pointer_state.pending
+    assert state.intent.path is pending.pointer_state.pending
     assert state.pointer_state.pending is NO_PATH
     assert "Robot 1 follows" in events[-1].text
 
