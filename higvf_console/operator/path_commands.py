@@ -69,7 +69,7 @@ def in_hand(state: SimState) -> Path:
 
 
 def repaired(
-    state: SimState, time: float, repair: Callable[[Path], Path], *, anew: bool = False, waits: bool = False
+    state: SimState, time: float, repair: Callable[[Path], Path], *, restart: bool = False, preview: bool = False
 ) -> Outcome:
     """Repairs the path that `in_hand` returns.
 
@@ -77,8 +77,8 @@ def repaired(
         state: present state.
         time: session time [s].
         repair: function from the old path to the new one; its PathError is reported, and the state stays unchanged.
-        anew: whether the duration of the active path restarts.
-        waits: whether the repaired active path becomes pending. A pending path stays pending in either case.
+        restart: whether the duration of the active path restarts.
+        preview: whether the repaired active path becomes pending. A pending path stays pending in either case.
     """
     old = in_hand(state)
     try:
@@ -87,29 +87,29 @@ def repaired(
         path = repair(old)
     except PathError as error:
         return state, refuse(time, f"The path is unchanged: {error}.")
-    if waits or old is not state.intent.path:
+    if preview or old is not state.intent.path:
         repairs = state.pointer_state.pending_repairs or old is state.intent.path
         events = report(time, "pending", f"Pending path: {path_words(path)}.")
         return with_pointer_state(state, pending=path, pending_repairs=repairs), events
-    return repair_path(state, path, time, anew=anew)
+    return repair_path(state, path, time, restart=restart)
 
 
-def repair_path(state: SimState, path: Path, time: float, *, anew: bool | None = None) -> Outcome:
+def repair_path(state: SimState, path: Path, time: float, *, restart: bool | None = None) -> Outcome:
     """Replaces the active path by a repair of it; the influenced robot continues from the same place.
 
     Args:
         state: present state.
         path: the repaired path.
         time: session time [s].
-        anew: whether the duration restarts; None restarts it if the two durations differ. It always restarts when the
+        restart: whether the duration restarts; None restarts it if the two durations differ. It also restarts when the
             time of the active path is over.
     """
     old, motion = state.intent.path, state.motion
-    anew = path.duration != old.duration if anew is None else anew
+    restart = path.duration != old.duration if restart is None else restart
     motion = motion._replace(
         path_parameter=same_place(old, path, motion.path_parameter), path_status=int(PathStatus.FOLLOWING),
         path_idle=0.0, path_gap=math.inf,
-        path_left=motion.path_left if motion.path_left > 0.0 and not anew else path.duration,
+        path_left=motion.path_left if motion.path_left > 0.0 and not restart else path.duration,
     )  # fmt: skip
     paths = tuple(path if other is old else other for other in state.pointer_state.paths)
     state = with_pointer_state(state._replace(motion=motion, intent=state.intent._replace(path=path)), paths=paths)

@@ -135,10 +135,10 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
         case ReversePath():
             return repaired(state, time, lambda path: path._replace(direction=-path.direction))
         case ShapePath():
-            return repaired(state, time, lambda path: shaped(path, command), anew=command.duration is not None)
-        case MovePathPoint(grip=grip, point=point, preview=waits):
+            return repaired(state, time, lambda path: shaped(path, command), restart=command.duration is not None)
+        case MovePathPoint(grip=grip, point=point, preview=preview):
             place = clipped(floats(point, 1, 2), setup.arena)[0][0]
-            return repaired(state, time, lambda path: bent(path, floats(grip, 2), place), waits=waits)
+            return repaired(state, time, lambda path: bent(path, floats(grip, 2), place), preview=preview)
         case TakeUpPath(number=number):
             return take_up(state, number, time)
         case ForgetPath(number=number):
@@ -190,7 +190,7 @@ def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) 
     if command.use == StrokeUse.PRIORITY:
         return prioritise_inside(state, points, setup, time)
     if command.use == StrokeUse.REDRAW:
-        return repaired(state, time, lambda path: redrawn(path, points, smoothing), waits=command.preview)
+        return repaired(state, time, lambda path: redrawn(path, points, smoothing), preview=command.preview)
     try:
         path = shaped(sketch_path(points, smoothing), command)
     except PathError as error:

@@ -172,19 +172,19 @@ DETOUR = floats([[600.0, 350.0], [650.0, 450.0], [700.0, 360.0]])
 GRIP, POINT = floats([700.0, 350.0]), floats([700.0, 420.0])
 
 
-def repairs(waits: bool) -> dict[str, list[OperatorCommand]]:
+def repairs(preview: bool) -> dict[str, list[OperatorCommand]]:
     return {
-        "redraw": [StrokeBegin(), StrokePoints(DETOUR), StrokeEnd(use="redraw", preview=waits)],
-        "move_point": [MovePathPoint(GRIP, POINT, preview=waits)],
+        "redraw": [StrokeBegin(), StrokePoints(DETOUR), StrokeEnd(use="redraw", preview=preview)],
+        "move_point": [MovePathPoint(GRIP, POINT, preview=preview)],
     }
 
 
 @pytest.mark.parametrize("repair", ["redraw", "move_point"])
 def test_a_pending_repair_moves_nothing_and_equals_an_immediate_repair_once_confirmed(repair: str) -> None:
     setup, state = following()
-    waits = commanded(setup, state, repairs(True)[repair])
-    assert (waits.motion, waits.intent) == (state.motion, state.intent)
-    confirmed, at_once = commanded(setup, waits, [Confirm()]), commanded(setup, state, repairs(False)[repair])
+    pending = commanded(setup, state, repairs(True)[repair])
+    assert (pending.motion, pending.intent) == (state.motion, state.intent)
+    confirmed, at_once = commanded(setup, pending, [Confirm()]), commanded(setup, state, repairs(False)[repair])
     assert confirmed.intent.path.length == at_once.intent.path.length > state.intent.path.length
     assert confirmed.motion.path_parameter == at_once.motion.path_parameter > 50.0, "it goes on where it was"
     assert confirmed.pointer_state.paths == (confirmed.intent.path,), "in the list it takes the place of the old one"
@@ -202,10 +202,10 @@ def test_a_pending_repair_moves_nothing_and_equals_an_immediate_repair_once_conf
 def test_repairs_change_the_pending_path_if_there_is_one(commands: list[OperatorCommand], longer: bool) -> None:
     setup, state = following()
     drawn = stroke(WAY.tolist())
-    waits = commanded(setup, state, [*drawn[:2], StrokeEnd(smoothing=0.0, preview=True)])
-    new = commanded(setup, waits, commands)
+    pending = commanded(setup, state, [*drawn[:2], StrokeEnd(smoothing=0.0, preview=True)])
+    new = commanded(setup, pending, commands)
     assert (new.motion, new.intent) == (state.motion, state.intent)
-    path, old = new.pointer_state.pending, waits.pointer_state.pending
+    path, old = new.pointer_state.pending, pending.pointer_state.pending
     assert path is not old
     assert (path.length > old.length) is longer
     confirmed = commanded(setup, new, [Confirm()])

@@ -122,7 +122,7 @@ def test_only_a_new_duration_restarts_the_time_of_a_path() -> None:
     assert state.motion.path_left == pytest.approx(4.0)
     paced, _ = apply_command(state, ShapePath(pace=0.5), setup)
     assert paced.motion.path_left == state.motion.path_left
-    anew, _ = apply_command(state, ShapePath(duration=2.0), setup)
-    assert anew.motion.path_left == 2.0
+    renewed, _ = apply_command(state, ShapePath(duration=2.0), setup)
+    assert renewed.motion.path_left == 2.0
     endless, _ = apply_command(state, ShapePath(duration=0.0), setup)
     assert endless.motion.path_left == math.inf

@@ -81,10 +81,10 @@ def test_a_spaced_scene_arrives_safely_in_the_corrected_form() -> None:
 
 def test_the_report_of_a_scene_covers_every_form(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "--suite", "deadlock", "--scene", "spaced:1"]) == 0
-    told = capsys.readouterr().out
-    assert "follows the path" in told
-    assert all(f"\n{form}" in told for form in FORMS)
-    assert "has finished its path" in told
+    output = capsys.readouterr().out
+    assert "follows the path" in output
+    assert all(f"\n{form}" in output for form in FORMS)
+    assert "has finished its path" in output
 
 
 def test_a_scene_is_saved_as_a_scenario(tmp_path: Path) -> None:
