@@ -9,9 +9,15 @@ from higvf_console.control.parameters import BlendingParameters
 
 @kernel
 def blending_weight(a: float, b: float, params: BlendingParameters, forms: Forms) -> float:
-    """Lambda, [19] made continuous at (0, 0): k_s a / (k_s a + k_f b + delta), a = |v_s|, b = |v_f|.
+    """Blending weight lambda, [19], made continuous at (0, 0): k_s a / (k_s a + k_f b + delta).
 
     As printed, delta is 0.
+
+    Args:
+        a: |v_s|.
+        b: |v_f| [m/s].
+        params: gains k_s, k_f and floor delta.
+        forms: corrected or printed form.
     """
     pull = params.intention_gain * a
     floor = 0.0 if forms.blending == PRINTED else params.intention_floor

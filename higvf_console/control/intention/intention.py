@@ -15,10 +15,11 @@ def shared_intention(
     i: int, vx: float, vy: float, robot_x: float, robot_y: float, human_x: float, human_y: float, psi: float,
     intention: Floats, start: Ints, to: Ints, params: IntentionParameters, forms: Forms, dt: float,
 ) -> tuple[float, float]:  # fmt: skip
-    """v_s of robot i after dt [s]: the ODE of Appendix A, semi-implicit, so stable at every dt and degree.
+    """Shared intention v_s of robot i after dt: a semi-implicit step of the ODE of Appendix A.
 
     v <- (v + dt (w1 v_t + w2 sum g v_j + w3 psi v_h)) / (1 + dt (w0 + w1 + w2 sum g + w3 psi)), where the dead zone
-    [16] gives g = max(0, n - epsilon) / n for n = |v_j - v|. An infinite dt gives the fixed point for the present g.
+    [16] gives g = max(0, n - epsilon) / n for n = |v_j - v|. The step is stable for every dt and degree. An infinite
+    dt gives the fixed point for the present g.
     The printed form is a discrete map, v <- w1 v_t + w2 sum g v_j + w3 psi v_h - (w0 + w1 + w2 sum g + w3 psi) v, whose
     weights are not rates: it alternates in sign and converges only with a spectral radius below 1 (see `map_radius`).
 

@@ -34,7 +34,7 @@ except ImportError:
 
 TEAMS = (3, 30, 100, 1000)
 SPACING = {"medium": 60.0, "dense": 30.0}  # [m]
-_WISHES = 8  # sets of nominal velocities, filtered in turn
+_NOMINALS = 8  # sets of nominal velocities, filtered in turn
 _Turn: TypeAlias = Callable[[int], object]
 _COMPARED = 60  # robots of each scene that are compared with brute force
 
@@ -54,7 +54,7 @@ class _Hazards(NamedTuple):
 
 class _Scene(NamedTuple):
     position: Floats  # (N, 2) [m]
-    wishes: Floats  # (_WISHES, N, 2) [m/s]
+    nominal: Floats  # (_NOMINALS, N, 2) [m/s]
     hazards: _Hazards
 
 
@@ -69,11 +69,11 @@ def _case(density: str, robots: int) -> Case:
     taken: dict[str, float | None] = dict.fromkeys(("distributed", "coupled", "daqp", "orca"))
     contenders, prepare = _contenders(scene)
     taken.update(take_turns(contenders, prepare))
-    _, active, infeasible = filter_velocities(scene.position, scene.wishes[0], *scene.hazards)
+    _, active, infeasible = filter_velocities(scene.position, scene.nominal[0], *scene.hazards)
     facts = {
         "active_constraints_a_robot": float(active.mean()),
         "infeasible_robots": float(infeasible.sum()),
-        "error_against_brute_force": brute_force_error(scene.position, scene.wishes[0], *scene.hazards),
+        "error_against_brute_force": brute_force_error(scene.position, scene.nominal[0], *scene.hazards),
     }
     return Case(density, robots, taken, facts)
 
@@ -91,7 +91,7 @@ def _scene(spacing: float, robots: int) -> _Scene:
     edge = 0.5 * spacing + 2.0 * safety.obstacle_clearance
     sides = [[1.0, 0.0, -edge], [-1.0, 0.0, -columns * spacing - edge]]
     sides += [[0.0, 1.0, -edge], [0.0, -1.0, -columns * spacing - edge]]
-    angle = rng.uniform(0.0, 2.0 * np.pi, (_WISHES, robots, 1))
+    angle = rng.uniform(0.0, 2.0 * np.pi, (_NOMINALS, robots, 1))
     hazards = _Hazards(
         circles=floats(np.c_[circles, np.full(len(circles), 0.9 * room)]),
         bars=floats([[-edge, -edge, -edge, columns * spacing, 1.0]]),
@@ -102,18 +102,18 @@ def _scene(spacing: float, robots: int) -> _Scene:
         fire_burning=bools([True] * len(fires)),
         safety=safety,
     )
-    wishes = rng.uniform(0.2, 1.0, (_WISHES, robots, 1)) * safety.speed_limit
+    nominal = rng.uniform(0.2, 1.0, (_NOMINALS, robots, 1)) * safety.speed_limit
     position = floats(grid + rng.uniform(-jitter, jitter, (robots, 2)))
-    return _Scene(position, floats(wishes * np.concatenate([np.cos(angle), np.sin(angle)], axis=2)), hazards)
+    return _Scene(position, floats(nominal * np.concatenate([np.cos(angle), np.sin(angle)], axis=2)), hazards)
 
 
 def _contenders(scene: _Scene) -> tuple[dict[str, _Turn], dict[str, _Turn]]:
     """The timed functions by name, and the untimed preparations of some of them."""
     coupled = CoupledFilter()
-    position, wishes, hazards = scene
+    position, nominal, hazards = scene
     found: dict[str, _Turn] = {
-        "distributed": lambda turn: filter_velocities(position, wishes[turn % _WISHES], *hazards),
-        "coupled": lambda turn: coupled.filter_velocities(position, wishes[turn % _WISHES], *hazards),
+        "distributed": lambda turn: filter_velocities(position, nominal[turn % _NOMINALS], *hazards),
+        "coupled": lambda turn: coupled.filter_velocities(position, nominal[turn % _NOMINALS], *hazards),
     }
     prepare: dict[str, _Turn] = {}
     if daqp is not None:
@@ -130,9 +130,9 @@ def _by_daqp(scene: _Scene) -> _Turn:
     parts = [(np.ascontiguousarray(own[:, :2]), own[:, 2].copy()) for own in constraints]
 
     def solve(turn: int) -> list[Any]:
-        wish = -scene.wishes[turn % _WISHES]
+        velocity = -scene.nominal[turn % _NOMINALS]
         return [
-            solve_one(hessian, wish[i], matrix, bound) if len(bound) else None
+            solve_one(hessian, velocity[i], matrix, bound) if len(bound) else None
             for i, (matrix, bound) in enumerate(parts)
         ]
 
@@ -154,12 +154,12 @@ def _by_orca(scene: _Scene) -> tuple[_Turn, _Turn]:
     for x, y in scene.position:
         simulator.add_agent((float(x), float(y)))
     places = [(float(x), float(y)) for x, y in scene.position]
-    wishes = [[(float(x), float(y)) for x, y in wish] for wish in scene.wishes]
+    nominal = [[(float(x), float(y)) for x, y in velocity] for velocity in scene.nominal]
 
     def restore(turn: int) -> None:
-        for i, wish in enumerate(wishes[turn % _WISHES]):
+        for i, velocity in enumerate(nominal[turn % _NOMINALS]):
             simulator.set_agent_position(i, places[i])
-            simulator.set_agent_pref_velocity(i, wish)
+            simulator.set_agent_pref_velocity(i, velocity)
 
     def step(_: int) -> None:
         simulator.do_step()
@@ -184,9 +184,9 @@ def brute_force_error(position: Floats, nominal: Floats, *hazards: Any) -> float
     limit = hazards[-1].speed_limit
     worst = 0.0
     constraints = _all_constraints(survey(position, *hazards))
-    for own, wish in itertools.islice(zip(constraints, nominal, strict=True), _COMPARED):
-        ux, uy, feasible = project(wish[0], wish[1], own, len(own), limit, np.empty(len(own), np.int64))
-        expected = _searched(wish, own, limit)
+    for own, velocity in itertools.islice(zip(constraints, nominal, strict=True), _COMPARED):
+        ux, uy, feasible = project(velocity[0], velocity[1], own, len(own), limit, np.empty(len(own), np.int64))
+        expected = _searched(velocity, own, limit)
         if feasible != (expected is not None):
             return math.inf
         if expected is not None:
@@ -194,21 +194,21 @@ def brute_force_error(position: Floats, nominal: Floats, *hazards: Any) -> float
     return worst
 
 
-def _searched(wish: Floats, constraints: Floats, limit: float) -> Floats | None:
-    """The nearest feasible candidate to `wish` (2,) [m/s]; None if the constraints (n, 3) are infeasible.
+def _searched(velocity: Floats, constraints: Floats, limit: float) -> Floats | None:
+    """The nearest feasible candidate to `velocity` (2,) [m/s]; None if the constraints (n, 3) are infeasible.
 
-    Candidates are `wish`, its projections onto the lines a.v = b, their intersections with each other and with the disc
-    of radius `limit`.
+    Candidates are `velocity`, its projections onto the lines a.v = b, and the intersections of these lines with each
+    other and with the circle of radius `limit`.
     """
     normal, bound = constraints[:, :2], constraints[:, 2]
     along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-    feet = wish - (normal @ wish - bound)[:, None] * normal
+    feet = velocity - (normal @ velocity - bound)[:, None] * normal
     chord = np.sqrt(np.maximum(limit**2 - bound**2, 0.0))[:, None] * along
-    tried = [wish[None], feet, bound[:, None] * normal + chord, bound[:, None] * normal - chord]
+    tried = [velocity[None], feet, bound[:, None] * normal + chord, bound[:, None] * normal - chord]
     for i, j in itertools.combinations(range(len(constraints)), 2):
         if abs(normal[i] @ along[j]) > 1e-9:
             tried.append(floats(np.linalg.solve(normal[[i, j]], bound[[i, j]]), 1, 2))
     points = np.concatenate(tried)
     allowed = (points @ normal.T <= bound + 1e-9 * limit).all(axis=1) & (np.hypot(*points.T) <= limit * (1.0 + 1e-9))
     points = points[allowed]
-    return points[np.argmin(((points - wish) ** 2).sum(axis=1))] if len(points) else None
+    return points[np.argmin(((points - velocity) ** 2).sum(axis=1))] if len(points) else None
