@@ -46,7 +46,7 @@ class _Panels:
         side = ints([[-1]])
         self.outside = np.hypot(*away.T) > circle[2]
         self.sum = self.bump[:, None] * self.path + (1.0 - self.bump)[:, None] * self.around
-        agreed = state._replace(motion=state.motion._replace(side=side))
+        agreed = state._replace(motion=state.motion._replace(circulation=side))
         self.engine = field_at(FieldKind.COMPOSITE, self.points, agreed, world, params) / speed
 
 
