@@ -28,6 +28,18 @@ class FilterError(HigvfError):
     """A safety filter was set up with a problem that it cannot represent."""
 
 
+class MissingExtraError(HigvfError, ImportError):
+    """A package of an extra is not installed; the message names the extra."""
+
+
+class ArgumentError(HigvfError, ValueError):
+    """An argument of a public function has a wrong shape or value; the message names it, and what is expected."""
+
+
+class ArgumentTypeError(ArgumentError, TypeError):
+    """An argument of a public function is of a kind that cannot be converted."""
+
+
 class ConsoleError(HigvfError):
     """The console cannot be served: busy port, unassignable address, wrong viser."""
 
