@@ -89,7 +89,8 @@ def compute(motion: Motion, intent: Intent, world: World, params: Parameters) ->
     sight = perceive(motion, intent.priority, world, params)
     recovery_stage, flip = recover(motion, intent.influenced if following(motion, intent) else NOBODY, params)
     status = broken_away(motion, intent, sight.fire_value, sight.target, component, params)
-    w, status, idle, gap, left = progress(motion, intent, status, recovery_stage[intent.influenced], world, params)
+    stage = recovery_stage[intent.influenced] if recovery_stage.shape[0] > 0 else 0  # a team may have no robots
+    w, status, idle, gap, left = progress(motion, intent, status, stage, world, params)
     human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
     leader = intent.influenced if human else NOBODY
     steered = has_human(component, intent.influenced, human)

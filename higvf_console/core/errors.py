@@ -20,7 +20,7 @@ class InputError(HigvfError):
     """A recording or a device cannot be used as operator input."""
 
 
-class PathError(HigvfError):
+class PathError(HigvfError, ValueError):
     """A stroke does not make a path."""
 
 
