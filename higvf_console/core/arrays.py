@@ -7,7 +7,7 @@ engine makes its arrays by `floats`, `ints` and `bools`, and what a public funct
 """
 
 import math
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -59,17 +59,15 @@ def given_floats(
         ArgumentTypeError: not an array of numbers.
         ArgumentError: another shape, NaN, infinite, or larger than `most`.
     """
-    array = _shaped(name, value, shape, "fiu", why)
-    if array.dtype != np.float64 or not array.flags.carray:
-        array = np.array(array, np.float64, order="C")
-    if (finite and not np.isfinite(array).all()) or (
-        most < math.inf and array.size and not np.abs(array).max() <= most
-    ):
+    if _ready(value, shape, np.float64):
+        array = cast(Floats, value)
+    else:
+        array = np.array(_shaped(name, value, shape, "fiu", why), np.float64, order="C")
+    if array.size and not _within(array, most, finite):
         place = np.unravel_index(np.argmin(np.isfinite(array) & (np.abs(array) <= most)), array.shape)
         found = f"{name}[{', '.join(str(int(k)) for k in place)}] is {array[place]:g}"
-        raise ArgumentError(
-            f"{found}; expected {'finite numbers' if most == math.inf else f'numbers within +-{most:g}'}"
-        )
+        wanted = "finite numbers" if most == math.inf else f"numbers within +-{most:g}"
+        raise ArgumentError(f"{found}; expected {wanted}")
     return array
 
 
@@ -80,11 +78,12 @@ def given_ints(name: str, value: object, shape: Shape, low: int, high: int, *, w
         ArgumentTypeError: not an array of whole numbers.
         ArgumentError: another shape, or a number out of range.
     """
-    array = _shaped(name, value, shape, "iu", why)
+    ready = _ready(value, shape, np.int64)
+    array = cast(Ints, value) if ready else _shaped(name, value, shape, "iu", why)
     if array.size and not (low <= int(array.min()) and int(array.max()) <= high):
         wanted = f"whole numbers from {low} to {high}" if low <= high else "none"
         raise ArgumentError(f"{name} has numbers from {array.min()} to {array.max()}; expected {wanted}")
-    return array if array.dtype == np.int64 and array.flags.carray else np.array(array, np.int64, order="C")
+    return array if ready else np.array(array, np.int64, order="C")
 
 
 def given_bools(name: str, value: object, shape: Shape, *, why: str = "") -> Bools:
@@ -94,8 +93,30 @@ def given_bools(name: str, value: object, shape: Shape, *, why: str = "") -> Boo
         ArgumentTypeError: not an array of truth values.
         ArgumentError: another shape.
     """
-    array = _shaped(name, value, shape, "b", why)
-    return array if array.dtype == np.bool_ and array.flags.carray else np.array(array, np.bool_, order="C")
+    if _ready(value, shape, np.bool_):
+        return cast(Bools, value)
+    return np.array(_shaped(name, value, shape, "b", why), np.bool_, order="C")
+
+
+def _ready(value: object, shape: Shape, kind: type[np.generic]) -> bool:
+    """Whether `value` is such an array already."""
+    return (
+        type(value) is np.ndarray
+        and value.dtype == kind
+        and value.flags.carray
+        and (value.shape == shape or _fits(value.shape, shape))
+    )
+
+
+def _fits(found: tuple[int, ...], shape: Shape) -> bool:
+    return len(found) == len(shape) and all(size == k or isinstance(size, str) for size, k in zip(shape, found))  # noqa: B905
+
+
+def _within(array: Floats, most: float, finite: bool) -> bool:
+    """Whether all elements are; NaN is not within anything."""
+    if most < math.inf:
+        return bool(-most <= array.min() and array.max() <= most)
+    return not finite or bool(np.isfinite(array).all())
 
 
 _KINDS = {"fiu": "numbers", "iu": "whole numbers", "b": "truth values"}
@@ -118,10 +139,7 @@ def _shaped(name: str, value: object, shape: Shape, kinds: str, why: str) -> NDA
         return np.zeros([0 if isinstance(size, str) else size for size in shape], np.dtype(_EMPTY[kinds]))
     if array.dtype.kind not in kinds:
         raise ArgumentTypeError(f"{name} is {_found(value, array)}; expected {wanted}")
-    fits = array.ndim == len(shape) and all(
-        isinstance(size, str) or size == found for size, found in zip(shape, array.shape, strict=True)
-    )
-    if not fits:
+    if not _fits(array.shape, shape):
         raise ArgumentError(f"{name} has shape {array.shape}; expected {wanted}")
     return array
 

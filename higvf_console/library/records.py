@@ -20,6 +20,7 @@ from higvf_console.core.quantity import checked, quantities
 from higvf_console.core.state import NOBODY, Intent, Motion, Path, PathEnding, PathKind, PathStatus, SimState, World
 
 _Record = TypeVar("_Record", bound=tuple[Any, ...])
+_SPLINE = 4  # nodes along each side that a cubic B-spline takes
 _MOST = 2**53  # whole numbers that a float can tell apart
 
 
@@ -215,13 +216,12 @@ def _rises(name: str, start: Any, end: int) -> None:
 
 
 def _whole_grids(name: str, boundary: Any, start: Any) -> None:
-    """Refuses pockets whose nodes do not make whole rows of their columns."""
-    columns, nodes = boundary[:, 7], np.diff(start)
-    if (columns != np.floor(columns)).any() or (columns < 0).any():
-        raise ArgumentError(f"{name}.boundary has a pocket of {columns.min():g} columns; expected whole numbers from 0")
-    grids = columns > 0
-    if (nodes[grids] % columns[grids]).any() or nodes[~grids].any():
-        raise ArgumentError(f"{name}.pocket does not hold whole rows of the columns that boundary tells")
+    """Refuses pockets whose nodes do not make at least four whole rows of at least four columns."""
+    cell, columns, nodes = boundary[:, 7], boundary[:, 8], np.diff(start)
+    grid = columns != 0.0
+    whole_rows = (columns == np.floor(columns)) & (columns >= _SPLINE) & (nodes >= _SPLINE * columns) & (cell > 0.0)
+    if (nodes[~grid] != 0).any() or not (whole_rows[grid] & (nodes[grid] % columns[grid] == 0)).all():
+        raise ArgumentError(f"{name}.pocket does not hold the whole rows of nodes that {name}.boundary tells of")
 
 
 def _above(name: str, value: object) -> float:
