@@ -16,7 +16,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from threading import Event as Signal
 from threading import Thread
-from time import perf_counter, sleep
+from time import sleep
 from typing import TYPE_CHECKING, Any
 
 from higvf_console.cli.arguments import parser
@@ -153,13 +153,9 @@ def _check_interface(given: argparse.Namespace) -> int:
 
 def _warm_up(setup: "Setup") -> float:
     """Compiles the engine, or loads it; how long that took [s]."""
-    from higvf_console.sim.simulation import warm_up
+    from higvf_console.library.engine import compiled
 
-    started = perf_counter()
-    if not any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("simulation.tick-*.nbi")):
-        _log("Compiling the engine, once; this takes up to a minute ...")
-    warm_up(setup.start, setup.world, setup.params)
-    return perf_counter() - started
+    return compiled(setup)
 
 
 def _replay(given: argparse.Namespace) -> int:

@@ -34,11 +34,12 @@ def announce(name: str) -> None:
     folder = os.environ.get("NUMBA_CACHE_DIR")
     compiles = hasattr(simulation.tick, "signatures")  # not under NUMBA_DISABLE_JIT=1
     if compiles and (folder is None or not any(Path(folder).rglob(f"{name}-*.nbi"))):
-        _say_once()
+        say_once()
 
 
 @cache
-def _say_once() -> None:
+def say_once() -> None:
+    """Says that the engine is being compiled, once a process."""
     print(COMPILING, file=sys.stderr, flush=True)
 
 
