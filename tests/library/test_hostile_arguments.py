@@ -40,7 +40,7 @@ OF_A_TEAM: dict[str, Callable[[Any], object]] = {
     "roll": lambda x: hc.roll(_with_motion(position=x), WORLD, PARAMS, 2),
     "apply_command": lambda x: hc.apply_command(_with_motion(position=x), commands.Pause(), SETUP),
     "vector_field of a state": lambda x: hc.vector_field([[0.0, 0.0]], SETUP, _with_motion(position=x)),
-    "make_setup of a formation": lambda x: hc.make_setup(TEAM, formation=x),
+    "make_setup of a formation": lambda x: hc.make_setup(TEAM, formation="none" if x is None else x),
 }
 # A function of any number of points.
 OF_POINTS: dict[str, Callable[[Any], object]] = {
