@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from higvf_console.control.guidance.groups import group_obstacles
+from higvf_console.control.guidance.obstacles import capsule_table
 from higvf_console.core.arrays import Floats, Ints, floats, ints
 from higvf_console.core.state import World
 
@@ -29,12 +30,24 @@ def make_world(
         links: rows of neighbours, see `World`; none = the communication range decides.
         polygons: corners (n, 2) of irregular obstacles [m]; their edges follow the bars.
     """
-    bars = floats(np.concatenate([floats(bars, -1, 5), edge_bars(polygons)]))
-    circles = floats(circles, -1, 3)
+    capsules = capsule_table(circles, np.concatenate([floats(bars, -1, 5), edge_bars(polygons)]))
+    groups = group_obstacles(capsules, clearance)
     return World(
-        circles, bars, floats(walls, -1, 3), floats(fire_position, -1, 2), floats(fire_growth, -1),
-        ints(fire_needs, -1), floats(formation, -1, 2), *links, *group_obstacles(circles, bars, clearance),
-    )  # fmt: skip
+        capsules=capsules,
+        circle_count=len(floats(circles, -1, 3)),
+        walls=floats(walls, -1, 3),
+        fire_position=floats(fire_position, -1, 2),
+        fire_growth=floats(fire_growth, -1),
+        fire_needs=ints(fire_needs, -1),
+        formation=floats(formation, -1, 2),
+        link_start=links[0],
+        link_to=links[1],
+        boundary=groups.boundary,
+        boundary_start=groups.boundary_start,
+        hull=groups.hull,
+        part=groups.part,
+        pocket=groups.pocket,
+    )
 
 
 def edges(corners: Floats) -> Floats:
