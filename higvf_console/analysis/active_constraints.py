@@ -19,9 +19,9 @@ from higvf_console.core.arrays import Floats
 from higvf_console.core.state import Motion
 from higvf_console.sim.disturbances import measured
 from higvf_console.sim.fires import growth_rates
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import hazards_now
 from higvf_console.world.polygons import obstacles_of
+from higvf_console.world.setup import Setup
 
 
 class ActiveConstraint(NamedTuple):
@@ -87,12 +87,11 @@ def _named(robot: int, other: int, hazard: int, around: Surroundings, motion: Mo
 
 def part_name(part: int, setup: Setup) -> str:
     """What people call a part of the world: a circle, a bar, or a polygon of which it is an edge."""
-    circles = setup.world.circle_count
-    bars = len(setup.world.capsules) - circles
-    edges = sum(len(chain) for chain in setup.polygons)
+    obstacles = setup.layout.obstacles
+    circles, bars = len(obstacles.circles), len(obstacles.bars)
     if part < circles:
         return f"circle {part + 1}"
-    if part < circles + bars - edges:
+    if part < circles + bars:
         return f"bar {part - circles + 1}"
-    ends = np.cumsum([sum(len(chain) for chain in chains) for chains in obstacles_of(setup.polygons)])
-    return f"polygon {int(np.searchsorted(ends, part - circles - bars + edges, side='right')) + 1}"
+    ends = np.cumsum([sum(len(chain) for chain in chains) for chains in obstacles_of(obstacles.polygons)])
+    return f"polygon {int(np.searchsorted(ends, part - circles - bars, side='right')) + 1}"

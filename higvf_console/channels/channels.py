@@ -5,8 +5,8 @@ from importlib.metadata import EntryPoint, entry_points
 
 from higvf_console.core.commands import OperatorCommand
 from higvf_console.core.errors import HigvfError, InputError, closest
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
-from higvf_console.sim.setup import Event, Severity
 
 GROUP = "higvf_console.interfaces"
 
