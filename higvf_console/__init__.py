@@ -61,6 +61,7 @@ if TYPE_CHECKING:
         PathError,
         ScenarioError,
     )
+    from higvf_console.core.events import Event
     from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
     from higvf_console.core.state import Motion, Path, SimState, Trace, World
     from higvf_console.core.viewport import Arena
@@ -86,8 +87,8 @@ if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
     from higvf_console.scenario.scenario import Scenario, load_scenario, scenario_names
-    from higvf_console.sim.setup import Event, Setup
     from higvf_console.sim.simulation import Rollout
+    from higvf_console.world.setup import Setup
 
 _HOMES = {
     "channels.channels": ("open_interface",),
@@ -102,6 +103,7 @@ _HOMES = {
         "PathError",
         "ScenarioError",
     ),
+    "core.events": ("Event",),
     "core.interface": (
         "ChannelHealth",
         "ChannelState",
@@ -162,11 +164,8 @@ _HOMES = {
         "load_scenario",
         "scenario_names",
     ),
-    "sim.setup": (
-        "Event",
-        "Setup",
-    ),
     "sim.simulation": ("Rollout",),
+    "world.setup": ("Setup",),
 }
 
 __all__ = [

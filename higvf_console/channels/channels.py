@@ -7,8 +7,8 @@ from typing import Any
 from higvf_console.core.arguments import brief, instance, sequence
 from higvf_console.core.commands import OperatorCommand
 from higvf_console.core.errors import ArgumentTypeError, HigvfError, InputError, closest
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
-from higvf_console.sim.setup import Event, Severity
 
 GROUP = "higvf_console.interfaces"
 

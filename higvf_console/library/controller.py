@@ -13,7 +13,7 @@ from higvf_console.library.records import given_path, given_state
 from higvf_console.library.stepping import given_setup
 from higvf_console.operator.path_commands import follow
 from higvf_console.sim import simulation
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 
 class Controller:

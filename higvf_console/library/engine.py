@@ -6,18 +6,16 @@ from functools import cache, lru_cache
 from pathlib import Path
 from time import perf_counter
 
-import numpy as np
-
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.parameters import Parameters, SafetyParameters, controlled
 from higvf_console.control.safety import safety_filter
 from higvf_console.control.safety.barriers.certificate import check_sampling
-from higvf_console.core.arrays import Bools, Floats, Ints, bools, floats, ints
+from higvf_console.control.safety.hazards import GROWTH
+from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.errors import ArgumentError
-from higvf_console.core.state import World
-from higvf_console.library.hazards import Hazards
+from higvf_console.library.hazards import FIRE, Hazards
 from higvf_console.sim import simulation
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 COMPILING = "Compiling the engine, once; this takes up to a minute ..."
 TICK, ROLL, FILTER = "simulation.tick", "simulation._roll", "safety_filter.filter_velocities"
@@ -64,41 +62,26 @@ def filtered(positions: Floats, nominal: Floats, hazards: Hazards, params: Param
         Velocities (N, 2) [m/s], active constraints (N,) and infeasible (N,).
 
     Raises:
-        ArgumentError: a hazard that the engine cannot represent.
+        FilterError: with these parameters the barriers do not hold between two control steps.
     """
     safety = controlled(params).safety._replace(h_index=params.forms.h_index)
-    growing = hazards.growing
-    rate = np.zeros(len(growing)) if params.forms.fire_constraint == PRINTED else growing[:, 3].copy()
+    table = _checked_table(hazards, safety, params.forms.fire_constraint)
     announce(FILTER)
-    return safety_filter.filter_velocities(
-        positions, nominal, hazards.circles, hazards.capsules, hazards.half_planes, floats(growing[:, :2]),
-        floats(growing[:, 2]), rate, bools([True] * len(growing)), safety,
-    )  # fmt: skip
-
-
-def check_filter(hazards: Hazards, params: Parameters) -> None:
-    """Refuses parameters with which the barriers do not hold between two control steps.
-
-    Raises:
-        FilterError: with the numbers and what to change.
-    """
-    _check_filter(hazards, controlled(params).safety)
+    return safety_filter.filter_velocities(positions, nominal, table, safety)
 
 
 @lru_cache(maxsize=16)
-def _check_filter(hazards: Hazards, safety: SafetyParameters) -> None:
-    growing, none = hazards.growing, floats([], 0, 2)
-    world = World(
-        circles=hazards.circles, bars=hazards.capsules, walls=hazards.half_planes, fire_position=floats(growing[:, :2]),
-        fire_growth=floats(growing[:, 3]), fire_needs=ints([1] * len(growing)), formation=none, link_start=ints([]),
-        link_to=ints([]), boundary=floats([], 0, 9), boundary_start=ints([0, 0, 0], 3, 1), hull=none, part=ints([]),
-        pocket=floats([], 0, 3),
-    )  # fmt: skip
-    check_sampling(world, floats(growing[:, 2]), safety)
+def _checked_table(hazards: Hazards, safety: SafetyParameters, fire_constraint: float) -> Floats:
+    """The table of hazards that the filter takes; without growth in [27] as printed."""
+    table = hazards.table.copy()
+    if fire_constraint == PRINTED:
+        table[:, GROWTH] = 0.0
+    check_sampling(table, safety)
+    return table
 
 
-def refuse_motion(hazards: Hazards, where: str) -> None:
-    """Refuses hazards that move, and growing ones that are not round, where the engine has no barrier for them.
+def refuse_motion(hazards: Hazards) -> None:
+    """Refuses hazards that a run cannot hold: those that move, and those that grow and are no fires.
 
     Raises:
         ArgumentError: with the number and kind of the hazard.
@@ -106,7 +89,7 @@ def refuse_motion(hazards: Hazards, where: str) -> None:
     for number, item in enumerate(hazards.items, 1):
         if item.velocity != (0.0, 0.0):
             raise ArgumentError(
-                f"hazard {number}, a {item.kind}, moves at {item.velocity} m/s; {where} takes still ones"
+                f"hazard {number}, a {item.kind}, moves; expected, in a run, that obstacles stand still"
             )
-        if item.growth != 0.0 and item.start != item.end:
-            raise ArgumentError(f"hazard {number}, a {item.kind}, grows; only circles and fires may grow in {where}")
+        if item.growth != 0.0 and item.kind != FIRE:
+            raise ArgumentError(f"hazard {number}, a {item.kind}, grows; expected, in a run, that fires alone grow")

@@ -11,7 +11,7 @@ from higvf_console.core.state import SimState
 from higvf_console.library import engine
 from higvf_console.library.records import given_state
 from higvf_console.library.stepping import given_setup
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 _KINDS = {kind.name.lower(): kind for kind in FieldKind}
 

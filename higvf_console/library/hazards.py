@@ -12,6 +12,8 @@ from typing import NamedTuple, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from higvf_console.control.safety.hazards import COLUMNS, OBSTACLE, WALL
+from higvf_console.control.safety.hazards import FIRE as BURNING
 from higvf_console.core.arguments import instance, number, positive, whole
 from higvf_console.core.arrays import FARTHEST, Floats, floats, given_floats
 from higvf_console.core.errors import ArgumentError, ScenarioError
@@ -164,8 +166,8 @@ class Hazards:
 
     @cached_property
     def circles(self) -> Floats:
-        """(P, 3) x, y, radius [m] of the circles that do not grow."""
-        return floats([(*i.start, i.radius) for i in self.items if i.kind == CIRCLE and i.growth == 0.0], -1, 3)
+        """(P, 3) x, y, radius [m] of the circles."""
+        return floats([(*i.start, i.radius) for i in self.items if i.kind == CIRCLE], -1, 3)
 
     @cached_property
     def bars(self) -> Floats:
@@ -173,20 +175,17 @@ class Hazards:
         return floats([(*i.start, *i.end, i.radius) for i in self.items if i.kind == CAPSULE], -1, 5)
 
     @cached_property
-    def capsules(self) -> Floats:
-        """(Q, 5) those of `bars`, then the edges of the polygons, without width."""
-        return floats(np.concatenate([self.bars, edge_bars(self.polygons)]))
+    def table(self) -> Floats:
+        """(H, 9) all of them as `control.safety.hazards` tells: obstacles, edges of polygons, walls, fires."""
+        obstacles = [_row(OBSTACLE, item) for item in self.items if item.kind != FIRE]
+        edges = [(OBSTACLE, *edge, 0.0, 0.0, 0.0) for edge in edge_bars(self.polygons).tolist()]
+        walls = [(WALL, nx, ny, 0.0, 0.0, offset, 0.0, 0.0, 0.0) for nx, ny, offset in self.walls]
+        fires = [_row(BURNING, item) for item in self.items if item.kind == FIRE]
+        return floats([*obstacles, *edges, *walls, *fires], -1, COLUMNS)
 
-    @cached_property
-    def growing(self) -> Floats:
-        """(M, 4) x, y, radius [m] and growth [m/s] of fires and of circles that grow."""
-        grow = [i for i in self.items if i.kind == FIRE or (i.kind == CIRCLE and i.growth != 0.0)]
-        return floats([(*i.start, i.radius, i.growth) for i in grow], -1, 4)
 
-    @cached_property
-    def half_planes(self) -> Floats:
-        """(W, 3) the walls."""
-        return floats(self.walls, -1, 3)
+def _row(kind: int, item: Hazard) -> tuple[float, ...]:
+    return (kind, *item.start, *item.end, item.radius, *item.velocity, item.growth)
 
 
 def given_hazards(hazards: object) -> Hazards:

@@ -104,10 +104,10 @@ def given_world(world: object, name: str = "world") -> World:
     w = instance(name, world, World)
     fires, robots = _length(w.fire_position), _length(w.formation)
     floats = _floats(name, w, {
-        "circles": ("P", 3), "bars": ("Q", 5), "walls": ("W", 3), "fire_position": ("M", 2), "fire_growth": (fires,),
+        "capsules": ("K", 5), "walls": ("W", 3), "fire_position": ("M", 2), "fire_growth": (fires,),
         "formation": ("N", 2), "boundary": ("G", 9), "hull": ("H", 2), "pocket": ("C", 3),
     })  # fmt: skip
-    groups, parts = _length(w.boundary), _length(w.circles) + _length(w.bars)
+    groups, parts = _length(w.boundary), _length(w.capsules)
     links = given_ints(f"{name}.link_to", w.link_to, ("E",), 0, robots - 1)
     start = given_ints(f"{name}.link_start", w.link_start, ("N",), 0, len(links))
     if len(start):
@@ -123,6 +123,7 @@ def given_world(world: object, name: str = "world") -> World:
     return _like(
         w, **floats, link_start=start, link_to=links, boundary_start=table,
         fire_needs=given_ints(f"{name}.fire_needs", w.fire_needs, (fires,), 1, _MOST),
+        circle_count=whole(f"{name}.circle_count", w.circle_count, 0, parts),
         part=given_ints(f"{name}.part", w.part, (parts,), 0, parts - 1),
     )  # fmt: skip
 

@@ -19,7 +19,7 @@ from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.run import Tick
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario, load_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 
 def run(

@@ -8,7 +8,7 @@ from higvf_console.core.errors import ArgumentTypeError
 from higvf_console.library.stepping import given_setup
 from higvf_console.scenario.scenario import Scenario, parse_scenario
 from higvf_console.scenario.writer import scenario_yaml
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 _NO_INPUTS: Mapping[str, Mapping[str, object]] = {}
 

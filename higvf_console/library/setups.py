@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from higvf_console.control.forms import Forms, forms_named
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.arguments import brief, sequence, whole
-from higvf_console.core.arrays import FARTHEST, Floats, floats, given_floats, given_ints, ints
+from higvf_console.core.arrays import FARTHEST, Floats, floats, given_floats, given_ints
 from higvf_console.core.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from higvf_console.core.quantity import with_values
 from higvf_console.core.state import Path, PathKind
@@ -20,9 +20,8 @@ from higvf_console.library.filtering import controlled_points, given_headings
 from higvf_console.library.hazards import FIRE, Hazard, Hazards, given_arena, given_hazards
 from higvf_console.library.records import given_parameters, given_path
 from higvf_console.operator.path_commands import follow
-from higvf_console.sim.setup import Setup
-from higvf_console.sim.simulation import initial_state
-from higvf_console.world.editing.layout import Layout, world_of
+from higvf_console.world import setup as world_setup
+from higvf_console.world.layout import Fire, Layout
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.placement import (
     check_barriers,
@@ -31,6 +30,7 @@ from higvf_console.world.placement import (
     check_start,
     start_network,
 )
+from higvf_console.world.setup import Setup
 
 _MARGIN = 100.0  # [m] of an arena round what is in it
 _NAME = "setup"  # in errors
@@ -99,7 +99,7 @@ def make_setup(
     params = Parameters() if parameters is None else given_parameters(parameters)
     centres = given_floats("positions", positions, ("N", 2), most=FARTHEST)
     robots, dangers = len(centres), given_hazards(hazards)
-    engine.refuse_motion(dangers, "a run")
+    engine.refuse_motion(dangers)
     angles = given_headings(headings, robots)
     points = floats(controlled_points(centres, angles, params))
     shape = points if formation is None else given_floats("formation", formation, (robots, 2), most=FARTHEST)
@@ -109,19 +109,19 @@ def make_setup(
         raise ArgumentError("path is given to a team without robots; expected None")
     fires = [item for item in dangers.items if item.kind == FIRE]
     layout = _layout(dangers, fires, _arena(arena, dangers, centres), shape, _links(links, robots), params)
-    world, radius = world_of(layout), floats([fire.radius for fire in fires], -1)
+    setup = world_setup.make_setup(layout, points)
     if robots:
         _check(points, layout)
-        check_start(points, radius, world, layout.obstacles, params, f"{_NAME}: positions")
-    check_barriers(world, radius, params, _NAME)
-    start = initial_state(points, radius, world)
+        check_start(points, layout.fire_radius, setup.world, layout.obstacles, params, f"{_NAME}: positions")
+    check_barriers(setup.world, layout.fire_radius, params, _NAME)
+    start = setup.start
     start = start._replace(
         motion=start.motion._replace(heading=angles), intent=start.intent._replace(influenced=leader)
     )
     if chosen is not None:
         engine.announce(engine.PATH)
         start = follow(start, chosen)
-    return Setup(layout.arena, world, params, start, dangers.polygons)
+    return setup._replace(start=start)
 
 
 def _layout(
@@ -132,8 +132,6 @@ def _layout(
         raise ArgumentError(
             f"hazards has {len(dangers.walls) - own_walls} walls besides those of an arena; expected none in a run"
         )
-    if any(item.growth != 0.0 and item.kind != FIRE for item in dangers.items):
-        raise ArgumentError("hazards has a circle that grows; expected, in a run, that fires alone grow")
     robots = len(shape)
     needs = [fire.robots_needed or max(1, min(2, robots)) for fire in fires]
     for number, need in enumerate(needs, 1):
@@ -143,9 +141,7 @@ def _layout(
         arena=arena,
         walls=dangers.arena is not None,
         obstacles=Obstacles(dangers.circles, dangers.bars, dangers.polygons),
-        fire_position=floats([fire.start for fire in fires], -1, 2),
-        fire_growth=floats([fire.growth for fire in fires], -1),
-        fire_needs=ints(needs, -1),
+        fires=tuple(Fire(f.start, f.radius, f.growth, need) for f, need in zip(fires, needs, strict=True)),
         formation=shape,
         links=links,
         params=params,
@@ -156,7 +152,7 @@ def _check(points: Floats, layout: Layout) -> None:
     """Refuses parameters that do not fit the team, as `scenario.parse_scenario` does."""
     network = start_network(points, layout.links, layout.params.formation.communication_range)
     check_formation(network.degree, layout.params, _NAME)
-    check_robots(layout.params, max(layout.fire_growth.tolist(), default=0.0), _NAME)
+    check_robots(layout.params, max((fire.growth for fire in layout.fires), default=0.0), _NAME)
 
 
 def _links(links: object, robots: int) -> tuple[tuple[int, int], ...] | None:

@@ -22,8 +22,9 @@ from higvf_console.library.records import given_parameters, given_state, given_w
 from higvf_console.operator import reducer
 from higvf_console.operator.outcome import Outcome
 from higvf_console.sim import simulation
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import Rollout
+from higvf_console.world.layout import Layout
+from higvf_console.world.setup import Setup
 
 _MOST_TICKS = 10_000_000
 _COMMANDS: tuple[type[Command], ...] = get_args(OperatorCommand)
@@ -100,10 +101,12 @@ def given_setup(setup: object, name: str = "setup") -> Setup:
         ArgumentError: they do not; the message names the field.
     """
     given = instance(name, setup, Setup)
+    instance(f"{name}.layout", given.layout, Layout)
     world, arena = given_world(given.world, f"{name}.world"), instance(f"{name}.arena", given.arena, Arena)
     given_floats(f"{name}.arena", list(arena), (4,), most=FARTHEST)
     params = given_parameters(given.params, f"{name}.params")
-    return given._replace(world=world, params=params, start=given_state(given.start, world, f"{name}.start"))
+    layout = given.layout if params is given.params else given.layout._replace(params=params)
+    return given._replace(layout=layout, world=world, start=given_state(given.start, world, f"{name}.start"))
 
 
 def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Outcome:

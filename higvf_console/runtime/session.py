@@ -33,6 +33,7 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.edits import Edit
 from higvf_console.core.errors import InputError
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
 from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
@@ -45,7 +46,7 @@ from higvf_console.runtime.snapshot import Snapshot
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.metrics import loss_area
-from higvf_console.sim.setup import Event, Setup, Severity
+from higvf_console.world.setup import Setup
 
 SLOWEST, FASTEST = 0.25, 8.0  # speed factors
 CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time

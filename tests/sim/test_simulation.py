@@ -14,8 +14,8 @@ from higvf_console.core.state import NOBODY, PathStatus, SimState
 from higvf_console.operator.path_commands import follow
 from higvf_console.operator.reducer import apply_command
 from higvf_console.scenario.scenario import load_scenario
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance, advance_coupled, roll
+from higvf_console.world.setup import Setup, with_params
 from tests.teams import stroke, team
 
 FIRES = ((600.0, 350.0, 30.0), (900.0, 500.0, 20.0))
@@ -111,7 +111,7 @@ def test_an_idle_team_has_no_intention() -> None:
 
 def test_robots_set_out_after_the_start_delay() -> None:
     base = team(fires=FIRES)
-    setup = base._replace(params=base.params._replace(fires=base.params.fires._replace(start_delay=1.0)))
+    setup = with_params(base, base.params._replace(fires=base.params.fires._replace(start_delay=1.0)))
     waiting = ran(setup, 50)
     assert (waiting.motion.position == setup.start.motion.position).all()
     assert ran(setup, 60, waiting).motion.position[0, 0] > setup.start.motion.position[0, 0]

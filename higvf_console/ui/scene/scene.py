@@ -14,8 +14,8 @@ import viser
 
 from higvf_console.analysis.preview import USUAL
 from higvf_console.control.guidance.field import FieldKind
+from higvf_console.core.events import Event
 from higvf_console.core.viewport import Arena
-from higvf_console.sim.setup import Event, Setup
 from higvf_console.ui.interaction.grips import Drag
 from higvf_console.ui.scene.background import Background, BackgroundLayer
 from higvf_console.ui.scene.edit import EditLayer
@@ -30,7 +30,8 @@ from higvf_console.ui.scene.reasons import ReasonLayer, SightLayer
 from higvf_console.ui.scene.team import Team
 from higvf_console.ui.theme import USUAL_LOOK, Look
 from higvf_console.world.editing.entities import Place, exists, how_many
-from higvf_console.world.editing.layout import Layout
+from higvf_console.world.layout import Layout
+from higvf_console.world.setup import Setup
 
 if TYPE_CHECKING:
     from higvf_console.analysis.preview import Preview
