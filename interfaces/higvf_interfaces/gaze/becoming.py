@@ -4,18 +4,23 @@ A stroke here is what lies between gaps in which the pen would lift itself: what
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.optional import optional
 from higvf_console.core.viewport import Arena
 from higvf_interfaces.gaze.fixations import THRESHOLDS, Classified, fixations_of
 from higvf_interfaces.gaze.heat_map import counts, paint
 from higvf_interfaces.gaze.path import gaze_path
 from higvf_interfaces.gaze.screens import Screen, ground_length, to_ground
+
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "devices")
 
 PEN_UP = 1.5  # without gaze for so long, a stroke ends [s]
 _FEWEST = 3  # fixations that make one

@@ -13,18 +13,23 @@ tells how well a plane explains them. Stored as YAML (or JSON, which YAML reads)
 
 from datetime import date, datetime
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
-import cv2
 import numpy as np
 import yaml
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
+from higvf_console.core.optional import optional
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.viewport import Arena
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.yaml_files import read_yaml
+
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "devices")
 
 MARGIN = 0.1  # of the arena's sides, between its border and the points to look at
 KEYS = ("screen_px", "points_px", "points_m", "residual_m", "made")

@@ -1,11 +1,18 @@
 """Where gaze has been, as a picture over the arena: counts on a coarse grid, blurred, in the turbo colours."""
 
-import cv2
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.optional import optional
 from higvf_console.core.viewport import Arena
+
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "devices")
 
 _COARSE = 4  # pixels of the picture in one cell of the grid
 _FAINT = 0.02  # share of the peak below which the picture is clear

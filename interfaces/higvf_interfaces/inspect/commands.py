@@ -2,11 +2,12 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from higvf_console.core.optional import optional
 from higvf_interfaces.decisions.actions import ACTIONS
 from higvf_interfaces.decisions.bci import CLASSES
 from higvf_interfaces.decisions.emg import GESTURES
@@ -14,6 +15,11 @@ from higvf_interfaces.decisions.options import signal_request
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, read_decisions
 from higvf_interfaces.inspect.describing import Request, description, write_picture
+
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "devices")
 
 _CHANNELS: tuple[tuple[str, Mapping[str, str]], ...] = (("emg", GESTURES), ("bci", CLASSES))
 _SHOWN = 30  # labels

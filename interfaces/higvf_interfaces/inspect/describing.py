@@ -2,17 +2,22 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
+from higvf_console.core.optional import optional
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.records import StreamInfo
 from higvf_interfaces.formats.text import TextFile
+
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "devices")
 
 
 class Request(NamedTuple):

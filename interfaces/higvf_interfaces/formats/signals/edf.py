@@ -9,13 +9,13 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import edfio
 import numpy as np
 
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
+from higvf_console.core.optional import optional
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals import bids_channels
 from higvf_interfaces.formats.signals.records import (
@@ -27,6 +27,11 @@ from higvf_interfaces.formats.signals.records import (
     unused_rate,
 )
 from higvf_interfaces.formats.text import TextFile
+
+if TYPE_CHECKING:
+    import edfio
+else:
+    edfio = optional("edfio", "devices")
 
 NAME = "edf"
 TITLE = "EDF or BDF"

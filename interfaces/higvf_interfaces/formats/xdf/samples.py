@@ -4,14 +4,19 @@ import logging
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
-import pyxdf
 
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.core.errors import InputError
+from higvf_console.core.errors import InputError, MissingExtraError
+from higvf_console.core.optional import optional
 from higvf_interfaces.formats.xdf.file import XdfStream
+
+if TYPE_CHECKING:
+    import pyxdf
+else:
+    pyxdf = optional("pyxdf", "devices")
 
 
 class XdfSamples(NamedTuple):
@@ -46,6 +51,8 @@ def load(path: Path, chosen: XdfStream, beside: Sequence[XdfStream] = ()) -> Xdf
             times = {int(entry["info"]["stream_id"]): floats(entry["time_stamps"], -1) for entry in loaded}
             (series,) = (e["time_series"] for e in loaded if int(e["info"]["stream_id"]) == chosen.number)
             values = series if chosen.texts else floats(series, -1, chosen.info.channels)
+    except MissingExtraError:
+        raise
     except Exception as problem:  # a damaged file makes pyxdf raise whatever there is
         reason = f"{type(problem).__name__}: {str(problem)[:200]}"
         raise InputError(f"{path}: the XDF file cannot be read: {reason}") from problem
