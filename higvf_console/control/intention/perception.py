@@ -18,7 +18,7 @@ from higvf_console.core.state import NOBODY
 
 @kernel
 def half_angle(radius: float, distance: float) -> float:
-    """Half the angle under which a disc is seen [rad]; a right angle from inside it."""
+    """Half the visual angle of a disc [rad]; pi/2 from inside it."""
     return math.asin(min(1.0, radius / distance)) if distance > 0.0 else math.pi / 2.0
 
 
@@ -26,7 +26,7 @@ def half_angle(radius: float, distance: float) -> float:
 def fire_value(
     x: float, y: float, fx: float, fy: float, radius: float, reach: float, capsules: Floats, hidden: Floats
 ) -> float:
-    """Observed fire value theta [rad], [10]: the visible angle of a burning fire; 0 beyond `reach`.
+    """Observed fire value theta [rad], [10]: the visible angle of a burning fire, 0 beyond `reach`.
 
     Args:
         x: robot position [m].
@@ -36,7 +36,7 @@ def fire_value(
         radius: fire radius [m].
         reach: perception range, to the fire's edge [m].
         capsules: (K, 5) occluders.
-        hidden: working room for the hidden intervals, from `interval_room`.
+        hidden: work space for the hidden intervals, from `interval_room`.
     """
     count = 0
     dx, dy = fx - x, fy - y
@@ -86,7 +86,7 @@ def interval_room(capsules: Floats) -> Floats:
 
 @kernel
 def _hide(hidden: Floats, count: int, start: float, stop: float, beta: float) -> int:
-    """Adds the part of [start, stop] inside the fire's interval [-beta, beta], sorted by start; the new count."""
+    """Inserts [start, stop], clipped to the fire's interval [-beta, beta], sorted by start; returns the new count."""
     start, stop = max(start, -beta), min(stop, beta)
     if start >= stop:
         return count
@@ -112,16 +112,16 @@ def union_length(intervals: Floats, count: int) -> float:
 
 @kernel
 def choose_target(value: Floats, target: int, memory: float, margin: float) -> tuple[int, float]:
-    """The fire that a robot wants, [10], and the largest value seen of it since it was chosen.
+    """Target fire of a robot, [10], and the largest value observed of it since it was chosen [rad].
 
-    Another fire wins when it looks larger by `margin`. A target that goes out of sight is kept until another fire is
-    visible; one that has no value and no memory is dropped.
+    Another fire becomes the target if its value is larger by the factor `margin`. A target that is out of sight is kept
+    until another fire is visible; a target without value and memory is dropped.
 
     Args:
         value: (M,) observed fire values of this robot [rad].
         target: its present target if that burns, else NOBODY.
-        memory: largest value seen of that target [rad].
-        margin: factor by which another fire must look larger.
+        memory: largest value observed of that target [rad].
+        margin: factor by which the value of another fire must be larger.
     """
     best, most = NOBODY, 0.0
     for j in range(value.shape[0]):
@@ -139,11 +139,23 @@ def robot_intention(
     x: float, y: float, value: float, fx: float, fy: float, radius: float,
     perception: PerceptionParameters, safety: SafetyParameters, fires: FireParameters, forms: Forms,
 ) -> tuple[float, float]:  # fmt: skip
-    """Robot intention v_t, [11] corrected: theta * sat(distance to the hold ring / band) * unit vector to the fire.
+    """Robot intention v_t, [11] corrected: theta * sat(distance to the hold circle / band) * unit vector to the fire.
 
-    The hold ring lies midway between the clearance and the stand-off, so that a robot that holds there is in reach of
-    its fire and clear of it while the fire grows. As printed, -theta phi grad(phi) with phi = distance^2 - radius^2, it
-    is 1e6 to 1e8 where a human intention is at most 1.
+    The hold circle lies midway between the clearance and the stand-off: a robot on it reaches its fire, and keeps clear
+    of it while the fire grows. As printed, -theta phi grad(phi) with phi = distance^2 - radius^2, v_t is 1e6 to 1e8
+    where a human intention is at most 1.
+
+    Args:
+        x: robot position [m].
+        y: robot position [m].
+        value: observed value theta of the fire [rad].
+        fx: fire position [m].
+        fy: fire position [m].
+        radius: fire radius [m].
+        perception: holds the band [m].
+        safety: holds the obstacle clearance [m].
+        fires: holds the stand-off [m].
+        forms: corrected or printed form.
     """
     dx, dy = fx - x, fy - y
     distance = math.sqrt(dx * dx + dy * dy)

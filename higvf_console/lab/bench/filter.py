@@ -1,11 +1,11 @@
-"""The safety filter against other ways to the same end.
+"""Compares the safety filter with other solvers.
 
-    distributed   the compiled filter
-    coupled       the centralised filter: list, OSQP, polish
-    daqp          a general active-set solver, one call a robot, on given constraints (their making is free)
-    orca          ORCA in C++: it solves another problem, and is here as a yardstick of speed
+    distributed   the compiled filter of each robot
+    coupled       the centralised filter: constraints, OSQP, polish
+    daqp          a general active-set solver, one call per robot; the time to build its constraints is not counted
+    orca          ORCA in C++, as a reference for speed; it solves a different problem
 
-Robots stand on a grid and want to go at random; circles and growing fires stand in gaps of the grid.
+Robots stand on a grid with random nominal velocities; circles and growing fires stand in gaps of the grid.
 """
 
 import itertools
@@ -26,7 +26,7 @@ from higvf_console.lab.bench.timing import Case, Suite, take_turns
 
 try:
     import daqp
-except ImportError:  # it comes with the extra `bench`
+except ImportError:  # part of the extra `bench`
     daqp = None
 try:
     from pyrvo.pyrvo import RVOSimulator
@@ -35,9 +35,9 @@ except ImportError:
 
 TEAMS = (3, 30, 100, 1000)
 SPACING = {"medium": 60.0, "dense": 30.0}  # [m]
-_WISHES = 8  # different nominal velocities that are filtered in turn
+_WISHES = 8  # sets of nominal velocities, filtered in turn
 _Turn: TypeAlias = Callable[[int], object]
-_COMPARED = 60  # robots of each scene whose velocity is compared with brute force
+_COMPARED = 60  # robots of each scene that are compared with brute force
 
 
 class _Scene(NamedTuple):
@@ -49,7 +49,7 @@ class _Scene(NamedTuple):
 
 
 def run() -> Suite:
-    """Medium and dense scenes of 3 to 1000 robots."""
+    """Measures medium and dense scenes of 3 to 1000 robots."""
     cases = [_case(density, robots) for density in SPACING for robots in TEAMS]
     return Suite("Safety filter, one tick of the whole team", "distributed", tuple(cases))
 
@@ -96,7 +96,7 @@ def _scene(spacing: float, robots: int) -> _Scene:
 
 
 def _contenders(scene: _Scene) -> tuple[dict[str, _Turn], dict[str, _Turn]]:
-    """What is timed, by name, and what comes before it."""
+    """The timed functions by name, and the untimed preparations of some of them."""
     coupled = CoupledFilter()
     position, wishes, _, hazards, safety = scene
     found: dict[str, _Turn] = {
@@ -114,8 +114,8 @@ def _contenders(scene: _Scene) -> tuple[dict[str, _Turn], dict[str, _Turn]]:
 def _by_daqp(scene: _Scene) -> _Turn:
     assert daqp is not None
     hessian, solve_one = np.eye(2), daqp.solve
-    rows = _all_constraints(survey(scene.position, scene.hazards, scene.safety))
-    parts = [(np.ascontiguousarray(row[:, :2]), row[:, 2].copy()) for row in rows]
+    constraints = _all_constraints(survey(scene.position, scene.hazards, scene.safety))
+    parts = [(np.ascontiguousarray(own[:, :2]), own[:, 2].copy()) for own in constraints]
 
     def solve(turn: int) -> list[Any]:
         wish = -scene.wishes[turn % _WISHES]
@@ -128,7 +128,7 @@ def _by_daqp(scene: _Scene) -> _Turn:
 
 
 def _by_orca(scene: _Scene) -> tuple[_Turn, _Turn]:
-    """One step of the simulator, and the restoring of positions and wishes before it."""
+    """One step of the simulator, and the preparation that restores positions and nominal velocities."""
     assert RVOSimulator is not None
     safety = scene.safety
     period, clearance, limit = safety.control_period, safety.robot_clearance, safety.speed_limit
@@ -162,7 +162,7 @@ def _all_constraints(around: Surroundings) -> list[Floats]:
 
 
 def brute_force_error(position: Floats, nominal: Floats, hazards: Floats, safety: SafetyParameters) -> float:
-    """Largest difference [share of v_max] between the exact projection and a search of all points where it can be.
+    """Largest difference between the exact projection and a brute-force search, as a share of v_max.
 
     Args:
         position: (N, 2) [m].
@@ -172,10 +172,10 @@ def brute_force_error(position: Floats, nominal: Floats, hazards: Floats, safety
     """
     limit = safety.speed_limit
     worst = 0.0
-    found = _all_constraints(survey(position, hazards, safety))
-    for rows, wish in itertools.islice(zip(found, nominal, strict=True), _COMPARED):
-        ux, uy, feasible = project(wish[0], wish[1], rows, len(rows), limit, np.empty(len(rows), np.int64))
-        expected = _searched(wish, rows, limit)
+    constraints = _all_constraints(survey(position, hazards, safety))
+    for own, wish in itertools.islice(zip(constraints, nominal, strict=True), _COMPARED):
+        ux, uy, feasible = project(wish[0], wish[1], own, len(own), limit, np.empty(len(own), np.int64))
+        expected = _searched(wish, own, limit)
         if feasible != (expected is not None):
             return math.inf
         if expected is not None:
@@ -183,14 +183,18 @@ def brute_force_error(position: Floats, nominal: Floats, hazards: Floats, safety
     return worst
 
 
-def _searched(wish: Floats, rows: Floats, limit: float) -> Floats | None:
-    """The nearest of: the wish, its feet on the lines, their crossings, their ends on the disc."""
-    normal, bound = rows[:, :2], rows[:, 2]
+def _searched(wish: Floats, constraints: Floats, limit: float) -> Floats | None:
+    """The nearest feasible candidate to `wish` (2,) [m/s]; None if the constraints (n, 3) are infeasible.
+
+    Candidates are `wish`, its projections onto the lines a.v = b, their intersections with each other and with the disc
+    of radius `limit`.
+    """
+    normal, bound = constraints[:, :2], constraints[:, 2]
     along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
     feet = wish - (normal @ wish - bound)[:, None] * normal
     chord = np.sqrt(np.maximum(limit**2 - bound**2, 0.0))[:, None] * along
     tried = [wish[None], feet, bound[:, None] * normal + chord, bound[:, None] * normal - chord]
-    for i, j in itertools.combinations(range(len(rows)), 2):
+    for i, j in itertools.combinations(range(len(constraints)), 2):
         if abs(normal[i] @ along[j]) > 1e-9:
             tried.append(floats(np.linalg.solve(normal[[i, j]], bound[[i, j]]), 1, 2))
     points = np.concatenate(tried)

@@ -1,4 +1,4 @@
-"""`higvf reproduce`: runs the chosen cases and writes the report."""
+"""The command `higvf reproduce`: runs cases and writes the report."""
 
 import sys
 from collections.abc import Callable, Sequence
@@ -16,10 +16,10 @@ def reproduce(
     """Runs cases, with a progress bar on standard error, and writes report.html, report.md and report.json.
 
     Args:
-        names: cases; none means all.
-        out: the report's folder; None = `reproduction`, or no report where the JSON goes to standard output.
-        json_file: where the JSON goes besides; "-" = standard output.
-        prepare: called once the cases are known, before the first one; e.g. compiles the engine.
+        names: names of the cases; empty = all.
+        out: folder of the report; None = `reproduction`, or no report if the JSON goes to standard output.
+        json_file: additional file for the JSON; "-" = standard output.
+        prepare: called after the names are checked and before the first case, e.g. to compile the engine.
 
     Raises:
         HigvfError: an unknown case, a package of the extra `report` is missing, or a file cannot be written.

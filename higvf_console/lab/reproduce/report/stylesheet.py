@@ -1,4 +1,4 @@
-"""The style sheet of the page: one column of text, contents beside it, light and dark, fit for print."""
+"""The style sheet of the page: one text column with contents beside it, light, dark and print."""
 
 SHEET = """
 :root { color-scheme: light dark; --ink: #1f2328; --quiet: #59636e; --page: #ffffff; --line: #d9dee4; --soft: #f5f7f9;

@@ -1,9 +1,9 @@
-"""Runs without a session: the same bytes as a headless session, with and without an operator."""
+"""Runs without a session equal headless sessions bit for bit, with and without an operator."""
 
 import numpy as np
 import pytest
 
-from higvf_console.lab.fit.fire_run import departure, fight
+from higvf_console.lab.fit.firefighting import run_firefighting, state_before_departure
 from higvf_console.lab.fit.table2 import SCENARIO, open_strokes
 from higvf_console.lab.reproduce.paper import COLUMNS
 from higvf_console.runtime.headless import run_headless
@@ -19,7 +19,7 @@ def scenario() -> Scenario:
 
 @pytest.mark.parametrize("column", COLUMNS)
 def test_a_run_is_the_headless_session_to_the_last_bit(column: str, scenario: Scenario) -> None:
-    run = fight(scenario.setup(), scenario.duration, open_strokes(scenario).get(column))
+    run = run_firefighting(scenario.setup(), scenario.duration, open_strokes(scenario).get(column))
     stroke = open_strokes(scenario).get(column)
     session = Session(scenario, [] if stroke is None else [stroke])
     report = run_headless(session)
@@ -30,14 +30,14 @@ def test_a_run_is_the_headless_session_to_the_last_bit(column: str, scenario: Sc
 
 def test_an_operator_serves_many_runs(scenario: Scenario) -> None:
     stroke = open_strokes(scenario)["change_priority"]
-    first, again = (fight(scenario.setup(), scenario.duration, stroke) for _ in range(2))
+    first, again = (run_firefighting(scenario.setup(), scenario.duration, stroke) for _ in range(2))
     assert first.loss_area.tobytes() == again.loss_area.tobytes()
     assert first.order == again.order
 
 
 def test_the_skipped_wait_leaves_the_state_that_a_roll_reaches(scenario: Scenario) -> None:
     setup = scenario.setup()
-    skipped = departure(setup)
+    skipped = state_before_departure(setup)
     assert skipped.motion.tick > 100
     rolled, _ = roll(setup.start, setup.world, setup.params, skipped.motion.tick)
     for one, other in zip(rolled.motion, skipped.motion, strict=True):
@@ -47,18 +47,18 @@ def test_the_skipped_wait_leaves_the_state_that_a_roll_reaches(scenario: Scenari
 def test_a_team_out_of_its_formation_does_not_wait(scenario: Scenario) -> None:
     setup = scenario.setup()
     other_shape = setup._replace(world=setup.world._replace(formation=2.0 * setup.world.formation))
-    assert departure(other_shape) is setup.start
+    assert state_before_departure(other_shape) is setup.start
 
 
 def test_a_run_ends_with_its_duration_with_fires_left(scenario: Scenario) -> None:
-    run = fight(scenario.setup(), 20.0)
+    run = run_firefighting(scenario.setup(), 20.0)
     assert run.ticks == 1000
     assert len(run.order) < 5
 
 
 def test_a_run_ends_early_when_a_fire_passes_its_limit(scenario: Scenario) -> None:
     setup = scenario.setup()
-    whole = fight(setup, scenario.duration)
-    ended = fight(setup, scenario.duration, enough=0.5 * whole.loss_area)
+    whole = run_firefighting(setup, scenario.duration)
+    ended = run_firefighting(setup, scenario.duration, limits=0.5 * whole.loss_area)
     assert ended.ticks < whole.ticks
     assert (ended.loss_area > 0.5 * whole.loss_area).any()

@@ -1,11 +1,11 @@
-"""How numbers and verdicts read, the same in HTML and Markdown."""
+"""Formatting of values and verdicts, shared by HTML and Markdown."""
 
 from higvf_console.lab.reproduce.case import Findings, Measurement
 from higvf_console.lab.reproduce.results import Results
 
 
 def number(value: float | int | str | None, unit: str) -> str:
-    """A measured value with its unit: three or four digits, no exponent where none is needed."""
+    """Formats a measured value with its unit: three significant digits, without an exponent between 1e3 and 1e7."""
     if value is None:
         return "none"
     if isinstance(value, str):
@@ -22,18 +22,18 @@ def number(value: float | int | str | None, unit: str) -> str:
 
 
 def verdict(measurement: Measurement) -> str:
-    """A mark: met, missed, nothing promised."""
+    """Mark of a measurement: met, not met, or without expectation."""
     return {True: "✓", False: "✗", None: "—"}[measurement.holds]
 
 
 def tally(findings: Findings) -> tuple[int, int]:
-    """How many expectations are met, of how many."""
+    """Number of expectations met, and number of expectations."""
     judged = [m.holds for m in findings.measurements if m.holds is not None]
     return sum(judged), len(judged)
 
 
 def missed(results: Results) -> list[tuple[str, Measurement]]:
-    """(case, measurement) of every expectation that is not met."""
+    """Case name and measurement of every expectation that is not met."""
     return [
         (result.case.name, m) for result in results.results for m in result.findings.measurements if m.holds is False
     ]

@@ -1,4 +1,4 @@
-"""Exact distances in the plane between the shapes of obstacles: discs, capsules and filled polygons."""
+"""Exact planar distances between discs, capsules and filled polygons."""
 
 from typing import NamedTuple
 
@@ -9,25 +9,25 @@ from higvf_console.core.arrays import Bools, Floats, floats
 
 
 class Shape(NamedTuple):
-    """All points within `radius` of its edges, and all inside them where they bound an area.
+    """All points within `radius` of the edges, and all points inside them if they bound an area.
 
     Attributes:
-        edges: (E, 4) ax, ay, bx, by [m]; a disc has one edge of no length.
+        edges: (E, 4) ax, ay, bx, by [m]; a disc has one edge of length zero.
         radius: [m].
         filled: whether the edges are a closed chain that bounds an area.
-        centre: (2,) of a circle round the shape [m].
-        activation_distance: radius of that circle [m].
+        centre: (2,) centre of a bounding circle [m].
+        bounding_radius: radius of that circle [m].
     """
 
     edges: Floats
     radius: float
     filled: bool
     centre: Floats
-    activation_distance: float
+    bounding_radius: float
 
 
 def disc(x: float, y: float, radius: float) -> Shape:
-    """The disc of `radius` [m] round (x, y) [m]."""
+    """The disc of `radius` [m] about (x, y) [m]."""
     return _shape(floats([[x, y, x, y]]), radius, filled=False)
 
 
@@ -37,7 +37,7 @@ def capsule(ax: float, ay: float, bx: float, by: float, half_width: float) -> Sh
 
 
 def polygon(corners: Floats) -> Shape:
-    """The polygon with `corners` (n, 2) [m], in order round it."""
+    """The filled polygon with `corners` (n, 2) [m], in order along its boundary."""
     return _shape(chain(corners), 0.0, filled=True)
 
 
@@ -47,7 +47,7 @@ def chain(corners: Floats) -> Floats:
 
 
 def hull(shape: Shape) -> Shape:
-    """The convex hull of a shape; the shape itself when it has one edge."""
+    """The convex hull of a shape; the shape itself if it has one edge."""
     if len(shape.edges) < 2:
         return shape
     corners = shape.edges[:, :2]
@@ -63,7 +63,7 @@ def distances(points: Floats, shape: Shape) -> Floats:
 
 
 def gap(one: Shape, other: Shape) -> float:
-    """Least distance between the surfaces of two shapes [m]; not positive when they touch."""
+    """Minimum distance between the surfaces of two shapes [m]; not positive if they touch."""
     ends = [shape.edges.reshape(-1, 2) for shape in (one, other)]
     least = min(
         float(distances(ends[0], other).min()) - one.radius, float(distances(ends[1], one).min()) - other.radius
@@ -72,9 +72,9 @@ def gap(one: Shape, other: Shape) -> float:
 
 
 def clear_of(shape: Shape, others: list[Shape], least: float) -> bool:
-    """Whether a shape keeps a gap of at least `least` [m] to each of the others."""
+    """Whether the gap of a shape to each of the others is at least `least` [m]."""
     for other in others:
-        near = np.hypot(*(shape.centre - other.centre)) - shape.activation_distance - other.activation_distance
+        near = np.hypot(*(shape.centre - other.centre)) - shape.bounding_radius - other.bounding_radius
         if near < least and gap(shape, other) < least:
             return False
     return True
@@ -107,14 +107,14 @@ def _inside(points: Floats, edges: Floats) -> Bools:
 
 def _crossing(one: Floats, other: Floats) -> bool:
     """Whether an edge of `one` (E, 4) crosses one of `other` (F, 4)."""
-    return bool((_parted(one, other) & _parted(other, one).T).any())
+    return bool((_separates(one, other) & _separates(other, one).T).any())
 
 
-def _parted(edges: Floats, by: Floats) -> Bools:
-    """(E, F) whether the line through each of `by` (F, 4) parts the ends of each of `edges` (E, 4)."""
-    start, along = by[:, :2], by[:, 2:] - by[:, :2]
-    side = [
+def _separates(edges: Floats, lines: Floats) -> Bools:
+    """(E, F) whether the line through each of `lines` (F, 4) separates the ends of each of `edges` (E, 4)."""
+    start, along = lines[:, :2], lines[:, 2:] - lines[:, :2]
+    orientation = [
         along[:, 0] * (edges[:, None, k + 1] - start[:, 1]) - along[:, 1] * (edges[:, None, k] - start[:, 0])
         for k in (0, 2)
     ]
-    return side[0] * side[1] < 0.0
+    return orientation[0] * orientation[1] < 0.0

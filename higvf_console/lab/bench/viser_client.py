@@ -1,7 +1,7 @@
-"""What a console sends to a page: a client without a screen that counts it and notes when the robots' marks move.
+"""A headless viser client: counts the traffic of a console and records when the robot markers move.
 
-Wire format of viser 1.1.1, `viser.infra._infra`: two sizes, a compressed msgpack of messages, then the arrays that
-these refer to, each at a multiple of 8 bytes.
+The wire format is that of viser 1.1.1, `viser.infra._infra`: two sizes, a compressed msgpack of messages, then the
+arrays that the messages refer to, each aligned to 8 bytes.
 """
 
 import threading
@@ -28,10 +28,10 @@ Positions = NDArray[np.float32]
 
 
 class Frame(NamedTuple):
-    """Where the robots' marks are from a moment on.
+    """Positions of the robot markers in one message.
 
     Attributes:
-        at: when the message arrived [s since the epoch].
+        at: time of arrival [s since the epoch].
         positions: (N, 3) [m].
     """
 
@@ -39,27 +39,27 @@ class Frame(NamedTuple):
     positions: Positions
 
 
-class Watcher:
-    """A page that only watches, reading as fast as the console sends.
+class ViserClient:
+    """A passive client that reads as fast as the console sends.
 
     Attributes:
-        received: bytes of all messages so far.
-        messages: how many there were.
+        received: bytes received so far.
+        messages: messages received so far.
     """
 
     def __init__(self, url: str) -> None:
-        """Connects.
+        """Connects to a console.
 
         Args:
-            url: the console's login link.
+            url: login link of the console.
 
         Raises:
-            HigvfError: the console does not answer as one.
+            HigvfError: the server does not accept the login link.
         """
         self.received, self.messages = 0, 0
         self._frames: list[Frame] = []
         place = urlsplit(url).netloc
-        go_first()  # with the threads that read: who measures must not wait for what is measured
+        go_first()  # raises the priority of the reading thread, so that the measured load does not delay it
         try:
             self._socket = connect(
                 f"ws://{place}",
@@ -69,7 +69,7 @@ class Watcher:
                 compression=None,
                 max_size=None,
             )
-            self._thread = threading.Thread(target=self._read, name="watcher", daemon=True)
+            self._thread = threading.Thread(target=self._read, name="viser-client", daemon=True)
             self._thread.start()
         finally:
             stand_back()
@@ -91,17 +91,17 @@ class Watcher:
         return tuple(self._frames)
 
     def forget(self) -> None:
-        """Drops all frames but the newest."""
+        """Drops all frames except the newest."""
         del self._frames[:-1]
 
     def close(self) -> None:
-        """Hangs up."""
+        """Closes the connection."""
         self._socket.close()
         self._thread.join()
 
 
 def _cookie(url: str) -> str:
-    """The cookie that the login link gives."""
+    """The session cookie that the login link sets."""
     parts = urlsplit(url)
     link = HTTPConnection(parts.netloc, timeout=10.0)
     try:
@@ -110,12 +110,12 @@ def _cookie(url: str) -> str:
     finally:
         link.close()
     if found is None:
-        raise HigvfError(f"{url}: no console lets anybody in by this link")
+        raise HigvfError(f"{url}: the server does not accept this login link")
     return found.split(";")[0]
 
 
 def robots_in(message: bytes) -> Positions | None:
-    """Positions (N, 3) [m] of the robots' marks in a message; None = it does not move them."""
+    """Positions (N, 3) [m] of the robot markers in a message; None if it holds none."""
     size = int.from_bytes(message[8:16], "little")
     body: dict[str, Any] = msgspec.msgpack.decode(
         zstandard.ZstdDecompressor().decompress(message[_HEADER : _HEADER + size])
@@ -131,14 +131,14 @@ def robots_in(message: bytes) -> Positions | None:
 
 
 def _start(lengths: list[int], index: int, end: int) -> int:
-    """Where an array begins in a message whose compressed part ends at `end`."""
+    """Offset of array `index` in a message whose compressed part ends at `end`."""
     for length in lengths[:index]:
         end = -(-end // _ALIGNMENT) * _ALIGNMENT + length
     return -(-end // _ALIGNMENT) * _ALIGNMENT
 
 
 def first_motion(frames: tuple[Frame, ...], after: float) -> float | None:
-    """When the robots' marks first moved after a moment [s since the epoch]; None = they have not yet."""
+    """Time at which the robot markers first moved after `after` [s since the epoch]; None if they have not moved."""
     rest: Positions | None = None
     for at, positions in frames:
         if at <= after or rest is None:

@@ -1,8 +1,8 @@
-"""A firefighting run without a session: rolled in chunks, with an operator's script, bit for bit as `run_headless`.
+"""Fast firefighting runs without a session, with an optional scripted operator; bit for bit as `run_headless`.
 
-A session's tick costs several times the kernel's, and a fit needs ten thousand runs. So nothing is published here: the
-time in which nobody moves is skipped; while the operator may still act the run goes tick by tick, as a session polls;
-then in chunks, cut where a fire goes out.
+A tick of a session costs several times that of the kernel, and a fit needs ten thousand runs. These runs publish no
+snapshots. They skip the time before the team moves, advance tick by tick while the operator may still act, as a session
+does, and then in chunks that end where a fire goes out.
 """
 
 import math
@@ -21,14 +21,14 @@ from higvf_console.world.setup import Setup
 _CHUNK = 64  # ticks
 
 
-class FireRun(NamedTuple):
-    """What a run left behind.
+class FirefightingRun(NamedTuple):
+    """Result of a run.
 
     Attributes:
-        order: fire numbers, from 1, as they went out.
-        loss_area: (M,) burnt by each fire [m^2].
-        ticks: control periods until all were out, or until the run was ended.
-        min_clearance: smallest of the run [m].
+        order: numbers of the fires, from 1, in the order in which they went out.
+        loss_area: (M,) area burnt by each fire [m^2].
+        ticks: control periods until all fires were out or the run was ended.
+        min_clearance: minimum clearance of the run [m].
     """
 
     order: tuple[int, ...]
@@ -37,38 +37,38 @@ class FireRun(NamedTuple):
     min_clearance: float
 
 
-def fight(
-    setup: Setup, duration: float, operator: Interface | None = None, enough: Floats | None = None
-) -> FireRun:  # fmt: skip
-    """Runs until all fires are out or `duration` [s] ends.
+def run_firefighting(
+    setup: Setup, duration: float, operator: Interface | None = None, limits: Floats | None = None
+) -> FirefightingRun:  # fmt: skip
+    """Runs until all fires are out or the duration is over.
 
     Args:
-        setup: what the run starts from.
-        duration: [s].
-        operator: polled each tick until its channel has ended; None = nobody intervenes.
-        enough: (M,) loss areas [m^2]; a run in which a fire passes its own is ended.
+        setup: world, parameters and start state.
+        duration: maximum session time [s].
+        operator: polled each tick until its channel has ended; None = no operator.
+        limits: (M,) loss areas [m^2]; the run ends early when a fire exceeds its limit.
     """
-    state, clearance = (setup.start if operator else departure(setup)), math.inf
+    state, clearance = (setup.start if operator else state_before_departure(setup)), math.inf
     out: tuple[int, ...] = ()
     last = math.ceil(duration / setup.params.safety.control_period - 1e-9)
     while state.motion.tick < last and state.motion.fire_burning.any():
-        if enough is not None and (loss_area(state.motion) > enough).any():
+        if limits is not None and (loss_area(state.motion) > limits).any():
             break
         ticks = min(_CHUNK, last - state.motion.tick)
         if operator is not None:
-            state, busy = _attend(state, operator, out, setup)
+            state, busy = _apply_operator(state, operator, out, setup)
             operator, ticks = (operator, 1) if busy else (None, ticks)
         burning = state.motion.fire_burning
         state, nearest = _roll_to_change(state, setup, ticks)
         clearance = min(clearance, nearest)
         out += tuple(int(fire) for fire in (burning & ~state.motion.fire_burning).nonzero()[0])
-    return FireRun(tuple(fire + 1 for fire in out), loss_area(state.motion), state.motion.tick, clearance)
+    return FirefightingRun(tuple(fire + 1 for fire in out), loss_area(state.motion), state.motion.tick, clearance)
 
 
-def departure(setup: Setup) -> SimState:
-    """The state one tick before the start delay is over; the start where someone may move before that.
+def state_before_departure(setup: Setup) -> SimState:
+    """The state one tick before the start delay is over, or the start state if a robot may move before.
 
-    A team in its formation, at rest and without a path, stands still until then, and the fires grow by the same step
+    A team in formation, at rest and without a path stands still during the start delay. The fires grow by the same step
     each tick.
     """
     motion, intent, params = setup.start.motion, setup.start.intent, setup.params
@@ -82,8 +82,12 @@ def departure(setup: Setup) -> SimState:
     return setup.start._replace(motion=motion._replace(tick=ticks, fire_radius=floats(radius)))
 
 
-def _attend(state: SimState, operator: Interface, out: tuple[int, ...], setup: Setup) -> tuple[SimState, bool]:
-    """Polls and applies as a session does; whether the operator may still act."""
+def _apply_operator(state: SimState, operator: Interface, out: tuple[int, ...], setup: Setup) -> tuple[SimState, bool]:
+    """Applies the commands of the operator as a session does.
+
+    Returns:
+        The next state, and whether the operator may still act.
+    """
     time, intent = state.motion.tick * setup.params.safety.control_period, state.intent
     context = OperatorContext(
         time=time,
@@ -101,7 +105,7 @@ def _attend(state: SimState, operator: Interface, out: tuple[int, ...], setup: S
 
 
 def _roll_to_change(state: SimState, setup: Setup, ticks: int) -> tuple[SimState, float]:
-    """The state `ticks` later, or right after the tick in which a fire goes out, and the smallest clearance [m]."""
+    """The state after `ticks`, or after the tick in which a fire goes out, and the minimum clearance until then [m]."""
     burning, clearance = state.motion.fire_burning.tobytes(), math.inf
     while True:
         after, history = roll(state, setup.world, setup.params, ticks)
