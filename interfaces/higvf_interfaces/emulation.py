@@ -138,7 +138,7 @@ class EmulatedInterface:
         self._waiting: deque[OperatorCommand] = deque()
         self._due: deque[float] = deque()
         self._now = -math.inf
-        self._heard = 0
+        self._count = 0
 
     @property
     def name(self) -> str:
@@ -150,7 +150,7 @@ class EmulatedInterface:
         if context.time < self._now:
             self._waiting.clear()
             self._due.clear()
-            self._heard = 0
+            self._count = 0
         self._now = context.time
         for command in self._interface.poll(context):
             self._send(command)
@@ -169,8 +169,8 @@ class EmulatedInterface:
         self._interface.close()
 
     def _send(self, command: OperatorCommand) -> None:
-        draw = np.random.default_rng((self._model.seed, self._heard))
-        self._heard += 1
+        draw = np.random.default_rng((self._model.seed, self._count))
+        self._count += 1
         lost, delay = draw.random(), draw.exponential()
         if lost < self._model.dropout and not isinstance(command, StrokeBegin | StrokeEnd | StrokeCancel):
             return

@@ -12,7 +12,7 @@ from higvf_interfaces.emulation import GAZE_ERRORS
 from higvf_interfaces.fields import NAMES, option_fields
 from higvf_interfaces.gaze.interface import open_gaze
 from higvf_interfaces.live import lsl
-from higvf_interfaces.live.lsl import Wish, wish_of
+from higvf_interfaces.live.lsl import StreamQuery, query_of
 from tests.interfaces.formats.xdf_files import Stream, xdf
 
 
@@ -20,7 +20,7 @@ from tests.interfaces.formats.xdf_files import Stream, xdf
 def test_a_name_that_looks_like_a_number_is_a_name(text: str) -> None:
     options = option_fields(InputSpec("bci", "lsl", dict.fromkeys(NAMES, text)), tuple(NAMES))
     assert {key: word(options, key) for key in NAMES} == dict.fromkeys(NAMES, text)
-    assert wish_of(options, Wish()) == Wish(text, text, text, text)
+    assert query_of(options, StreamQuery()) == StreamQuery(text, text, text, text)
 
 
 def test_a_name_that_a_scenario_gives_as_a_number_keeps_its_digits() -> None:

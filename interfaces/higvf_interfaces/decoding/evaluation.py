@@ -99,13 +99,13 @@ def score_decoder(name: str, record: SignalRecord, trials: Sequence[Trial], deco
         window: that each decision rests on [s]; only windows wholly within a trial decide it.
     """
     made = [decision for chunk in record.chunks() for decision in decoder.push(chunk)]
-    last_seen = [[d for d in made if t.start < d.time <= t.end] for t in trials]
-    pure = [[d for d in own if d.time - window >= t.start] for t, own in zip(trials, last_seen, strict=True)]
-    return score(name, trials, pure, last_seen)
+    during = [[d for d in made if t.start < d.time <= t.end] for t in trials]
+    pure = [[d for d in own if d.time - window >= t.start] for t, own in zip(trials, during, strict=True)]
+    return score(name, trials, pure, during)
 
 
 def score(
-    name: str, trials: Sequence[Trial], pure: Sequence[Sequence[Decision]], last_seen: Sequence[Sequence[Decision]]
+    name: str, trials: Sequence[Trial], pure: Sequence[Sequence[Decision]], during: Sequence[Sequence[Decision]]
 ) -> Score:
     """The score of decisions by trial.
 
@@ -113,7 +113,7 @@ def score(
         name: of the decoder.
         trials: n of them.
         pure: n lists of decisions that rest on the trial alone; they decide it.
-        last_seen: n lists of all decisions made during the trial; they go through the debouncer to become commands.
+        during: n lists of all decisions made during the trial; they go through the debouncer to become commands.
 
     Raises:
         InputError: there are no trials, or none holds a decision.
@@ -121,7 +121,7 @@ def score(
     if not any(pure):
         raise InputError(f"{name}: none of the {len(trials)} trials is long enough for a decision")
     verdicts = [_elected(own) for own in pure]
-    commands = [_commands(own) for own in last_seen]
+    commands = [_commands(own) for own in during]
     hits = [next((c.time - t.start for c in given if c.label == t.label), math.nan)
             for t, given in zip(trials, commands, strict=True)]  # fmt: skip
     cued = [trial.label for trial in trials]

@@ -15,7 +15,7 @@ from higvf_console.core.arrays import Floats, Ints, ints
 ELSEWHERE = -1
 
 
-def looked_at(points: Floats, targets: Floats, reach: Floats) -> Ints:
+def fixated_targets(points: Floats, targets: Floats, reach: Floats) -> Ints:
     """The target of each fixation (k,): the one whose border is nearest, within it; else ELSEWHERE.
 
     Args:

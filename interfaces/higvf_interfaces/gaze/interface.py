@@ -1,6 +1,6 @@
 """Gaze, replayed or live, as operator input: where the operator looks is the cursor, under the clutch fixations draw.
 
-    recording -> screen pixels -> fixations, piece by piece -> session clock -> Cursor, StrokeBegin / Points / End
+    recording -> screen pixels -> fixations, chunk by chunk -> session clock -> Cursor, StrokeBegin / Points / End
 
 Drawing starts and stops by an explicit clutch, never because gaze is in the arena (the Midas touch): a key or a
 decoded gesture that holds it, the pause, or a button that gaze rests on. A fixation adds its centroid when it is
@@ -21,14 +21,14 @@ from higvf_console.core.viewport import Viewport
 from higvf_interfaces.emulation import GAZE_ERRORS
 from higvf_interfaces.fields import Fields, option_fields
 from higvf_interfaces.gaze.calibration import calibration_report
-from higvf_interfaces.gaze.capture import Capture
+from higvf_interfaces.gaze.live_calibration import LiveCalibration
 from higvf_interfaces.gaze.dwell_button import IDLE, step
 from higvf_interfaces.gaze.fixations import THRESHOLDS, Fixation
 from higvf_interfaces.gaze.playback import GazePlayback
 from higvf_interfaces.gaze.screens import ground_length, to_ground
 from higvf_interfaces.gaze.source import OPTIONS as SOURCE_OPTIONS
 from higvf_interfaces.gaze.source import GazeSource
-from higvf_interfaces.gaze.tally import GazeTally
+from higvf_interfaces.gaze.attention_counts import AttentionCounts
 from higvf_interfaces.live import lsl
 from higvf_interfaces.live.gaze import LiveGaze
 from higvf_interfaces.streams import Stamp
@@ -54,7 +54,7 @@ class Box(NamedTuple):
 BUTTON = Box(0.0, 0.85, 0.1, 1.0)  # the bottom left corner: the arena is letterboxed, and the eye seldom there
 
 
-class Manner(NamedTuple):
+class DrawingOptions(NamedTuple):
     """How gaze draws: its clutch and button, whether the browser's view counts, whether a path waits for `confirm`."""
 
     clutch: str
@@ -73,13 +73,13 @@ class GazeReplay:
             InputError: the recording or an option cannot be used.
         """
         options = option_fields(spec, OPTIONS)
-        self._clutch, self._box, self._follows_browser, self._waits = manner(options)
+        self._clutch, self._box, self._follows_browser, self._waits = drawing_options(options)
         self._live = LiveGaze(spec, options) if lsl.is_live(spec, _RECORDED_ALONE) else None
         self._source = self._live or GazeSource(spec, options)
-        self._playback = GazePlayback(self._source.pieces) if isinstance(self._source, GazeSource) else self._source
+        self._playback = GazePlayback(self._source.chunks) if isinstance(self._source, GazeSource) else self._source
         self._arena = spec.arena
         shown = self._source.screen.shown
-        self._capture = Capture(spec.arena, (shown.width_px, shown.height_px), self._source.px_per_deg)
+        self._live_calibration = LiveCalibration(spec.arena, (shown.width_px, shown.height_px), self._source.px_per_deg)
         self._name = spec.channel
         self._stamp = Stamp(spec.channel)
         self._now = -math.inf
@@ -92,7 +92,7 @@ class GazeReplay:
 
     def attention_report(self) -> AttentionReport | None:
         """What has been looked at so far; None before the first sample."""
-        return self._tally.report()
+        return self._attention.report()
 
     def dwell_report(self) -> DwellReport | None:
         """The button; None with another clutch."""
@@ -112,15 +112,15 @@ class GazeReplay:
         """How the making of a calibration stands; a recording can have none."""
         if self._live is None:
             return CaptureReport("Gaze is replayed: a calibration is made with a live eye tracker.")
-        return self._capture.report()
+        return self._live_calibration.report()
 
     def begin_capture(self) -> None:
         """Begins to make a calibration; callable from any thread."""
-        self._capture.begin()
+        self._live_calibration.begin()
 
     def cancel_capture(self) -> None:
         """Gives it up; callable from any thread."""
-        self._capture.cancel()
+        self._live_calibration.cancel()
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """The newest cursor, and what the stroke has become, by session time."""
@@ -157,12 +157,12 @@ class GazeReplay:
     def _forget(self) -> None:
         """Starts like new, because the run has."""
         self._dwell = IDLE
-        self._tally = GazeTally(self._arena)
+        self._attention = AttentionCounts(self._arena)
         self._browser: Viewport | None = None  # onto which the recording's screen is stretched
         self._toggled = False  # by the button: drawing is wanted
         self._cursor_shown = False
         self._last_seen = -math.inf
-        self._pointer_state = False
+        self._drawing = False
         self._lifted = False  # the pen lifted itself; the clutch must open before it draws again
         self._stroke: list[Floats] = []
         self._remark = "no stroke yet"
@@ -171,7 +171,7 @@ class GazeReplay:
         """Hands a live tracker's samples to the making of a calibration, and uses the one that is made."""
         if self._live is None:
             return
-        made = self._capture.take(self._live.newest)
+        made = self._live_calibration.take(self._live.newest)
         if made is not None:
             self._live.screen = self._live.screen._replace(calibration=made)
 
@@ -179,13 +179,13 @@ class GazeReplay:
         """Adds to what has been looked at."""
         playback = self._playback
         fresh = playback.started and playback.seen and self._now - playback.time <= THRESHOLDS.longest_filled
-        self._tally.look(self._now, self._ground(playback.point) if fresh else None, context.targets)
+        self._attention.look(self._now, self._ground(playback.point) if fresh else None, context.targets)
         self._fixate(ended)
 
     def _fixate(self, ended: list[Fixation]) -> None:
         degree = self._length(1.0) if ended else 0.0
         for fixation in ended:
-            self._tally.fixate(fixation._replace(point=self._ground(fixation.point)), degree)
+            self._attention.fixate(fixation._replace(point=self._ground(fixation.point)), degree)
 
     def _press(self) -> None:
         """Lets gaze work the button."""
@@ -221,10 +221,10 @@ class GazeReplay:
         wanted = self._wanted(context)
         self._lifted = self._lifted and wanted
         commands: list[OperatorCommand] = []
-        if wanted and not self._pointer_state and not self._lifted:
-            self._pointer_state, self._stroke, self._last_seen = True, [], max(self._last_seen, self._now)
+        if wanted and not self._drawing and not self._lifted:
+            self._drawing, self._stroke, self._last_seen = True, [], max(self._last_seen, self._now)
             commands.append(StrokeBegin())
-        if not self._pointer_state:
+        if not self._drawing:
             return commands
         blind = self._clutch != "always" and self._now - self._last_seen > PEN_UP
         if not wanted or blind:
@@ -237,7 +237,7 @@ class GazeReplay:
             self._stroke += [self._ground(point) for point in grown]
             commands.append(StrokePoints(floats(self._stroke[-len(grown) :])))
         if not wanted or blind:
-            self._pointer_state, self._lifted, self._toggled = False, blind, False
+            self._drawing, self._lifted, self._toggled = False, blind, False
             commands.append(self._end())
         return commands
 
@@ -269,13 +269,13 @@ def open_gaze(spec: InputSpec) -> GazeReplay:
     return GazeReplay(spec)
 
 
-def manner(options: Fields) -> Manner:
+def drawing_options(options: Fields) -> DrawingOptions:
     """What the options say of drawing.
 
     Raises:
         InputError: one cannot be used.
     """
-    return Manner(
+    return DrawingOptions(
         clutch=options.choice("clutch", "held", CLUTCHES),
         box=_button(options),
         follows_browser=options.choice("viewport", "fit", ("fit", "browser")) == "browser",

@@ -13,7 +13,7 @@ from higvf_interfaces.formats.reading import GazeFile, stream_gaze
 from higvf_interfaces.formats.records import GazeBlock, GazeStream, Wanted
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, Classified
-from higvf_interfaces.gaze.pieces import Pixels, piece_by_block
+from higvf_interfaces.gaze.chunked_fixations import Pixels, chunk_per_block
 from higvf_interfaces.gaze.screens import UnusableError, choose_screen, on_screen, to_pixels
 
 OPTIONS = (
@@ -73,9 +73,9 @@ class GazeSource:
             self.away += int(np.count_nonzero(trusted & ~usable))
             yield block, Pixels(time + self._start, pixels, bools(usable))
 
-    def pieces(self) -> Iterator[Classified | None]:
+    def chunks(self) -> Iterator[Classified | None]:
         """The samples from the start, with their fixations: an item for each block that is read."""
-        return piece_by_block((pixels for _, pixels in self.blocks()), self.px_per_deg, self.method)
+        return chunk_per_block((pixels for _, pixels in self.blocks()), self.px_per_deg, self.method)
 
     @property
     def format(self) -> str:

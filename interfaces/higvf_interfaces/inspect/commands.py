@@ -13,7 +13,7 @@ from higvf_interfaces.decisions.emg import GESTURES
 from higvf_interfaces.decisions.options import signal_request
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, read_decisions
-from higvf_interfaces.inspect.describing import Request, description, write_picture
+from higvf_interfaces.inspect.description import Request, description, write_picture
 
 _CHANNELS: tuple[tuple[str, Mapping[str, str]], ...] = (("emg", GESTURES), ("bci", CLASSES))
 _SHOWN = 30  # labels

@@ -7,11 +7,11 @@ import numpy as np
 from higvf_interfaces.formats.reading import GAZE_FORMATS, GazeFile, choose_format
 from higvf_interfaces.formats.records import GazeBlock, Wanted
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
-from higvf_interfaces.gaze.becoming import Becoming
-from higvf_interfaces.gaze.pieces import Pixels, classify_blocks
+from higvf_interfaces.gaze.conversion_preview import ConversionPreview
+from higvf_interfaces.gaze.chunked_fixations import Pixels, classify_blocks
 from higvf_interfaces.gaze.screens import UnusableError
 from higvf_interfaces.gaze.source import GazeSource
-from higvf_interfaces.inspect.describing import Request, description, write_picture
+from higvf_interfaces.inspect.description import Request, description, write_picture
 
 
 def knows(request: Request) -> bool:
@@ -31,42 +31,42 @@ def describe(request: Request) -> Mapping[str, object]:
         InputError: it cannot be read, or an option is wrong. Where only the frame is unknown, or nothing in it can be
             used, what is known is told and the reason is among the warnings.
     """
-    tally = Tally()
+    counts = SampleCounts()
     try:
         source = GazeSource(request.spec, request.options)
     except UnusableError as problem:
-        return _unusable(request, tally, str(problem))
-    becoming = Becoming(source.screen, source.px_per_deg, request.spec.arena)
-    for piece in classify_blocks(_counted(source, tally), source.px_per_deg, source.method):
-        becoming.add(piece)
-    becoming.finish()
+        return _unusable(request, counts, str(problem))
+    preview = ConversionPreview(source.screen, source.px_per_deg, request.spec.arena)
+    for chunk in classify_blocks(_counted(source, counts), source.px_per_deg, source.method):
+        preview.add(chunk)
+    preview.finish()
     if request.plot is not None:
-        write_picture(request.plot, becoming.picture())
-    recorded = {"recorded": tally.samples, "valid": tally.valid, "trusted and on the screen": tally.usable}
-    told: dict[str, object] = {"steps": {**recorded, **becoming.steps()}} if request.steps else {}
+        write_picture(request.plot, preview.picture())
+    recorded = {"recorded": counts.samples, "valid": counts.valid, "trusted and on the screen": counts.usable}
+    told: dict[str, object] = {"steps": {**recorded, **preview.steps()}} if request.steps else {}
     stream = source.file.stream
     return description(
         format_name=stream.format,
         kind="gaze",
         streams=stream.streams,
         columns=stream.columns,
-        samples=tally.samples,
-        duration=tally.duration,
-        rate=tally.rate,
+        samples=counts.samples,
+        duration=counts.duration,
+        rate=counts.rate,
         frame=source.screen.frame,
         origin=source.screen.origin,
-        valid_share=tally.valid / max(tally.samples, 1),
-        gaps=becoming.gaps,
-        blinks=becoming.blinks,
+        valid_share=counts.valid / max(counts.samples, 1),
+        gaps=preview.gaps,
+        blinks=preview.blinks,
         screen_px=[source.screen.shown.width_px, source.screen.shown.height_px],
         epoch_s=source.file.epoch,
-        becomes=becoming.summary,
+        becomes=preview.summary,
         **told,
         warnings=source.notes,
     )
 
 
-class Tally:
+class SampleCounts:
     """What of a recording can be counted without knowing where its screen is."""
 
     def __init__(self) -> None:
@@ -96,15 +96,15 @@ class Tally:
         return 1 / float(np.median(self._steps)) if self._steps else None
 
 
-def _counted(source: GazeSource, tally: Tally) -> Iterator[Pixels]:
+def _counted(source: GazeSource, counts: SampleCounts) -> Iterator[Pixels]:
     """The recording's usable samples, counted on their way."""
     for block, pixels in source.blocks():
-        tally.add(block)
-        tally.usable += int(np.count_nonzero(pixels.valid))
+        counts.add(block)
+        counts.usable += int(np.count_nonzero(pixels.valid))
         yield pixels
 
 
-def _unusable(request: Request, tally: Tally, reason: str) -> Mapping[str, object]:
+def _unusable(request: Request, counts: SampleCounts, reason: str) -> Mapping[str, object]:
     """What is known of a recording whose samples cannot be used as they are."""
     options = request.options
     wanted = Wanted(*(str(options.values[key]) if options.has(key) else None for key in ("stream", "x", "y")))
@@ -112,19 +112,19 @@ def _unusable(request: Request, tally: Tally, reason: str) -> Mapping[str, objec
         request.file.path, choose_format(request.file, request.format, GAZE_FORMATS).stream(request.file, wanted)
     )
     for block in gaze.blocks():
-        tally.add(block)
+        counts.add(block)
     picture = ("no picture: it would need the frame",) if request.plot is not None else ()
     return description(
         format_name=gaze.stream.format,
         kind="gaze",
         streams=gaze.stream.streams,
         columns=gaze.stream.columns,
-        samples=tally.samples,
-        duration=tally.duration,
-        rate=tally.rate,
+        samples=counts.samples,
+        duration=counts.duration,
+        rate=counts.rate,
         frame=gaze.stream.frame,
         origin=gaze.stream.origin,
-        valid_share=tally.valid / max(tally.samples, 1),
+        valid_share=counts.valid / max(counts.samples, 1),
         screen_px=gaze.stream.screen and list(gaze.stream.screen),
         epoch_s=gaze.epoch,
         becomes={},

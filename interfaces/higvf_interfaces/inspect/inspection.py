@@ -24,7 +24,7 @@ from higvf_interfaces.inspect import commands as inspect_commands
 from higvf_interfaces.inspect import gaze as inspect_gaze
 from higvf_interfaces.inspect import signals as inspect_signals
 from higvf_interfaces.inspect import streams as inspect_streams
-from higvf_interfaces.inspect.describing import Request
+from higvf_interfaces.inspect.description import Request
 from higvf_interfaces.live import lsl
 
 OPTIONS = tuple(dict.fromkeys(key for key in (*gaze.OPTIONS, *decisions.OPTIONS) if key not in lsl.OPTIONS))
@@ -45,7 +45,7 @@ def _deciding(options: Fields) -> None:
 
 
 KINDS: tuple[Kind, ...] = (
-    Kind("gaze", inspect_gaze.knows, inspect_gaze.describe, gaze.manner),
+    Kind("gaze", inspect_gaze.knows, inspect_gaze.describe, gaze.drawing_options),
     Kind("signals", inspect_signals.knows, inspect_signals.describe, _deciding),
     Kind("commands", inspect_commands.knows, inspect_commands.describe, _deciding),
     Kind("streams", inspect_streams.knows, inspect_streams.describe, signal_request),

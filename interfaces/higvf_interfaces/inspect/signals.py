@@ -14,7 +14,7 @@ from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, SIGNAL_FO
 from higvf_interfaces.formats.signals.records import SignalRecord, pick_channels
 from higvf_interfaces.formats.xdf.file import survey
 from higvf_interfaces.inspect import streams as inspect_streams
-from higvf_interfaces.inspect.describing import Request, description
+from higvf_interfaces.inspect.description import Request, description
 
 _LONGEST_GAP = 0.1  # between samples; a longer one is told [s]
 _SHOWN = 30  # labels

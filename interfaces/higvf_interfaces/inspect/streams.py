@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 from higvf_interfaces.formats.xdf.file import survey
-from higvf_interfaces.inspect.describing import Request, description
+from higvf_interfaces.inspect.description import Request, description
 
 
 def knows(request: Request) -> bool:

@@ -17,9 +17,9 @@ from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, unique_names
 from higvf_interfaces.formats.xdf.markers import decision_of, label_of
-from higvf_interfaces.live.lsl import WITHIN, LslReader, Wish, wish_of
+from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
 
-MARKERS = Wish(type="Markers")
+MARKERS = StreamQuery(type="Markers")
 
 
 class LiveFeed(DecisionFeed, Protocol):
@@ -127,10 +127,10 @@ def live_feed(options: Fields) -> LiveFeed:
     """
     within = options.number("within", WITHIN, 0.1, 3600.0, "s")
     if not options.has("decoder"):
-        return MarkerFeed(LslReader(wish_of(options, MARKERS), options.place, within))
+        return MarkerFeed(LslReader(query_of(options, MARKERS), options.place, within))
     from higvf_interfaces.decoding.replay import make_decoder  # noqa: PLC0415 - filters load for a second
 
-    reader = LslReader(wish_of(options, Wish(type="EEG")), options.place, within)
+    reader = LslReader(query_of(options, StreamQuery(type="EEG")), options.place, within)
     try:
         if not reader.rate:
             options.fail(f"a decoder needs a stream with a rate, not {reader.name}")

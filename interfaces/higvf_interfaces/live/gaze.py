@@ -15,11 +15,11 @@ from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.records import GazeStream
 from higvf_interfaces.formats.xdf.gaze import described_channels, frame_of, point_channels
 from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, THRESHOLDS, Classified, Fixation, fixations_of
-from higvf_interfaces.gaze.pieces import NO_PIXELS, PieceMaker, Pixels
+from higvf_interfaces.gaze.chunked_fixations import NO_PIXELS, ChunkClassifier, Pixels
 from higvf_interfaces.gaze.screens import choose_screen, on_screen, to_pixels
-from higvf_interfaces.live.lsl import WITHIN, LslReader, Wish, wish_of
+from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
 
-GAZE = Wish(type="Gaze")
+GAZE = StreamQuery(type="Gaze")
 
 
 class LiveGaze:
@@ -50,7 +50,7 @@ class LiveGaze:
         self._method = options.choice("method", IVT, METHODS)
         self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
         within = options.number("within", WITHIN, 0.1, 3600.0, "s")
-        self.reader = LslReader(wish_of(options, GAZE), options.place, within)
+        self.reader = LslReader(query_of(options, GAZE), options.place, within)
         try:
             labels, units = described_channels(self.reader.header, self.reader.channels)
             x, y = (word(options, key) if options.has(key) else None for key in ("x", "y"))
@@ -103,21 +103,21 @@ class LiveGaze:
         self._latest, self.started = float(times[kept][-1]), True
         self.point, self.seen = points[-1], bool(valid[-1])
         self.newest = Pixels(floats(times[kept]), points, bools(valid))
-        piece = self._maker.push(self.newest)
-        return True, self._fixations(piece) if piece is not None else []
+        chunk = self._classifier.push(self.newest)
+        return True, self._fixations(chunk) if chunk is not None else []
 
     def unfinished(self) -> list[Fixation]:
         """The fixations that have not been handed out, the lasting one included if it is long enough."""
-        rest = self._maker.rest()
+        rest = self._classifier.flush()
         if rest is None:
             return []
-        self._maker = PieceMaker(self.px_per_deg, self._method)
+        self._classifier = ChunkClassifier(self.px_per_deg, self._method)
         return [found for found in self._fixations(rest) if found.end - found.start >= THRESHOLDS.shortest]
 
-    def _fixations(self, piece: Classified) -> list[Fixation]:
-        """The fixations of a piece, in session time."""
+    def _fixations(self, chunk: Classified) -> list[Fixation]:
+        """The fixations of a chunk, in session time."""
         shift = self._now - self.reader.now
-        return [rest._replace(start=rest.start + shift, end=rest.end + shift) for rest in fixations_of(piece)]
+        return [rest._replace(start=rest.start + shift, end=rest.end + shift) for rest in fixations_of(chunk)]
 
     def close(self) -> None:
         """Ends the reading; may be called twice."""
@@ -125,7 +125,7 @@ class LiveGaze:
 
     def _restart(self) -> None:
         """Starts like new, because the run has; the device goes on."""
-        self._maker = PieceMaker(self.px_per_deg, self._method)
+        self._classifier = ChunkClassifier(self.px_per_deg, self._method)
         self._now = self._latest = -math.inf
         self.started = self.seen = False
         self.point: Floats = np.full(2, np.nan)

@@ -37,7 +37,7 @@ class LslSample(NamedTuple):
     values: Sequence[Any]
 
 
-class Wish(NamedTuple):
+class StreamQuery(NamedTuple):
     """Which stream is wanted; an empty word fits every stream."""
 
     name: str = ""
@@ -85,14 +85,14 @@ def library() -> Any:
         raise InputError(f"live streams need pylsl: pip install 'higvf-console[lsl]' ({problem})") from problem
 
 
-def wish_of(options: Fields, usual: Wish) -> Wish:
+def query_of(options: Fields, usual: StreamQuery) -> StreamQuery:
     """What the options `OPTIONS` say; `usual` where they say nothing at all.
 
     Raises:
         InputError: a value that is no word.
     """
-    given = {key: word(options, key) for key in Wish._fields if options.has(key)}
-    return Wish(**given) if given else usual
+    given = {key: word(options, key) for key in StreamQuery._fields if options.has(key)}
+    return StreamQuery(**given) if given else usual
 
 
 class LslReader:
@@ -107,7 +107,7 @@ class LslReader:
         lost: how often the stream has been lost so far.
     """
 
-    def __init__(self, wish: Wish, place: str, within: float = WITHIN, capacity: int = CAPACITY) -> None:
+    def __init__(self, wish: StreamQuery, place: str, within: float = WITHIN, capacity: int = CAPACITY) -> None:
         """Finds the stream and begins to read.
 
         Args:
@@ -128,7 +128,7 @@ class LslReader:
         self.rate, self.channels = float(full.nominal_srate()), int(full.channel_count())
         described = self.header.findall("desc/channels/channel")[: self.channels]
         self.labels = tuple((channel.findtext("label") or "").strip() for channel in described)
-        self.name = described_stream(full)
+        self.name = stream_summary(full)
         self.lost = 0
         self._waiting: deque[LslSample] = deque(maxlen=capacity)
         self._alive: float | None = None  # [s] of the LSL clock
@@ -216,7 +216,7 @@ class LslReader:
         return info.type() == self._info.type() and info.channel_count() == self._info.channel_count()
 
 
-def _find(lsl: Any, wish: Wish, place: str, within: float) -> Any:
+def _find(lsl: Any, wish: StreamQuery, place: str, within: float) -> Any:
     deadline = time.monotonic() + within
     known: dict[str, Any] = {}
     while True:
@@ -228,12 +228,12 @@ def _find(lsl: Any, wish: Wish, place: str, within: float) -> Any:
         if fit or time.monotonic() >= deadline:
             break
     asked = ", ".join(f"{key}={value}" for key, value in wish._asdict().items() if value) or "any stream"
-    listed = "; ".join(sorted(described_stream(info) for info in found)) or "none"
+    listed = "; ".join(sorted(stream_summary(info) for info in found)) or "none"
     way_out = "; choose one by name, type, source_id, host" if fit else ""
     raise InputError(f"{place}: {len(fit)} live streams fit {asked}{way_out}; found on the network: {listed}")
 
 
-def described_stream(info: Any) -> str:
+def stream_summary(info: Any) -> str:
     """A stream as messages list it: name, type, source, host, channels, rate."""
     rate = f"{info.nominal_srate():g} Hz" if info.nominal_srate() else "events"
     source = f", source_id {info.source_id()}" if info.source_id() else ""

@@ -8,23 +8,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from higvf_console.core.arrays import floats
-from higvf_interfaces.gaze.attention import ELSEWHERE, Transitions, looked_at
+from higvf_interfaces.gaze.attention import ELSEWHERE, Transitions, fixated_targets
 
 FIRES = floats([[100, 100], [500, 100]])
 
 
 def test_each_fixation_goes_to_the_target_that_it_is_on() -> None:
     points = floats([[110, 100], [480, 110], [300, 400]])
-    assert looked_at(points, FIRES, floats([50, 50])).tolist() == [0, 1, ELSEWHERE]
+    assert fixated_targets(points, FIRES, floats([50, 50])).tolist() == [0, 1, ELSEWHERE]
 
 
 def test_of_two_targets_the_one_whose_border_is_nearer_wins() -> None:
-    assert looked_at(floats([[290, 100]]), FIRES, floats([200, 400])).tolist() == [1]
+    assert fixated_targets(floats([[290, 100]]), FIRES, floats([200, 400])).tolist() == [1]
 
 
 def test_moving_targets_are_where_they_were_during_the_fixation() -> None:
     robots = floats([[[0, 0], [900, 0]], [[900, 0], [0, 0]]])
-    assert looked_at(floats([[0, 0], [0, 0]]), robots, floats([10, 10])).tolist() == [0, 1]
+    assert fixated_targets(floats([[0, 0], [0, 0]]), robots, floats([10, 10])).tolist() == [0, 1]
 
 
 def entropy(areas: Iterable[int]) -> float:

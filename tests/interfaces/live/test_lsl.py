@@ -14,7 +14,7 @@ from higvf_interfaces.decisions.bci import open_bci
 from higvf_interfaces.decisions.emg import open_emg
 from higvf_interfaces.gaze.interface import GazeReplay, open_gaze
 from higvf_interfaces.live import lsl as live
-from higvf_interfaces.live.lsl import LslReader, Wish
+from higvf_interfaces.live.lsl import LslReader, StreamQuery
 from tests.interfaces.live.lsl_devices import Device, until
 
 ContextAt = Callable[..., OperatorContext]
@@ -76,11 +76,11 @@ def test_what_was_said_before_the_run_counts_at_its_start(
 def test_no_stream_or_several_are_answered_with_what_the_network_has(lsl: ModuleType) -> None:
     one, other = Device(lsl, "Markers", name="left"), Device(lsl, "Markers", name="right")
     with pytest.raises(InputError) as refusal:
-        LslReader(Wish(name="nobody"), "input emg=lsl", within=0.5)
+        LslReader(StreamQuery(name="nobody"), "input emg=lsl", within=0.5)
     assert "0 live streams fit name=nobody; found on the network: " in str(refusal.value)
     assert "name left, type Markers, source_id left-1, host " in str(refusal.value)
     with pytest.raises(InputError, match="2 live streams fit type=markers; choose one by name, type, source_id"):
-        LslReader(Wish(type="markers"), "input emg=lsl", within=0.5)
+        LslReader(StreamQuery(type="markers"), "input emg=lsl", within=0.5)
     one.kill()
     other.kill()
 
@@ -105,7 +105,7 @@ def test_a_killed_device_falls_silent_and_is_found_again_by_its_source_id(
 
 def test_a_quiet_stream_of_events_is_alive_and_a_quiet_signal_is_not(lsl: ModuleType) -> None:
     events, signal = Device(lsl, "Markers", name="calm"), Device(lsl, "EEG", name="stuck", rate=100.0, labels=("O1",))
-    readers = [LslReader(Wish(name=name), "input", within=5.0) for name in ("calm", "stuck")]
+    readers = [LslReader(StreamQuery(name=name), "input", within=5.0) for name in ("calm", "stuck")]
     until(signal.consumed)
     signal.push(1.0)
     until(lambda: readers[0].quiet is not None and (readers[1].quiet or 0.0) > 1.0)
@@ -178,7 +178,7 @@ def test_a_live_signal_is_decoded_here(lsl: ModuleType, opened: Callable[..., An
 
 def test_what_nobody_polls_does_not_pile_up(lsl: ModuleType) -> None:
     device = Device(lsl, "EEG", name="flood", rate=1000.0, labels=("O1",))
-    reader = LslReader(Wish(name="flood"), "input", within=5.0, capacity=100)
+    reader = LslReader(StreamQuery(name="flood"), "input", within=5.0, capacity=100)
     until(device.consumed)
     for number in range(5000):
         device.push(float(number))

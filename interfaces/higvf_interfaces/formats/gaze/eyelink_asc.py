@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.gaze.eyes import NO_EYE, Eye, both
+from higvf_interfaces.formats.gaze.binocular import NO_EYE, Eye, both
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TextFile, number
 
@@ -65,7 +65,7 @@ def _first_setting(file: TextFile) -> _Setting:
         cells = line.split()
         if _is_sample(setting, cells):
             return setting if setting.eyes else setting._replace(eyes=_counted_eyes(cells))
-        setting = _heard(file, setting, cells)
+        setting = _updated(file, setting, cells)
         if count > _HEADER_LINES:
             break
     raise InputError(f"{file.path}: has no samples; convert the EDF with edf2asc without -e (events only)")
@@ -82,7 +82,7 @@ def _rows(file: TextFile, notes: list[str]) -> Iterator[Row]:
     for line in file.lines(notes):
         cells = line.split()
         if not _is_sample(setting, cells):
-            setting = _heard(file, setting, cells)
+            setting = _updated(file, setting, cells)
             continue
         if held is not None:
             yield held
@@ -117,7 +117,7 @@ def _counted_eyes(cells: list[str]) -> tuple[int, ...]:
     return (0, 1) if numbers >= 6 else (0,)
 
 
-def _heard(file: TextFile, setting: _Setting, cells: list[str]) -> _Setting:
+def _updated(file: TextFile, setting: _Setting, cells: list[str]) -> _Setting:
     """The setting after a line that is no sample."""
     match cells:
         case ["SAMPLES", kind, *words]:

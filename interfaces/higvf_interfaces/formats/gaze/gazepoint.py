@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator
 
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.gaze.eyes import says_yes
+from higvf_interfaces.formats.gaze.binocular import says_yes
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import Column, TextFile, cell, number
 

@@ -12,7 +12,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.gaze.eyes import says_yes
+from higvf_interfaces.formats.gaze.binocular import says_yes
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import Column, TextFile, cell, look, number
 

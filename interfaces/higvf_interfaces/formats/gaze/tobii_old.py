@@ -12,7 +12,7 @@ from typing import NamedTuple
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import unit_by_steps
-from higvf_interfaces.formats.gaze.eyes import NO_EYE, Eye, both
+from higvf_interfaces.formats.gaze.binocular import NO_EYE, Eye, both
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, number
 

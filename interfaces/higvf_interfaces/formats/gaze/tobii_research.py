@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.gaze.eyes import NO_EYE, Eye, both, says_yes
+from higvf_interfaces.formats.gaze.binocular import NO_EYE, Eye, both, says_yes
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import Column, TextFile, cell, number
 

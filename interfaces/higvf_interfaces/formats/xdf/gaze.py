@@ -32,7 +32,7 @@ NAME = "xdf"
 TITLE = "XDF (LabRecorder) with a gaze stream"
 TYPES = ("gaze", "eyetracking", "eyetracker", "eye tracking")
 _LABELS = (
-    ("norm_pos_x", "norm_pos_y", BOTTOM_LEFT),  # of Pupil Capture's relay
+    ("norm_pos_x", "norm_pos_y", BOTTOM_LEFT),  # of Pupil LiveCalibration's relay
     ("x", "y", TOP_LEFT),
     ("gaze_x", "gaze_y", TOP_LEFT),
     ("pos_x", "pos_y", TOP_LEFT),

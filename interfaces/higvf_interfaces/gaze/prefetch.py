@@ -1,6 +1,6 @@
 """Pieces of a recording, read before they are due, so that a poll reads a block whatever the recording holds.
 
-A piece may be a stare of `pieces.LONGEST` samples, and a file that is played again is read again from its start. Read
+A chunk may be a stare of `chunks.LONGEST` samples, and a file that is played again is read again from its start. Read
 when they fall due, both would hold up the team:
 
     head, kept for every play | ready, read a block a poll | the rest of the file
@@ -15,28 +15,28 @@ from collections.abc import Callable, Iterator
 
 from higvf_interfaces.gaze.fixations import Classified
 
-AHEAD = 6.0  # a block a poll, 50 polls a second: the longest piece is read in 5.2 s [s]
+AHEAD = 6.0  # a block a poll, 50 polls a second: the longest chunk is read in 5.2 s [s]
 
 
-class Lookahead:
-    """The pieces that are to be played; what lies before session time 0 never is.
+class Prefetcher:
+    """The chunks that are to be played; what lies before session time 0 never is.
 
     Attributes:
         first_time: of the recording's first sample [s]; NaN where it has none.
     """
 
-    def __init__(self, pieces: Callable[[], Iterator[Classified | None]]) -> None:
+    def __init__(self, chunks: Callable[[], Iterator[Classified | None]]) -> None:
         """Reads the head.
 
         Args:
-            pieces: begins to read the recording, and gives an item a block: a piece, or None where it settles none;
+            chunks: begins to read the recording, and gives an item a block: a chunk, or None where it settles none;
                 called again at a rewind, if the recording is longer than the head.
 
         Raises:
             InputError: the recording cannot be read.
         """
-        self._open = pieces
-        self._stream = pieces()
+        self._open = chunks
+        self._stream = chunks()
         self._ready: deque[Classified] = deque()
         self._over = False
         self.first_time = math.nan
@@ -47,7 +47,7 @@ class Lookahead:
         self._head, self._whole = tuple(self._ready), self._over
 
     def rewind(self) -> None:
-        """Stands before the first piece again; returns at once."""
+        """Stands before the first chunk again; returns at once."""
         self._ready, self._over = deque(self._head), self._whole
         if not self._whole:
             self._stream, self._again = self._open(), self._known
@@ -58,13 +58,13 @@ class Lookahead:
             self._read()
 
     def following(self) -> Classified | None:
-        """The next piece, which is waited for where it is not ready; None behind the last."""
+        """The next chunk, which is waited for where it is not ready; None behind the last."""
         while not self._ready and not self._over:
             self._read()
         return self._ready[0] if self._ready else None
 
     def take(self) -> Classified:
-        """Takes the piece that `following` shows."""
+        """Takes the chunk that `following` shows."""
         return self._ready.popleft()
 
     def _reach(self, time: float) -> bool:
@@ -72,15 +72,15 @@ class Lookahead:
 
     def _read(self) -> None:
         try:
-            piece = next(self._stream)
+            chunk = next(self._stream)
         except StopIteration:
             self._over, self._again = True, 0
             return
         if self._again:
             self._again -= 1
-        elif piece is not None:
+        elif chunk is not None:
             if math.isnan(self.first_time):
-                self.first_time = float(piece.time[0])
+                self.first_time = float(chunk.time[0])
             if self._ready and self._ready[-1].time[-1] < 0:
                 self._ready.pop()
-            self._ready.append(piece)
+            self._ready.append(chunk)

@@ -36,8 +36,8 @@ class Stroke(NamedTuple):
     centroids: Floats
 
 
-class Becoming:
-    """Takes a recording piece by piece; what it holds does not grow with it.
+class ConversionPreview:
+    """Takes a recording chunk by chunk; what it holds does not grow with it.
 
     Attributes:
         blinks: gaps as long as a blink.
@@ -57,13 +57,13 @@ class Becoming:
         self._open: Stroke | None = None
         self._told: list[Stroke] = []
 
-    def add(self, piece: Classified) -> None:
-        """Takes the next piece."""
-        self._count_gaps(piece)
-        for stage, column in zip(self._stages, (piece.seen, piece.steady, piece.fixating), strict=True):
+    def add(self, chunk: Classified) -> None:
+        """Takes the next chunk."""
+        self._count_gaps(chunk)
+        for stage, column in zip(self._stages, (chunk.seen, chunk.steady, chunk.fixating), strict=True):
             self._stages[stage] += int(np.count_nonzero(column))
-        self._grid += counts(to_ground(piece.points[piece.seen], self._screen), self._arena, _WIDTH)
-        for start, end, point in fixations_of(piece):
+        self._grid += counts(to_ground(chunk.points[chunk.seen], self._screen), self._arena, _WIDTH)
+        for start, end, point in fixations_of(chunk):
             self._fixations += 1
             self._fixated += end - start
             self._draw(start, end, to_ground(floats(point, 1, 2), self._screen)[0])
@@ -111,9 +111,9 @@ class Becoming:
                 cv2.circle(picture, (round(x), round(y)), _DOT, _INK, -1, cv2.LINE_AA)
         return picture
 
-    def _count_gaps(self, piece: Classified) -> None:
-        seen = piece.time[piece.seen]
-        before = float(piece.time[0]) if self._seen_at is None else self._seen_at
+    def _count_gaps(self, chunk: Classified) -> None:
+        seen = chunk.time[chunk.seen]
+        before = float(chunk.time[0]) if self._seen_at is None else self._seen_at
         steps = np.diff(seen, prepend=before)
         gaps = steps[steps > THRESHOLDS.longest_filled]
         self._gaps += len(gaps)

@@ -9,7 +9,7 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.interface import NO_TARGETS, Targets
 from higvf_console.core.reports import AttentionReport
 from higvf_console.core.viewport import Arena
-from higvf_interfaces.gaze.attention import ELSEWHERE, Transitions, looked_at
+from higvf_interfaces.gaze.attention import ELSEWHERE, Transitions, fixated_targets
 from higvf_interfaces.gaze.fixations import Fixation
 from higvf_interfaces.gaze.heat_map import counts
 
@@ -18,7 +18,7 @@ _REMEMBERED = 64  # positions of the targets, of the last seconds
 _REMEMBER_EVERY = 0.1  # [s]
 
 
-class GazeTally:
+class AttentionCounts:
     """Time of gaze by place, and of fixations by fire and robot.
 
     A fixation goes to the target whose border is nearest to its centroid, within one degree of visual angle, by where
@@ -67,7 +67,7 @@ class GazeTally:
         fires, robots = len(targets.fires), len(targets.robots)
         places = np.concatenate([targets.fires, targets.robots])
         reach = np.concatenate([targets.fire_radius, np.zeros(robots)]) + degree
-        at = int(looked_at(floats(fixation.point, 1, 2), places, reach)[0])
+        at = int(fixated_targets(floats(fixation.point, 1, 2), places, reach)[0])
         length = fixation.end - fixation.start
         self._fires, self._robots = _sized(self._fires, fires), _sized(self._robots, robots)
         if at == ELSEWHERE:

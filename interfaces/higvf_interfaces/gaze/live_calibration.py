@@ -15,7 +15,7 @@ from higvf_console.core.errors import InputError
 from higvf_console.core.reports import CaptureReport
 from higvf_console.core.viewport import Arena
 from higvf_interfaces.gaze.calibration import Calibration, calibrate, calibration_text, residual_px, targets
-from higvf_interfaces.gaze.pieces import NO_PIXELS, Pixels
+from higvf_interfaces.gaze.chunked_fixations import NO_PIXELS, Pixels
 
 COUNT = 5  # targets: with four, the residual would say nothing
 TRAVEL = 0.8  # in which the eye finds the next target; not counted [s]
@@ -24,7 +24,7 @@ FEWEST = 20  # ... and with so many samples
 SPREAD = 1.5  # samples farther from their middle begin the rest anew [deg]
 
 
-class Capture:
+class LiveCalibration:
     """The state of the procedure, and what came of the last one."""
 
     def __init__(self, arena: Arena, screen: tuple[float, float], px_per_deg: float) -> None:

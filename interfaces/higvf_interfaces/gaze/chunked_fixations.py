@@ -1,6 +1,6 @@
-"""Fixations of a recording of any length: classifies it piece by piece, with the fixations that the whole would give.
+"""Fixations of a recording of any length: classifies it chunk by chunk, with the fixations that the whole would give.
 
-A piece is handed out when later samples can no longer change it: behind the last fixation that might still be merged
+A chunk is handed out when later samples can no longer change it: behind the last fixation that might still be merged
 with what follows, and further from the newest sample than any filter looks. What is held meanwhile is a second or two.
 """
 
@@ -40,20 +40,20 @@ def classify_blocks(
         method: as `fixations.classify` takes it.
         longest: samples held at most.
     """
-    return (piece for piece in piece_by_block(blocks, px_per_deg, method, longest) if piece is not None)
+    return (chunk for chunk in chunk_per_block(blocks, px_per_deg, method, longest) if chunk is not None)
 
 
-def piece_by_block(
+def chunk_per_block(
     blocks: Iterable[Pixels], px_per_deg: float = PX_PER_DEG, method: str = IVT, longest: int = LONGEST
 ) -> Iterator[Classified | None]:
     """As `classify_blocks`, with None for each block that settles nothing: an item costs one block of reading."""
-    maker = PieceMaker(px_per_deg, method, longest)
-    yield from map(maker.push, blocks)
-    yield maker.rest()
+    classifier = ChunkClassifier(px_per_deg, method, longest)
+    yield from map(classifier.push, blocks)
+    yield classifier.flush()
 
 
-class PieceMaker:
-    """Cuts a recording, or a live stream, into pieces block by block."""
+class ChunkClassifier:
+    """Cuts a recording, or a live stream, into chunks block by block."""
 
     def __init__(self, px_per_deg: float = PX_PER_DEG, method: str = IVT, longest: int = LONGEST) -> None:
         """Holds nothing yet; the arguments are those of `classify_blocks`."""
@@ -82,15 +82,15 @@ class PieceMaker:
         kept = int(np.searchsorted(held.time, held.time[end - 1] - HORIZON))
         self._held = Pixels(held.time[kept:], held.points[kept:], held.valid[kept:])
         self._begin = end - kept
-        return _piece(found, begin, end)
+        return _chunk(found, begin, end)
 
-    def rest(self) -> Classified | None:
+    def flush(self) -> Classified | None:
         """What is held and not settled, as if nothing followed."""
         held, begin = self._held, self._begin
         if len(held.time) <= begin:
             return None
         found = classify(*held, self._px_per_deg, method=self._method, begin=begin)
-        return _piece(found, begin, len(held.time))
+        return _chunk(found, begin, len(held.time))
 
     def _goes_on(self) -> bool:
         """Whether the fixation that is held lasts through all that is new, told by its last second and the new alone.
@@ -128,7 +128,7 @@ def _settled(found: Classified) -> int:
     return near
 
 
-def _piece(found: Classified, begin: int, end: int) -> Classified:
+def _chunk(found: Classified, begin: int, end: int) -> Classified:
     """The samples from `begin` to `end` and the fixations that end among them."""
     inside = slice(begin, end)
     mine = found.first < end
