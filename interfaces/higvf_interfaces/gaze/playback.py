@@ -1,4 +1,4 @@
-"""Plays classified gaze on the session clock, holding no more of it than what is due in a few seconds."""
+"""Playback of a gaze recording on the session clock, in bounded memory."""
 
 from collections.abc import Callable, Iterator
 
@@ -11,29 +11,28 @@ from higvf_interfaces.streams import CLOCK_GRAIN
 
 
 class GazePlayback:
-    """Hands out each sample and each fixation of a recording once, when its time has come.
+    """Plays each sample and each fixation of a recording once, when it is due.
 
     Attributes:
-        started: whether anything has been played; before, there is no newest sample.
-        first_time: when the first sample is due [s].
+        started: whether a sample has been played; the newest sample is undefined before.
+        first_time: session time of the first sample [s].
     """
 
     def __init__(self, chunks: Callable[[], Iterator[Classified | None]]) -> None:
-        """Stands before a recording.
+        """Start before the first sample.
 
         Args:
-            chunks: begins to read the recording, as `Prefetcher` takes it; called again when the session clock has gone
-                back.
+            chunks: opens the recording; see `Prefetcher`.
         """
         self._chunks = Prefetcher(chunks)
         self.first_time = self._chunks.first_time
         self._begin()
 
     def advance(self, now: float) -> tuple[bool, list[Fixation]]:
-        """Plays on to session time `now` [s], or again from the start where that has gone back.
+        """Play up to session time `now` [s], from the start if the clock went back.
 
         Returns:
-            Whether there are new samples, and the fixations that have ended.
+            Whether there are new samples, and the fixations that have ended since the last call.
         """
         if now < self._now:
             self._chunks.rewind()
@@ -48,7 +47,7 @@ class GazePlayback:
         return new, ended
 
     def unfinished(self) -> list[Fixation]:
-        """What there is so far of the fixation that lasts now, if it is long enough to be one."""
+        """Return the part played so far of the current fixation, if it is long enough to be a fixation."""
         chunk, newest = self._chunk, self._next - 1
         current = int(np.searchsorted(chunk.first, newest, side="right")) - 1
         if current < 0 or chunk.last[current] <= newest:
@@ -59,22 +58,22 @@ class GazePlayback:
 
     @property
     def time(self) -> float:
-        """When the newest sample was due [s]."""
+        """Session time of the newest sample [s]."""
         return float(self._chunk.time[self._next - 1])
 
     @property
     def point(self) -> Floats:
-        """The newest sample (2,) [px]."""
+        """Position of the newest sample (2,) [px]."""
         return self._chunk.points[self._next - 1]
 
     @property
     def seen(self) -> bool:
-        """Whether the newest sample saw the eye."""
+        """Whether gaze is known at the newest sample."""
         return bool(self._chunk.seen[self._next - 1])
 
     @property
     def ended(self) -> bool:
-        """Whether everything has been played."""
+        """Whether the whole recording has been played."""
         return self._played and self._following() is None
 
     def _begin(self) -> None:
@@ -84,20 +83,20 @@ class GazePlayback:
 
     @property
     def _played(self) -> bool:
-        """Whether the chunk has been played; nothing of the next one is due before."""
+        """Whether the current chunk has been played."""
         return self._next >= len(self._chunk.time)
 
     def _following(self) -> Classified | None:
         return self._chunks.following() if self._played else None
 
     def _take(self) -> None:
-        """Goes on with the next chunk; what lies before session time 0 is never played."""
+        """Load the next chunk; samples before session time 0 are skipped."""
         self._chunk = chunk = self._chunks.take()
         self._next = int(np.searchsorted(chunk.time, 0.0))
         self._fixation = int(np.searchsorted(chunk.time[chunk.last], 0.0))
 
     def _play(self) -> tuple[bool, list[Fixation]]:
-        """What of the current chunk has fallen due."""
+        """Play the part of the current chunk that is due."""
         chunk, until = self._chunk, self._now + CLOCK_GRAIN
         due = max(self._next, int(np.searchsorted(chunk.time, until, side="right")))
         done = max(self._fixation, int(np.searchsorted(chunk.time[chunk.last], until, side="right")))

@@ -6,8 +6,8 @@ import pytest
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.interface import Targets
 from higvf_console.core.viewport import Arena
-from higvf_interfaces.gaze.fixations import Fixation
 from higvf_interfaces.gaze.attention_counts import AttentionCounts
+from higvf_interfaces.gaze.fixations import Fixation
 
 ARENA = Arena(-100.0, 0.0, 1100.0, 700.0)
 FIRES, RADIUS = floats([[100, 100], [500, 100]]), floats([30, 30])

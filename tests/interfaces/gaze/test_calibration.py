@@ -65,9 +65,9 @@ def test_targets_go_round_from_the_top_left_and_lie_inside() -> None:
 @pytest.mark.parametrize(
     ("pixels", "ground", "message"),
     [
-        ([[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 0], [1, 1]], "3 points_px and 3 points_m; give as many, 4 or more"),
-        ([[0, 0], [1, 1], [2, 2], [3, 3]], [[0, 0], [9, 0], [9, 9], [0, 9]], "no map goes through these points"),
-        ([[5, 5]] * 4, [[0, 0], [9, 0], [9, 9], [0, 9]], "no map goes through these points"),
+        ([[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 0], [1, 1]], "3 points_px and 3 points_m; give the same"),
+        ([[0, 0], [1, 1], [2, 2], [3, 3]], [[0, 0], [9, 0], [9, 9], [0, 9]], "no homography fits these points"),
+        ([[5, 5]] * 4, [[0, 0], [9, 0], [9, 9], [0, 9]], "no homography fits these points"),
         ([[100, 500], [500, 500], [350, 300], [250, 300]], [[0, 0], [9, 0], [9, 90], [0, 90]], "horizon"),
     ],
     ids=["too few", "on a line", "one place", "horizon on the screen"],

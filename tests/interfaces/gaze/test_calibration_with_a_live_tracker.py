@@ -10,8 +10,8 @@ import pytest
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.interface import InputSpec, OperatorContext
 from higvf_console.core.viewport import fit
-from higvf_interfaces.gaze.live_calibration import COUNT
 from higvf_interfaces.gaze.interface import GazeReplay, open_gaze
+from higvf_interfaces.gaze.live_calibration import COUNT
 from tests.interfaces.live.lsl_devices import Device, until
 
 ContextAt = Callable[..., OperatorContext]

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from higvf_console.core.arrays import Floats, bools, floats
 from higvf_console.core.viewport import Arena, fit
-from higvf_interfaces.gaze.fixations import METHODS, Classified, classify
 from higvf_interfaces.gaze.chunked_fixations import Pixels, classify_blocks
+from higvf_interfaces.gaze.fixations import METHODS, Classified, classify
 from higvf_interfaces.recordings.gaze import DrawnByEye, synthetic_gaze
 
 

@@ -210,7 +210,7 @@ def test_samples_of_low_confidence_are_lost_gaze(write: Write, at: ContextAt) ->
     file = write("time,x,y,confidence\n" + rows)
     assert opened(file).poll(at(0.4)) == []
     assert len(opened(file, min_confidence="0.4").poll(at(0.4))) == 1
-    with pytest.raises(InputError, match="no gaze sample is trusted and on the screen"):
+    with pytest.raises(InputError, match="no gaze sample is confident and on the screen"):
         opened(file, min_confidence="0.95")
 
 
@@ -248,7 +248,8 @@ def test_options_of_the_command_line_go_over_the_scenarios(write: Write, at: Con
 
 
 def test_an_assumed_screen_is_said(write: Write) -> None:
-    assert "screen taken as 1920 x 1080 px" in opened(write(rests(*FIVE)), frame="screen").health(0.0).detail
+    detail = opened(write(rests(*FIVE)), frame="screen").health(0.0).detail
+    assert "screen size unknown, assumed 1920 x 1080 px" in detail
 
 
 def test_health_runs_from_never_seen_over_live_to_ended(write: Write, at: ContextAt) -> None:

@@ -11,9 +11,9 @@ from higvf_console.core.commands import Cursor
 from higvf_console.core.interface import InputSpec, OperatorContext
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 from higvf_interfaces.formats.xdf.samples import load
+from higvf_interfaces.gaze.chunked_fixations import Pixels, chunk_per_block
 from higvf_interfaces.gaze.fixations import Classified
 from higvf_interfaces.gaze.interface import open_gaze
-from higvf_interfaces.gaze.chunked_fixations import Pixels, chunk_per_block
 from higvf_interfaces.gaze.playback import GazePlayback
 from higvf_interfaces.gaze.prefetch import AHEAD
 from tests.interfaces.formats.xdf_files import Stream, xdf
