@@ -81,7 +81,7 @@ def test_the_scenarios_labels_go_over_the_defaults(write: Write, at: ContextAt) 
     [
         ({"fist": "jump"}, "labels: fist: 'jump' is not an action; known actions: pause, resume, stop, ask_reset"),
         ({"fist": "robot:0"}, "'robot:0' is not an action"),
-        ({True: "pause"}, "True is not a text; put it in quotation marks"),
+        ({True: "pause"}, "True is not text; put it in quotation marks"),
         (["fist"], "labels: ['fist'] is not a mapping"),
     ],
 )

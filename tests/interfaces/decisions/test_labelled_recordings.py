@@ -56,7 +56,7 @@ def test_markers_of_one_table_keep_step_where_its_first_row_is_one(write: Write)
 @pytest.mark.parametrize("begins", [0.0, 2 * DEVICE])
 def test_markers_on_another_clock_are_refused(write: Write, begins: float) -> None:
     marked = write(markers(DEVICE), "marks.csv")
-    with pytest.raises(InputError, match=r"none of its 6 markers .* from 213550\.500 to .*; both files must have one"):
+    with pytest.raises(InputError, match=r"none of its 6 markers .* from 213550\.500 to .*; must use the same clock"):
         starts(write(signal(begins)), {"markers": marked})
 
 
