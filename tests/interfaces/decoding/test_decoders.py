@@ -152,7 +152,7 @@ def test_targets_that_cannot_be_told_apart_are_refused(targets: dict[str, float]
 
 def test_calibration_on_too_little_is_refused_with_what_there_is() -> None:
     windows = EmgFrontEnd(RATE, 50.0).windows(emg())
-    with pytest.raises(InputError, match=r"needs two labels or more with 5 windows .*; it has {'fist': \d+}"):
+    with pytest.raises(InputError, match=r"needs at least two labels with 5 windows .*; it has {'fist': \d+}"):
         fit(windows, CUES[:1])
     with pytest.raises(InputError, match="it has none"):
         fit(windows, [])
@@ -164,7 +164,7 @@ def test_trials_are_spans_or_a_length_behind_each_onset() -> None:
     assert trials_of(pairs, None) == [Trial("0", 1.0, 2.0), Trial("fist", 3.0, 4.0)]
     onsets = [Decision(1.0, "left", None), Decision(4.0, "right", None)]
     assert trials_of(onsets, 2.0) == [Trial("left", 1.0, 3.0), Trial("right", 4.0, 6.0)]
-    with pytest.raises(InputError, match="give trial_s=SECONDS"):
+    with pytest.raises(InputError, match="give the duration of a trial: trial_s=SECONDS"):
         trials_of(onsets, None)
 
 
@@ -222,7 +222,7 @@ def test_flickers_pick_robots(write: Write, at: ContextAt) -> None:
         ({"decoder": "ssvep", "targets": "a@x+b@2"}, "targets: 'a@x+b@2' is not LABEL@HZ"),
         (
             {"decoder": "ssvep", "targets": "a@12+b@15", "rate": "250", "period": "0.004"},
-            "rate and period say the same",
+            "rate and period exclude each other",
         ),
     ],
 )
@@ -244,7 +244,7 @@ def test_calibration_with_other_channels_is_refused(write: Write) -> None:
     calibration = write(table(emg(cues=CUES[:6]), marks), "calibration.csv")
     one: Floats = emg(cues=CUES[:1]).values[:, :1]
     played = write(table(SignalChunk(emg(cues=CUES[:1]).times, one)), "played.csv")
-    with pytest.raises(InputError, match="has 2 channels and the recording 1; choose the same by channels="):
+    with pytest.raises(InputError, match="has 2 channels and the recording 1; choose the same channels by channels="):
         open_emg(InputSpec("emg", played, options={"decoder": "lda", "calibration": calibration}))
 
 

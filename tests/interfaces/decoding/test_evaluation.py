@@ -1,4 +1,4 @@
-"""Decoders are scored by trial, and a signal that cannot carry the task is told so."""
+"""Decoders are scored by trial, and a signal that is unusable for control is reported as such."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -56,9 +56,9 @@ def test_the_interval_of_a_share_is_wilsons() -> None:
 @pytest.mark.parametrize(
     ("labels", "words"),
     [
-        ("aaaaaaaa", "cannot carry the task"),
-        ("babababa", "cannot carry the task"),
-        ("abababab", "Promising, not shown"),
+        ("aaaaaaaa", "unusable for control"),
+        ("babababa", "unusable for control"),
+        ("abababab", "Inconclusive"),
     ],
 )
 def test_a_verdict_is_plain(labels: str, words: str) -> None:
@@ -67,9 +67,9 @@ def test_a_verdict_is_plain(labels: str, words: str) -> None:
 
 def test_a_verdict_weighs_commands_as_well_as_classes() -> None:
     result = scored("abababab")._replace(trials=80, correct=80, reached=70)
-    assert verdict(result) == "The signal carries the task."
+    assert verdict(result) == "The signal suffices for control."
     assert "only 30 of 80 trials gave their command" in verdict(result._replace(reached=30))
-    assert "too weak to steer with" in verdict(result._replace(correct=52))
+    assert "too weak for control" in verdict(result._replace(correct=52))
 
 
 def test_trials_without_a_decision_are_refused() -> None:
@@ -99,7 +99,7 @@ def test_what_is_the_same_in_every_repetition_is_learnt_and_what_is_not_does_not
     assert score_emg(record(trials, [0, 1] * 4), trials, 50.0).accuracy == 1.0
     # An electrode of its own marks each trial: a split that put windows of it on both sides would be always right.
     result = score_emg(record(trials, range(8)), trials, 50.0)
-    assert verdict(result) == "The signal cannot carry the task: this is not better than guessing."
+    assert verdict(result) == "The signal is unusable for control: the accuracy is not above chance."
 
 
 def test_the_figures_of_the_shared_recordings(
@@ -109,8 +109,8 @@ def test_the_figures_of_the_shared_recordings(
     assert main([str(gestures), "decoder=lda,mains=60", "--json"]) == 0
     emg = json.loads(capsys.readouterr().out)
     assert 0.6 < emg["accuracy_by_trial"] < 0.95
-    assert "not firmly" in emg["verdict"]
-    assert "250 Hz hold only a part of surface EMG" in emg["notes"][0]
+    assert "rarely pass the debouncer" in emg["verdict"]
+    assert "250 Hz covers only part of the EMG band" in emg["notes"][0]
     flicker = sample("eeg_ssvep_muse/data_2017-09-14-21.20.04.csv")
     assert main([str(flicker), "decoder=ssvep,targets=1@30+2@20,mains=60,trial_s=3", "--json"]) == 0
     eeg = json.loads(capsys.readouterr().out)
