@@ -154,7 +154,7 @@ def test_live_gaze_without_confidence_in_it_is_lost_gaze(
 
 def test_a_gaze_stream_without_labels_needs_to_be_told_its_channels(lsl: ModuleType) -> None:
     device = Device(lsl, "Gaze", name="bare", rate=120.0, labels=("", ""))
-    with pytest.raises(InputError, match="which channels are gaze"):
+    with pytest.raises(InputError, match="no channels with known gaze labels"):
         open_gaze(InputSpec("gaze", "lsl", {"name": "bare"}))
     with pytest.raises(InputError, match="frame=screen"):
         open_gaze(InputSpec("gaze", "lsl", {"name": "bare", "x": "1", "y": "2"}))
