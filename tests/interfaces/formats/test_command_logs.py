@@ -33,13 +33,13 @@ def test_json_lines_are_read_whatever_the_file_is_called(write: Write) -> None:
 def test_a_torn_json_line_is_left_out_and_said(write: Write) -> None:
     log = read_decisions(write('{"time": 1, "label": "fist"}\n{"time": 2, "la'))
     assert len(log.decisions) == 1
-    assert log.notes == ("1 lines that are not JSON objects left out, the first is line 2",)
+    assert log.notes == ("1 lines that are not JSON objects dropped, first: line 2",)
 
 
 def test_a_torn_row_is_left_out_and_said(write: Write) -> None:
     log = read_decisions(write("time,label,confidence\n1,fist,0.9\n2,op"))
     assert len(log.decisions) == 1
-    assert log.notes == ("the last row is torn: left out",)
+    assert log.notes == ("truncated last row dropped",)
 
 
 def test_entries_out_of_order_are_sorted_and_said(write: Write) -> None:
@@ -69,12 +69,12 @@ def test_a_confidence_that_is_none_is_refused_with_its_row(write: Write, confide
 
 def test_lines_are_counted_as_an_editor_does(write: Write) -> None:
     log = read_decisions(write('\n{"time": 1, "label": "a"}\n\n{"time": 2'))
-    assert log.notes == ("1 lines that are not JSON objects left out, the first is line 4",)
+    assert log.notes == ("1 lines that are not JSON objects dropped, first: line 4",)
 
 
 def test_a_recording_of_the_console_is_referred_to_its_replay(write: Write) -> None:
     file = write('{"recording": 1, "seed": 0}\n{"time": 0.02, "command": {"kind": "stop"}}\n', "run.jsonl")
-    with pytest.raises(InputError, match=r"is a recording of this console; play it by: higvf replay .*run\.jsonl"):
+    with pytest.raises(InputError, match=r"is a recording of this console; play it with: higvf replay .*run\.jsonl"):
         read_decisions(file)
     with pytest.raises(InputError, match="higvf replay"):
         inspect(InputSpec("file", file))
@@ -94,5 +94,5 @@ def test_a_log_without_times_or_labels_is_refused(write: Write) -> None:
         read_decisions(write("time,label\n1,\n"))
     with pytest.raises(InputError, match=r"no label column .*; has: time, what"):
         read_decisions(write("time,what\n1,fist\n"), SignalRequest(format="command-csv"))
-    with pytest.raises(InputError, match=r"not a known format .*command-jsonl.*command-csv"):
+    with pytest.raises(InputError, match=r"unrecognised format.*command-jsonl.*command-csv"):
         read_decisions(write("time,what\n1,fist\n"))

@@ -47,7 +47,7 @@ def test_gaze_on_another_clock_than_the_streams_beside_it_is_told(write: Callabl
     eyes = Stream("Tobii", "Gaze", "g", 100, [9e5 + k / 100 for k in range(50)], [(1.0, 2.0)] * 50, ("x", "y"))
     file = write(xdf(eyes, Stream("Cues", "Markers", "m", 0, [10.0], ["pause"])))
     assert read_gaze(file).notes == (
-        "gaze starts 899990 s behind the earliest stream: perhaps on another clock; shift it by start=",
+        "gaze starts 899990 s after the earliest stream, possibly on another clock; shift it with start=",
     )
 
 
@@ -73,5 +73,5 @@ def test_a_bids_row_without_gaze_keeps_its_place_in_time(tmp_path: Path, lost: s
     gaze = read_gaze(str(path))
     assert gaze.time == pytest.approx(np.arange(10) / 10)
     assert gaze.valid.tolist() == [True] * 3 + [False] * 4 + [True] * 3
-    short = ("4 rows with too few cells are missing gaze",)
+    short = ("4 rows with too few cells: gaze missing",)
     assert gaze.notes == (() if "\t" in lost else short)

@@ -34,14 +34,14 @@ def test_a_hole_stays_a_hole_but_a_long_one_is_shortened() -> None:
     steps = np.diff(times)
     assert steps[1999] == pytest.approx(2.0, abs=0.01)
     assert steps[3999] == pytest.approx(10.0, abs=0.01)
-    assert clock.notes() == ["2 holes, the longest 300.0 s, cut to 10 s"]
+    assert clock.notes() == ["2 gaps, the longest 300.0 s, shortened to 10 s"]
 
 
 def test_a_clock_that_is_set_back_is_joined_on() -> None:
     clock = SampleClock(RATE)
     times = smoothed(floats(TRUE - 100.0 * (np.arange(5000) >= 2000)), clock)
     assert times == pytest.approx(TRUE, abs=0.01)
-    assert clock.notes() == ["the clock was set back 1 times: joined on"]
+    assert clock.notes() == ["1 steps back of the clock joined"]
 
 
 def test_missing_stamps_are_bridged_at_the_nominal_rate() -> None:
