@@ -154,7 +154,7 @@ def test_emulated_gaze_is_opened_by_its_options(write: Write, at: ContextAt) -> 
         ({"confusion": 1.5}, "confusion: 1.5 is not a number from 0 to 1"),
         (
             {"confusion": {"left": {"right": 1.2}}},
-            "confusion: left: {'right': 1.2} is not a mapping from labels to shares",
+            "confusion: left: {'right': 1.2} is not a mapping from labels to probabilities",
         ),
         ({"confusion": {"left": 0.5}}, "confusion: left: 0.5 is not a mapping"),
         ({"latency": -1}, "latency: -1 is not a number from 0 to 60 s"),
