@@ -195,7 +195,7 @@ def test_a_packed_table_that_is_damaged_later_gives_its_readable_part_and_says_s
     assert rows - 2 <= len(samples.times) <= rows
     assert samples.times == pytest.approx(np.arange(len(samples.times)) / 100)
     (note,) = record.notes
-    assert note.startswith("the readable part is used: ")
+    assert note.startswith("only the readable part is used: ")
     log = read_decisions(file)
     assert (len(log.decisions), log.notes) == (1, (note,))
 
