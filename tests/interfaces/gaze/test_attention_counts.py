@@ -1,4 +1,4 @@
-"""What was looked at adds up to the time that gaze was seen, by where things were when they were looked at."""
+"""Attention counts sum to the gaze time, by the positions of the targets at each fixation."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def looked(
         counts.look(float(time), point, targets)
 
 
-def test_the_heat_is_the_time_of_gaze_where_it_was() -> None:
+def test_the_heat_map_holds_the_gaze_time_by_place() -> None:
     counts = AttentionCounts(ARENA)
     looked(counts, at(500, 690))
     looked(counts, at(-90, 10), start=1.0, end=1.5)
@@ -42,13 +42,13 @@ def test_the_heat_is_the_time_of_gaze_where_it_was() -> None:
     assert report.heat[-2:, :2].sum() == pytest.approx(0.5)
 
 
-def test_nothing_is_told_before_gaze_is_seen() -> None:
+def test_there_is_no_report_before_the_first_gaze_sample() -> None:
     counts = AttentionCounts(ARENA)
     looked(counts, None)
     assert counts.report() is None
 
 
-def test_fixations_are_spent_on_fires_robots_and_elsewhere() -> None:
+def test_fixation_time_is_counted_by_fire_by_robot_and_elsewhere() -> None:
     counts = AttentionCounts(ARENA)
     targets = Targets(FIRES, RADIUS, floats([[500, 140], [900, 600]]))
     looked(counts, at(0, 0), targets, end=4.0)
@@ -69,7 +69,7 @@ def test_fixations_are_spent_on_fires_robots_and_elsewhere() -> None:
     assert 0.0 <= report.transition_entropy <= 1.0
 
 
-def test_a_robot_counts_where_it_was_in_the_middle_of_the_fixation() -> None:
+def test_a_robot_counts_at_its_position_in_the_middle_of_the_fixation() -> None:
     counts = AttentionCounts(ARENA)
     here, there = (Targets(FIRES, RADIUS, floats([point])) for point in ([300, 400], [800, 400]))
     looked(counts, at(300, 400), here, end=1.0)
@@ -82,7 +82,7 @@ def test_a_robot_counts_where_it_was_in_the_middle_of_the_fixation() -> None:
     assert report.elsewhere == pytest.approx(0.4)
 
 
-def test_a_fire_that_is_added_later_leaves_the_others_their_time() -> None:
+def test_an_added_fire_does_not_change_the_times_of_others() -> None:
     counts = AttentionCounts(ARENA)
     looked(counts, at(0, 0))
     counts.fixate(Fixation(0.2, 0.6, at(100, 100)), DEGREE)

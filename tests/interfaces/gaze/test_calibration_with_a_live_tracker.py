@@ -1,4 +1,4 @@
-"""A live tracker that is off is put right by looking at five targets; its gaze lands where the eye is from then on."""
+"""Fixating five targets corrects a live tracker with a constant error."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +20,7 @@ OFF = np.array([40.0, 25.0])  # of the tracker [px]
 
 
 class Eye:
-    """A tracker on the loopback whose gaze is off; its clock runs as fast as a test wants."""
+    """A tracker on the loopback interface with a constant gaze error and a clock set by the test."""
 
     def __init__(self, lsl: ModuleType, name: str) -> None:
         self._device = Device(lsl, "Gaze", name=name, rate=RATE, labels=("x", "y"), unit="pixels")
@@ -28,7 +28,7 @@ class Eye:
         self.consumed = self._device.consumed
 
     def rest(self, gaze: GazeReplay, at: ContextAt, ground: Floats) -> None:
-        """Rests on a ground point until the next target, or none, is to be looked at."""
+        """Fixates a ground point until the next target, or none, is shown."""
         x, y = fit(InputSpec("gaze").arena, 1920, 1080).to_screen(floats(ground, 1, 2))[0] + OFF
         number = gaze.capture_report().number
 
@@ -42,7 +42,7 @@ class Eye:
         until(done)
 
 
-def test_a_calibration_that_is_captured_live_is_used_at_once(
+def test_a_live_calibration_takes_effect_at_once(
     lsl: ModuleType, at: ContextAt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -74,7 +74,7 @@ def test_a_calibration_that_is_captured_live_is_used_at_once(
     again.close()
 
 
-def test_a_recording_refuses_to_be_calibrated(write: Callable[..., str], at: ContextAt) -> None:
+def test_a_recording_refuses_a_live_calibration(write: Callable[..., str], at: ContextAt) -> None:
     rows = "".join(f"{k / 100},5,5\n" for k in range(100))
     gaze = open_gaze(InputSpec("gaze", write("time,x,y\n" + rows), {"frame": "arena"}))
     gaze.begin_capture()

@@ -1,4 +1,4 @@
-"""A calibration is made by looking: five rests of the eye, and nothing but rests."""
+"""A live calibration needs a fixation of each of five targets."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -38,7 +38,7 @@ def rest(point: Floats, seconds: float) -> Floats:
 
 
 def look_round(calibration: LiveCalibration, points: Floats) -> Calibration | None:
-    """Rests on each point until the next target is shown."""
+    """Fixates each point until the next target is shown."""
     clock = 0.0
     for number, point in enumerate(points, start=1):
         for block in samples(rest(point, 4.0), clock):
@@ -51,7 +51,7 @@ def look_round(calibration: LiveCalibration, points: Floats) -> Calibration | No
     return None
 
 
-def test_resting_on_every_target_makes_a_map_that_is_stored_and_read_back() -> None:
+def test_fixating_every_target_gives_a_calibration_that_is_stored() -> None:
     calibration = LiveCalibration(ARENA, SCREEN, 38.0)
     calibration.begin()
     made = look_round(calibration, floats(LOOKED))
@@ -65,7 +65,7 @@ def test_resting_on_every_target_makes_a_map_that_is_stored_and_read_back() -> N
     assert (again.screen, again.made) == (SCREEN, made.made)
 
 
-def test_a_target_waits_for_the_eye_to_travel_and_to_rest() -> None:
+def test_a_target_needs_travel_time_and_a_fixation() -> None:
     calibration = LiveCalibration(ARENA, SCREEN, 38.0)
     calibration.begin()
     blocks = samples(rest(floats(LOOKED[0]), 3.0), 5.0)
@@ -76,7 +76,7 @@ def test_a_target_waits_for_the_eye_to_travel_and_to_rest() -> None:
     assert [share for _, share in shares] == sorted(share for _, share in shares)
 
 
-def test_a_glance_away_begins_the_rest_anew_and_a_blink_does_not() -> None:
+def test_a_glance_away_restarts_the_fixation_and_a_blink_does_not() -> None:
     def needed(between: Floats) -> float:
         calibration = LiveCalibration(ARENA, SCREEN, 38.0)
         calibration.begin()
@@ -92,7 +92,7 @@ def test_a_glance_away_begins_the_rest_anew_and_a_blink_does_not() -> None:
     assert needed(glance) > TRAVEL + 0.5 + 0.2 + REST - 0.1
 
 
-def test_escape_gives_it_up_and_leaves_no_file(tmp_path: Path) -> None:
+def test_cancelling_leaves_no_file(tmp_path: Path) -> None:
     calibration = LiveCalibration(ARENA, SCREEN, 38.0)
     calibration.begin()
     for block in samples(rest(floats(LOOKED[0]), 1.2), 0.0):
@@ -105,14 +105,14 @@ def test_escape_gives_it_up_and_leaves_no_file(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_eyes_that_never_leave_one_place_make_no_map() -> None:
+def test_gaze_that_stays_in_one_place_fails_to_calibrate() -> None:
     calibration = LiveCalibration(ARENA, SCREEN, 38.0)
     calibration.begin()
     assert look_round(calibration, floats([[960, 540]] * COUNT)) is None
     assert calibration.report().outcome.startswith("Failed: calibration:")
 
 
-def test_a_file_that_cannot_be_written_is_said_and_the_map_is_used(
+def test_a_calibration_that_cannot_be_written_is_used_and_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def elsewhere(path: Path) -> Path:

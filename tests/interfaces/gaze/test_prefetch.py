@@ -1,4 +1,4 @@
-"""A recording is read a block a poll, whatever it holds, also when it is played again."""
+"""A poll reads at most one block of a recording, in the first play and in replays."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -23,7 +23,7 @@ PERIOD = 0.02
 
 
 class Recording:
-    """Gaze to and fro, but for a stare from 20 s to 40 s; counts what is read of it."""
+    """Gaze that alternates between two points, except for a fixation from 20 s to 40 s; counts the blocks read."""
 
     def __init__(self, first: float = 0.0, last: float = 60.0) -> None:
         self.time = floats(np.arange(first, last, 1 / RATE))
@@ -42,7 +42,7 @@ class Recording:
             yield Pixels(time, floats(points), bools(np.ones(len(time))))
 
     def played(self, playback: GazePlayback, until: float) -> tuple[list[float], int]:
-        """When fixations ended, and the most blocks that one poll read."""
+        """Return the ends of the fixations and the largest number of blocks read in one poll."""
         ended: list[float] = []
         most = 0
         for tick in range(round(until / PERIOD)):
@@ -52,7 +52,7 @@ class Recording:
         return ended, most
 
 
-def test_no_poll_reads_more_than_a_block_and_a_second_play_is_like_the_first() -> None:
+def test_a_poll_reads_at_most_one_block_and_replays_are_equal() -> None:
     recording = Recording()
     playback = GazePlayback(recording.chunks)
     first, again, broken_off, last = (recording.played(playback, until) for until in (62.0, 62.0, 3.0, 62.0))
@@ -62,7 +62,7 @@ def test_no_poll_reads_more_than_a_block_and_a_second_play_is_like_the_first() -
     assert np.diff(first[0]).max() == pytest.approx(20, abs=1), "the stare"
 
 
-def test_what_lies_before_the_run_is_passed_over_when_the_recording_is_opened() -> None:
+def test_samples_before_the_run_are_skipped_when_the_recording_is_opened() -> None:
     recording = Recording(first=-15.0)
     playback = GazePlayback(recording.chunks)
     assert playback.first_time == -15.0
