@@ -40,7 +40,7 @@ class DecoderFeed:
 
         The chunks before session time 0 may last minutes; they are decoded here, once for all replays.
         """
-        self._record, self._start, self._said = record, start, tuple(notes)
+        self._record, self._start, self._decoder_notes = record, start, tuple(notes)
         self.labels: Sequence[str] = decoder.labels
         self._skipped = 0
         for chunk in takewhile(lambda chunk: chunk.times[-1] + start < 0, record.chunks()):
@@ -52,7 +52,7 @@ class DecoderFeed:
     @property
     def notes(self) -> Sequence[str]:
         """Notes on the decoder's calibration and the repairs of the recording."""
-        return (*self._said, *self._record.notes)
+        return (*self._decoder_notes, *self._record.notes)
 
     @property
     def started(self) -> bool:

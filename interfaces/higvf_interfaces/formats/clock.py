@@ -7,7 +7,7 @@ import numpy as np
 
 from higvf_console.core.arrays import Floats, Ints, floats, ints
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.records import MAX_HOLE, log_start
+from higvf_interfaces.formats.records import MAX_GAP, log_start
 
 _SAME_TIME = 1e-5  # samples closer in time are duplicates [s]
 _RESTART = 1.0  # a larger step back is a clock restart, a smaller one a row out of order [s]
@@ -18,21 +18,21 @@ _COARSEST = (("s", 0.5), ("ms", 500.0), ("μs", 5e5))  # upper bound of the time
 class GazeClock:
     """Repairs device times: drops rows without time or out of order, joins clock restarts, shortens long gaps."""
 
-    def __init__(self, path: Path, start: float | None, longest_hole: float = MAX_HOLE) -> None:
+    def __init__(self, path: Path, start: float | None, longest_gap: float = MAX_GAP) -> None:
         """Start at the beginning of a recording.
 
         Args:
             path: path of the file, for messages.
             start: session time of the first sample [s]; None means its own time if below one hour, otherwise 0.
-            longest_hole: longer gaps are shortened to this [s].
+            longest_gap: longer gaps are shortened to this [s].
         """
         self._path = path
-        self._start, self._limit = start, longest_hole
+        self._start, self._limit = start, longest_gap
         self._raw = math.nan  # newest device time [s]
         self._now = 0.0  # the same instant on the repaired clock [s]
         self._reached = -np.inf  # newest time kept [s]
         self._step = _USUAL_STEP
-        self._untimed = self._restarts = self._holes = self._late = 0
+        self._untimed = self._restarts = self._gaps = self._late = 0
         self._longest = 0.0
         self.epoch = 0.0  # device time at time 0 [s]
 
@@ -73,27 +73,27 @@ class GazeClock:
     @property
     def notes(self) -> tuple[str, ...]:
         """Repairs so far."""
-        said = (
+        repairs = (
             (self._untimed, f"{self._untimed} rows without a time dropped"),
             (self._restarts, f"{self._restarts} clock restarts joined"),
-            (self._holes, f"{self._holes} gaps shortened to {self._limit:.0f} s, the longest {self._longest:.0f} s"),
+            (self._gaps, f"{self._gaps} gaps shortened to {self._limit:.0f} s, the longest {self._longest:.0f} s"),
             (self._late, f"{self._late} rows out of order or duplicate dropped"),
         )
-        return tuple(text for count, text in said if count)
+        return tuple(text for count, text in repairs if count)
 
     def _steps(self, raw: Floats) -> Floats:
         with np.errstate(over="ignore"):  # an extreme time gives an infinite step, which is repaired below
             steps = np.diff(raw, prepend=self._raw)
-        forward = steps[(steps > 0) & (steps <= MAX_HOLE)]
+        forward = steps[(steps > 0) & (steps <= MAX_GAP)]
         self._step = float(np.median(forward)) if len(forward) else self._step
         restarts = steps < -_RESTART
         steps[restarts] = self._step
-        holes = steps > self._limit
-        if holes.any():
-            self._longest = max(self._longest, float(steps[holes].max()))
-            steps[holes] = self._limit
+        gaps = steps > self._limit
+        if gaps.any():
+            self._longest = max(self._longest, float(steps[gaps].max()))
+            steps[gaps] = self._limit
         self._restarts += int(np.count_nonzero(restarts))
-        self._holes += int(np.count_nonzero(holes))
+        self._gaps += int(np.count_nonzero(gaps))
         return floats(steps)
 
 

@@ -59,8 +59,8 @@ def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
     entries: list[_Entry] = []
     notes: list[str] = []
     for index, row in enumerate(file.rows(notes), start=1):
-        said = as_label(cell(row, label)), cell(row, confidence)
-        entries.append(_Entry(f"row {index}", seconds(cell(row, time)), *said))
+        content = as_label(cell(row, label)), cell(row, confidence)
+        entries.append(_Entry(f"row {index}", seconds(cell(row, time)), *content))
     return _log(file, entries, CSV_NAME, notes, period)
 
 

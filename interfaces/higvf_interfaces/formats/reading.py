@@ -22,7 +22,7 @@ from higvf_interfaces.formats.gaze import (
     tobii_research,
 )
 from higvf_interfaces.formats.gaze import plain as gaze_csv
-from higvf_interfaces.formats.records import ANYTHING, MAX_HOLE, GazeBlock, GazeRecording, GazeStream, Wanted
+from higvf_interfaces.formats.records import ANYTHING, MAX_GAP, GazeBlock, GazeRecording, GazeStream, Wanted
 from higvf_interfaces.formats.text import TextFile, look
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 
@@ -93,7 +93,7 @@ class GazeFile:
         """Wrap the stream of a format."""
         self.stream = stream
         self._path = path
-        self._clock = GazeClock(path, stream.start, math.inf if stream.in_step else MAX_HOLE)
+        self._clock = GazeClock(path, stream.start, math.inf if stream.in_step else MAX_GAP)
 
     def blocks(self) -> Iterator[GazeBlock]:
         """Yield the samples once, at strictly increasing times; a file damaged later on yields its readable part.

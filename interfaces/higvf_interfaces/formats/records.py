@@ -15,7 +15,7 @@ FRAMES = ("arena", "screen", "unit")
 SCENE_FRAMES = {"scene": "screen", "scene-unit": "unit"}  # frame of a head-mounted camera -> frame it may be read as
 TOP_LEFT, BOTTOM_LEFT = "top left", "bottom left"
 ORIGINS = (TOP_LEFT, BOTTOM_LEFT)
-MAX_HOLE = 10.0  # longer gaps between samples are shortened to this [s]
+MAX_GAP = 10.0  # longer gaps between samples are shortened to this [s]
 EPOCH_FROM = 3600.0  # a log that starts later counts from an epoch, not from the start of a run [s]
 BLOCK = 256  # samples read at once; bounds the memory and the time of one poll
 
@@ -128,10 +128,10 @@ def blocks_of(rows: Iterable[Row]) -> Iterator[GazeBlock]:
         yield block_of(table[:, 0], table[:, 1:3], bools(table[:, 3] > 0), table[:, 4])
 
 
-def block_of(time: Floats, points: Floats, vouched: Bools, confidence: Floats | None = None) -> GazeBlock:
+def block_of(time: Floats, points: Floats, valid: Bools, confidence: Floats | None = None) -> GazeBlock:
     """Make a block; a sample without finite coordinates is invalid."""
     known = np.full(len(time), np.nan) if confidence is None else floats(confidence)
-    return GazeBlock(floats(time), floats(points), bools(vouched & np.isfinite(points).all(axis=1)), known)
+    return GazeBlock(floats(time), floats(points), bools(valid & np.isfinite(points).all(axis=1)), known)
 
 
 class Decision(NamedTuple):

@@ -151,8 +151,8 @@ def read_calibration(path: Path) -> Calibration:
 def _made(path: Path, fields: Fields) -> str:
     """Return the time stored in the file, or its modification time."""
     if fields.has("made"):
-        said = fields.values["made"]
-        return said.isoformat() if isinstance(said, date) else str(said)
+        made = fields.values["made"]
+        return made.isoformat() if isinstance(made, date) else str(made)
     return datetime.fromtimestamp(path.stat().st_mtime).astimezone().isoformat(timespec="seconds")
 
 

@@ -62,7 +62,7 @@ class ConversionPreview:
         self._fixated = 0.0
         self._stages = dict.fromkeys(("with short gaps filled", "without the sides of blinks", "fixating"), 0)
         self._open: Stroke | None = None
-        self._told: list[Stroke] = []
+        self._listed: list[Stroke] = []
 
     def add(self, chunk: Classified) -> None:
         """Add the next chunk."""
@@ -79,8 +79,8 @@ class ConversionPreview:
         """End the current stroke."""
         if self._open is not None and self._open.fixations >= _FEWEST:
             self._strokes += 1
-            if len(self._told) < _STROKES_LISTED:
-                self._told.append(self._open)
+            if len(self._listed) < _STROKES_LISTED:
+                self._listed.append(self._open)
         self._open = None
 
     @property
@@ -103,7 +103,7 @@ class ConversionPreview:
         return {
             **self._stages,
             "fixations": self._fixations,
-            "strokes": [self._path_of(stroke) for stroke in self._told],
+            "strokes": [self._path_of(stroke) for stroke in self._listed],
         }
 
     def picture(self) -> NDArray[np.uint8]:
@@ -112,7 +112,7 @@ class ConversionPreview:
         opacity = heat[:, :, 3:] / 255
         picture = np.ascontiguousarray(_PAPER * (1 - opacity) + heat[:, :, :3] * opacity, dtype=np.uint8)
         corner = np.array([self._arena.x_min, self._arena.y_max])
-        for stroke in self._told:
+        for stroke in self._listed:
             pixels = (stroke.centroids - corner) * np.array([1, -1]) * _WIDTH / self._arena.width
             for x, y in pixels[np.isfinite(pixels).all(axis=1)].tolist():
                 cv2.circle(picture, (round(x), round(y)), _DOT, _INK, -1, cv2.LINE_AA)

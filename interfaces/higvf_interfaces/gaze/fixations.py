@@ -144,8 +144,8 @@ def cut_blinks(time: Floats, seen: Bools, longest_filled: float, margin: float) 
     A gap is a run of unseen samples, or a gap in time longer than `longest_filled` [s].
     """
     lost = time[~seen]
-    hole = np.flatnonzero(np.diff(time) > longest_filled)
-    edges = np.sort(np.concatenate([lost, time[hole] + 1e-9, time[hole + 1] - 1e-9]))
+    gap = np.flatnonzero(np.diff(time) > longest_filled)
+    edges = np.sort(np.concatenate([lost, time[gap] + 1e-9, time[gap + 1] - 1e-9]))
     if not len(edges):
         return seen
     right = np.searchsorted(edges, time)

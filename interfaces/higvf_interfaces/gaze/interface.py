@@ -153,8 +153,8 @@ class GazeReplay:
             return ChannelHealth(ChannelState.NEVER_SEEN, f"starts at {self._playback.first_time:.1f} s; {detail}")
         if self._playback.ended:
             return ChannelHealth(ChannelState.ENDED, f"replayed to its end; {detail}")
-        hole = now - self._playback.time > LOST
-        return ChannelHealth(ChannelState.STALE if hole else ChannelState.LIVE, detail)
+        gap = now - self._playback.time > LOST
+        return ChannelHealth(ChannelState.STALE if gap else ChannelState.LIVE, detail)
 
     def close(self) -> None:
         """Stop reading a live stream; files are closed as soon as they are read."""

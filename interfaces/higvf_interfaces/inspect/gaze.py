@@ -43,7 +43,7 @@ def describe(request: Request) -> Mapping[str, object]:
     if request.plot is not None:
         write_picture(request.plot, preview.picture())
     recorded = {"recorded": counts.samples, "valid": counts.valid, "trusted and on the screen": counts.usable}
-    told: dict[str, object] = {"steps": {**recorded, **preview.steps()}} if request.steps else {}
+    steps: dict[str, object] = {"steps": {**recorded, **preview.steps()}} if request.steps else {}
     stream = source.file.stream
     return description(
         format_name=stream.format,
@@ -61,7 +61,7 @@ def describe(request: Request) -> Mapping[str, object]:
         screen_px=[source.screen.shown.width_px, source.screen.shown.height_px],
         epoch_s=source.file.epoch,
         becomes=preview.summary,
-        **told,
+        **steps,
         warnings=source.notes,
     )
 

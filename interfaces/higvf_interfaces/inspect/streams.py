@@ -19,7 +19,7 @@ def describe(request: Request, reason: str = "") -> Mapping[str, object]:
         InputError: If the file is damaged.
     """
     found = survey(request.file.path)
-    torn = ("the file is truncated: only its readable part is counted",) if found.torn else ()
+    truncated = ("the file is truncated: only its readable part is counted",) if found.truncated else ()
     return description(
         format_name=gaze_xdf.NAME,
         kind="streams",
@@ -27,7 +27,7 @@ def describe(request: Request, reason: str = "") -> Mapping[str, object]:
         samples=sum(stream.samples for stream in found.streams),
         duration=None,
         warnings=(
-            *torn,
+            *truncated,
             *([reason] if reason else []),
             f"no stream is of type {' or '.join(gaze_xdf.TYPES)}; to read another stream as gaze, give stream= "
             "(name, type, source id or number) with x= and y= (labels or numbers of its channels)",

@@ -85,7 +85,7 @@ class LiveDecoderFeed:
 
     def __init__(self, reader: LslReader, decoder: Decoder, columns: Sequence[int], notes: Sequence[str]) -> None:
         """Pass the channels `columns` of a stream to `decoder`."""
-        self.reader, self._decoder, self._columns, self._said = reader, decoder, list(columns), tuple(notes)
+        self.reader, self._decoder, self._columns, self._decoder_notes = reader, decoder, list(columns), tuple(notes)
         self.labels: Sequence[str] = decoder.labels
         self._clock = _SessionClock()
         self._latest, self._lost, self._count = -math.inf, 0, 0
@@ -93,7 +93,7 @@ class LiveDecoderFeed:
     @property
     def notes(self) -> Sequence[str]:
         """Notes on the decoder's calibration and on the stream."""
-        return (*self._said, *self.reader.notes)
+        return (*self._decoder_notes, *self.reader.notes)
 
     @property
     def started(self) -> bool:

@@ -101,13 +101,13 @@ def _blocks(parts: list[_Part], types: np.dtype[Any], blinks: NDArray[np.int64],
                 gaze = np.fromfile(part.raw, types, count, offset=first * types.itemsize)
                 time = np.fromfile(part.time, _NANOSECONDS, count, offset=first * _NANOSECONDS.itemsize)
                 count = min(len(gaze), len(time))
-                open_eyed = ~_shut(time[:count], blinks)
+                valid = ~_shut(time[:count], blinks)
                 if part.worn is not None:
-                    open_eyed &= np.fromfile(part.worn, _WORN, count, offset=first) > 0
+                    valid &= np.fromfile(part.worn, _WORN, count, offset=first) > 0
                 with np.errstate(invalid="ignore"):  # damaged data may contain signalling NaNs
                     points = np.stack([gaze["x"][:count], gaze["y"][:count]], axis=1).astype(np.float64)
                 points[~np.isfinite(points)] = np.nan
-                yield block_of(floats((time[:count] - epoch) * 1e-9), floats(points), bools(open_eyed))
+                yield block_of(floats((time[:count] - epoch) * 1e-9), floats(points), bools(valid))
     except (OSError, ValueError) as problem:
         raise InputError(f"{parts[0].raw.parent}: cannot be read: {problem}") from problem
 

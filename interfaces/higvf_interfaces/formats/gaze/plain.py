@@ -48,9 +48,9 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
 
     def rows() -> Iterator[Row]:
         for row in file.rows(notes):
-            vouched = not says_no(cell(row, validity))
+            valid = not says_no(cell(row, validity))
             point = number(cell(row, x)), number(cell(row, y))
-            yield seconds(cell(row, time)), *point, vouched, number(cell(row, confidence))
+            yield seconds(cell(row, time)), *point, valid, number(cell(row, confidence))
 
     return GazeStream(
         format=NAME,

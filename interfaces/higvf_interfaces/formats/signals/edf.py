@@ -108,7 +108,7 @@ def _load(path: Path) -> _Content:
     version = _version(path)
     if version not in (_EDF, _BDF):
         raise InputError(f"{path}: is neither an EDF nor a BDF file")
-    with warnings.catch_warnings(record=True) as said:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             data = edfio.read_bdf(path) if version == _BDF else edfio.read_edf(path)
@@ -117,7 +117,7 @@ def _load(path: Path) -> _Content:
             raise InputError(f"{path}: the file cannot be read: {str(problem)[:200]}") from problem
     if not continuous:
         raise InputError(f"{path}: the recording has gaps (EDF+D), which is not supported; export it as EDF+C")
-    cut = [f"the recording was cut off: {warning.message}" for warning in said if "records" in str(warning.message)]
+    cut = [f"the recording was cut off: {warning.message}" for warning in caught if "records" in str(warning.message)]
     return _Content(data, cut)
 
 

@@ -38,15 +38,15 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
     names = tuple(f"EMG{k}" for k in range(1, _CHANNELS + 1))
 
     def rows(notes: list[str]) -> Iterator[list[str]]:
-        torn = 0
+        dropped = 0
         for line in file.lines():
             row = _cells(file, line)
             if _is_sample(row):
                 yield row
             else:
-                torn += 1
-        if torn:
-            notes.append(f"{torn} rows that are not eight signed bytes dropped")
+                dropped += 1
+        if dropped:
+            notes.append(f"{dropped} rows that are not eight signed bytes dropped")
 
     table = SampleTable(
         path=file.path,

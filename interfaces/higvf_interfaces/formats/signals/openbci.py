@@ -80,16 +80,16 @@ def _table(file: TextFile) -> SampleTable:
 
 
 def _rows(file: TextFile, titled: bool, width: int, notes: list[str]) -> Iterator[list[str]]:
-    torn = 0
+    dropped = 0
     samples = (line for line in file.lines() if not line.startswith("%"))
     for line in islice(samples, int(titled), None):
         row = _cells(line)
         if len(row) == width:
             yield row
         else:
-            torn += 1
-    if torn:
-        notes.append(f"{torn} truncated rows dropped")
+            dropped += 1
+    if dropped:
+        notes.append(f"{dropped} truncated rows dropped")
 
 
 def _cells(line: str) -> list[str]:

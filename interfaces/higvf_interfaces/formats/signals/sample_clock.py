@@ -6,13 +6,13 @@ Time stamps of a radio link come in bursts, repeat and run backwards, although t
 
 follows the drift of the stamps but not their jitter; d is 1, or more if a sample counter shows lost packets. A stamp
 that deviates by more than `GAP` marks a gap in the recording or a clock that was set: the loop restarts there, and a
-gap longer than `MAX_HOLE` is shortened to it.
+gap longer than `MAX_GAP` is shortened to it.
 """
 
 import numpy as np
 
 from higvf_console.core.arrays import Floats
-from higvf_interfaces.formats.records import MAX_HOLE
+from higvf_interfaces.formats.records import MAX_GAP
 
 GAP = 0.5  # a larger deviation of a stamp from its expected time is a gap [s]
 _GAIN = 0.01  # gain of the loop per sample
@@ -45,7 +45,7 @@ class SampleClock:
         self._period = 1.0 / rate
         self._origin = np.nan  # offset subtracted from the stamps; changes with every repair
         self._last = 0.0
-        self._holes: list[float] = []
+        self._gaps: list[float] = []
         self._set_back = 0
 
     def times(self, stamps: Floats, steps: Floats) -> Floats:
@@ -85,8 +85,8 @@ class SampleClock:
 
     def _jump(self, raw: float, expected: float) -> None:
         if raw > expected:
-            self._holes.append(raw - expected)
-            self._last += min(raw - self._last, MAX_HOLE)
+            self._gaps.append(raw - expected)
+            self._last += min(raw - self._last, MAX_GAP)
         else:
             self._set_back += 1  # joined, because times must increase
             self._last = expected
@@ -94,10 +94,10 @@ class SampleClock:
 
     def notes(self) -> list[str]:
         """Return the repairs so far."""
-        said: list[str] = []
-        if self._holes:
-            cut = f", shortened to {MAX_HOLE:.0f} s" if max(self._holes) > MAX_HOLE else ""
-            said.append(f"{len(self._holes)} gaps, the longest {max(self._holes):.1f} s{cut}")
+        repairs: list[str] = []
+        if self._gaps:
+            cut = f", shortened to {MAX_GAP:.0f} s" if max(self._gaps) > MAX_GAP else ""
+            repairs.append(f"{len(self._gaps)} gaps, the longest {max(self._gaps):.1f} s{cut}")
         if self._set_back:
-            said.append(f"{self._set_back} steps back of the clock joined")
-        return said
+            repairs.append(f"{self._set_back} steps back of the clock joined")
+        return repairs

@@ -108,8 +108,8 @@ def _timing(table: SampleTable, given: float | None, notes: list[str]) -> tuple[
     if not head:
         raise InputError(f"{table.path}: the {table.format} table has no samples")
     stamps = _stamps(table, head)
-    told = estimate_rate(stamps)
-    rate = (table.rate or told) if np.isfinite(told) else (given or table.rate or told)
+    measured = estimate_rate(stamps)
+    rate = (table.rate or measured) if np.isfinite(measured) else (given or table.rate or measured)
     if not LOWEST_RATE <= rate <= HIGHEST_RATE:
         raise InputError(
             f"{table.path}: the file has neither times nor a sampling rate; give rate=HZ (or period=SECONDS), "

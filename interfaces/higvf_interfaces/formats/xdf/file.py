@@ -59,7 +59,7 @@ class Survey(NamedTuple):
     """The streams of a file, and whether it ends within a chunk."""
 
     streams: tuple[XdfStream, ...]
-    torn: bool
+    truncated: bool
 
 
 def matches(file: TextFile) -> bool:
@@ -76,7 +76,7 @@ def survey(path: Path) -> Survey:
     streams: dict[int, XdfStream] = {}
     samples: Counter[int] = Counter()
     closed: set[int] = set()
-    torn = False
+    truncated = False
     try:
         size = path.stat().st_size
         with path.open("rb") as file:
@@ -85,7 +85,7 @@ def survey(path: Path) -> Survey:
             while file.tell() < size:
                 chunk = _next_chunk(file, size)
                 if chunk is None:
-                    torn = True
+                    truncated = True
                     break
                 tag, end = chunk
                 number = int.from_bytes(file.read(4), "little") if tag in (_HEADER, _SAMPLES, _FOOTER) else 0
@@ -98,10 +98,10 @@ def survey(path: Path) -> Survey:
                 file.seek(end)
     except OSError as problem:
         raise InputError(f"{path}: cannot be read: {problem}") from problem
-    if torn and not streams:
+    if truncated and not streams:
         raise InputError(f"{path}: the XDF file cannot be read: it ends before its first stream")
     counted = (s._replace(samples=samples[number], closed=number in closed) for number, s in streams.items())
-    return Survey(tuple(counted), torn)
+    return Survey(tuple(counted), truncated)
 
 
 def choose(
@@ -138,8 +138,8 @@ def choose(
 
 def channel_texts(header: ET.Element, key: str, count: int) -> list[str]:
     """Return an entry of the header, such as `label`, for each of `count` channels; empty where missing."""
-    said = [(channel.findtext(key) or "").strip() for channel in header.findall("desc/channels/channel")[:count]]
-    return said + [""] * (count - len(said))
+    texts = [(channel.findtext(key) or "").strip() for channel in header.findall("desc/channels/channel")[:count]]
+    return texts + [""] * (count - len(texts))
 
 
 def _handles(stream: XdfStream) -> set[str]:
@@ -168,13 +168,13 @@ def _header(path: Path, file: IO[bytes], number: int, end: int) -> XdfStream:
         raise InputError(f"{path}: the header of stream {number} has an invalid length, {length} bytes")
     try:
         header = ET.fromstring(file.read(length).decode("utf-8", errors="replace"))
-        channels, rate = int(_said(header, "channel_count") or 0), float(_said(header, "nominal_srate") or 0)
+        channels, rate = int(_text(header, "channel_count") or 0), float(_text(header, "nominal_srate") or 0)
     except (ET.ParseError, ValueError) as problem:
         raise InputError(f"{path}: the header of stream {number} is damaged: {problem}") from problem
     if not 0 < channels <= 100_000 or not np.isfinite(rate) or rate < 0:
         raise InputError(f"{path}: stream {number} declares {channels} channels at {rate:g} Hz: the file is damaged")
-    info = StreamInfo(_said(header, "name"), _said(header, "type"), _said(header, "source_id"), channels, rate)
-    return XdfStream(number, info, header, _said(header, "channel_format") == "string")
+    info = StreamInfo(_text(header, "name"), _text(header, "type"), _text(header, "source_id"), channels, rate)
+    return XdfStream(number, info, header, _text(header, "channel_format") == "string")
 
 
 def _count(path: Path, file: IO[bytes], end: int) -> int:
@@ -187,5 +187,5 @@ def _count(path: Path, file: IO[bytes], end: int) -> int:
     return samples
 
 
-def _said(header: ET.Element, key: str) -> str:
+def _text(header: ET.Element, key: str) -> str:
     return (header.findtext(key) or "").strip()

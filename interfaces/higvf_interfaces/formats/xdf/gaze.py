@@ -77,7 +77,7 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
     samples = load(file.path, chosen, found.streams)
     values = floats(samples.values)
     start = _first(samples.time) - samples.earliest
-    notes = ["the file is truncated: only its readable part is used"] if found.torn else []
+    notes = ["the file is truncated: only its readable part is used"] if found.truncated else []
     if start >= EPOCH_FROM:
         notes.append(
             f"gaze starts {start:.0f} s after the earliest stream, possibly on another clock; shift it with start="
