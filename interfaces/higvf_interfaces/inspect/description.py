@@ -1,4 +1,4 @@
-"""What inspections share: the request, the keys that every description has, and pictures in a file."""
+"""Description of a file: the request, the keys of every description, and the output of pictures."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -21,7 +21,15 @@ else:
 
 
 class Request(NamedTuple):
-    """What is asked: the input, its file looked at, its options, where a picture goes, and whether steps are told."""
+    """A request for a description.
+
+    Attributes:
+        spec: the input.
+        file: its file, opened.
+        options: its options.
+        plot: path of the picture; None for no picture.
+        steps: whether to report the processing steps.
+    """
 
     spec: InputSpec
     file: TextFile
@@ -31,7 +39,7 @@ class Request(NamedTuple):
 
     @property
     def format(self) -> str | None:
-        """The format that the options name."""
+        """Value of the option `format`, if set."""
         return self.options.text("format") if self.options.has("format") else None
 
 
@@ -51,7 +59,7 @@ def description(
     warnings: Sequence[str] = (),
     **more: object,
 ) -> dict[str, object]:
-    """The plain values of a description; times [s], rates [Hz], shares 0 to 1, None = does not apply or is unknown."""
+    """Return a description as plain values: times [s], rates [Hz], shares 0 to 1; None if unknown or not applicable."""
     return {
         "format": format_name,
         "kind": kind,
@@ -73,15 +81,15 @@ def description(
 
 
 def write_picture(path: Path, picture: NDArray[np.uint8]) -> None:
-    """Writes a picture (height, width, 3) of red, green, blue.
+    """Write a picture (height, width, 3) of red, green, blue as PNG.
 
     Raises:
-        InputError: it cannot be written there.
+        InputError: If the file cannot be written.
     """
     try:
         done, content = cv2.imencode(".png", picture[:, :, ::-1])
         if not done:
-            raise InputError(f"{path}: the picture cannot be made into a PNG")
+            raise InputError(f"{path}: the picture cannot be encoded as PNG")
         path.write_bytes(np.asarray(content).tobytes())
     except OSError as problem:
         raise InputError(f"{path}: cannot be written: {problem.strerror}") from problem

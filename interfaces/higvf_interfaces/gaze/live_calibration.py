@@ -1,6 +1,6 @@
-"""A calibration made live: the operator looks at five targets, one after the other, until gaze has rested on each.
+"""Calibration with a live eye tracker: the operator fixates five targets in turn.
 
-A page asks for it and gives it up from its own thread; everything else happens where gaze is polled.
+A browser thread requests or cancels a calibration; everything else runs in the session thread, in `poll`.
 """
 
 import math
@@ -15,29 +15,29 @@ from higvf_console.core.errors import InputError
 from higvf_console.core.reports import CaptureReport
 from higvf_console.core.viewport import Arena
 from higvf_interfaces.gaze.calibration import Calibration, calibrate, calibration_text, residual_px, targets
-from higvf_interfaces.gaze.pieces import NO_PIXELS, Pixels
+from higvf_interfaces.gaze.chunked_fixations import NO_PIXELS, Pixels
 
-COUNT = 5  # targets: with four, the residual would say nothing
-TRAVEL = 0.8  # in which the eye finds the next target; not counted [s]
-REST = 0.8  # for so long gaze must rest on a target [s] ...
-FEWEST = 20  # ... and with so many samples
-SPREAD = 1.5  # samples farther from their middle begin the rest anew [deg]
+COUNT = 5  # targets; with four, the residual is always 0
+TRAVEL = 0.8  # time for the eye to find the next target; samples in it are ignored [s]
+REST = 0.8  # minimum fixation of a target [s]
+FEWEST = 20  # minimum number of samples of that fixation
+SPREAD = 1.5  # a sample farther from the median restarts the fixation [deg]
 
 
-class Capture:
-    """The state of the procedure, and what came of the last one."""
+class LiveCalibration:
+    """State of the running calibration and outcome of the last one."""
 
     def __init__(self, arena: Arena, screen: tuple[float, float], px_per_deg: float) -> None:
-        """Stands still.
+        """Start idle.
 
         Args:
-            arena: where the targets are.
+            arena: arena in which the targets lie.
             screen: width and height of the tracker's screen [px].
-            px_per_deg: pixels in one degree of visual angle.
+            px_per_deg: pixels per degree of visual angle.
         """
         self._targets = targets(arena, COUNT)
         self._screen, self._reach = screen, SPREAD * px_per_deg
-        self._asked: bool | None = None  # by a page: begin, or give up
+        self._asked: bool | None = None  # request of a browser: begin (True) or cancel (False)
         self._outcome = ""
         self._running = False
         self._found: list[Floats] = []
@@ -45,30 +45,33 @@ class Capture:
         self._shown_at = math.inf
 
     def begin(self) -> None:
-        """Asks for a calibration; callable from any thread."""
+        """Request a calibration; callable from any thread."""
         self._asked = True
 
     def cancel(self) -> None:
-        """Asks to give it up; callable from any thread."""
+        """Request the end of the running calibration; callable from any thread."""
         self._asked = False
 
     def report(self) -> CaptureReport:
-        """How it stands."""
+        """Return the current target, the progress and the last outcome."""
         if not self._running:
             return CaptureReport("", outcome=self._outcome)
         done = len(self._found)
         return CaptureReport("", self._targets[done], done + 1, COUNT, self._progress(), self._outcome)
 
     def take(self, samples: Pixels) -> Calibration | None:
-        """Takes in the newest samples, on the tracker's own clock.
+        """Process the newest samples.
+
+        Args:
+            samples: samples since the last call, on the tracker's clock.
 
         Returns:
-            The new map, once gaze has rested on all targets and a map goes through them.
+            The new calibration, once all targets are fixated and the fit succeeds.
         """
         asked, self._asked = self._asked, None
         if asked is not None:
             if self._running and not asked:
-                self._outcome = "Given up; the map in use stays."
+                self._outcome = "Cancelled; the previous calibration stays in use."
             self._running, self._found = asked, []
             self._next_target()
         if not self._running or not len(samples.time):
@@ -84,7 +87,7 @@ class Capture:
         return self._fitted() if len(self._found) == COUNT else None
 
     def _gather(self, time: Floats, points: Floats) -> None:
-        """Adds to the rest on the present target; what lies before gaze last moved away is dropped."""
+        """Extend the fixation of the current target; drop the samples up to the last one that moved away."""
         time = floats(np.concatenate([self._rest.time, time]))
         points = floats(np.concatenate([self._rest.points, points]))
         if len(points):
@@ -113,13 +116,13 @@ class Capture:
         now = datetime.now().astimezone()
         file = Path(f"gaze-calibration-{now:%Y%m%d-%H%M%S}.yaml").absolute()
         made = fitted._replace(file=str(file), made=now.isoformat(timespec="seconds"))
-        off = f"off by {residual_px(made):.0f} px, {made.residual:.1f} m (root mean square)"
-        self._outcome = f"In use; {off}; being written to {file}"
+        off = f"RMS error {residual_px(made):.0f} px, {made.residual:.1f} m"
+        self._outcome = f"In use; {off}; writing {file}"
         Thread(target=self._store, args=(made, file, off), name="calibration", daemon=True).start()
         return made
 
     def _store(self, made: Calibration, file: Path, off: str) -> None:
-        """Writes the file, on a thread of its own: a slow disk must not hold up the team."""
+        """Write the file on its own thread, so that a slow disk does not delay the session."""
         try:
             file.write_text(calibration_text(made), encoding="utf-8")
             self._outcome = f"In use; {off}; written to {file}"

@@ -1,7 +1,8 @@
-"""Fixations of a recording of any length: classifies it piece by piece, with the fixations that the whole would give.
+"""Fixation detection for recordings of any length and for live streams, chunk by chunk.
 
-A piece is handed out when later samples can no longer change it: behind the last fixation that might still be merged
-with what follows, and further from the newest sample than any filter looks. What is held meanwhile is a second or two.
+The chunks contain the same fixations as the whole recording classified at once. A chunk is complete when later samples
+can no longer change it: it ends before the last fixation that may still be merged, and farther from the newest sample
+than any filter reaches. One or two seconds of samples are held meanwhile.
 """
 
 import math
@@ -13,13 +14,13 @@ import numpy as np
 from higvf_console.core.arrays import Bools, Floats, bools, floats, ints
 from higvf_interfaces.gaze.fixations import IVT, PX_PER_DEG, THRESHOLDS, Classified, classify
 
-HORIZON = 0.3  # as far as gap filling, blink margin, merging and the window of speed reach together [s]
-_TAIL = 1.0  # of a lasting fixation is enough to see it go on [s]
-LONGEST = 65_536  # samples held; a fixation that is longer is cut
+HORIZON = 0.3  # combined reach of gap filling, blink margin, merging and the speed window [s]
+_TAIL = 1.0  # part of an ongoing fixation that is classified again to see whether it continues [s]
+LONGEST = 65_536  # maximum number of samples held; a longer fixation is split
 
 
 class Pixels(NamedTuple):
-    """Samples on the recording's screen: `time` (n,) [s], `points` (n, 2) [px], `valid` (n,)."""
+    """Gaze samples on the recording's screen: `time` (n,) [s], `points` (n, 2) [px], `valid` (n,)."""
 
     time: Floats
     points: Floats
@@ -32,38 +33,38 @@ NO_PIXELS = Pixels(floats([]), floats([], 0, 2), bools([]))
 def classify_blocks(
     blocks: Iterable[Pixels], px_per_deg: float = PX_PER_DEG, method: str = IVT, longest: int = LONGEST
 ) -> Iterator[Classified]:
-    """Pieces of a recording that follow one another, none empty, no fixation in two of them.
+    """Yield the consecutive classified chunks of a recording; none is empty, and no fixation spans two chunks.
 
     Args:
-        blocks: the recording, in order of time.
-        px_per_deg: pixels in one degree of visual angle.
-        method: as `fixations.classify` takes it.
-        longest: samples held at most.
+        blocks: blocks of samples in order of time.
+        px_per_deg: pixels per degree of visual angle.
+        method: one of `fixations.METHODS`.
+        longest: maximum number of samples held.
     """
-    return (piece for piece in piece_by_block(blocks, px_per_deg, method, longest) if piece is not None)
+    return (chunk for chunk in chunk_per_block(blocks, px_per_deg, method, longest) if chunk is not None)
 
 
-def piece_by_block(
+def chunk_per_block(
     blocks: Iterable[Pixels], px_per_deg: float = PX_PER_DEG, method: str = IVT, longest: int = LONGEST
 ) -> Iterator[Classified | None]:
-    """As `classify_blocks`, with None for each block that settles nothing: an item costs one block of reading."""
-    maker = PieceMaker(px_per_deg, method, longest)
-    yield from map(maker.push, blocks)
-    yield maker.rest()
+    """Like `classify_blocks`, but yield one item per block: None where no chunk is complete, plus a last item."""
+    classifier = ChunkClassifier(px_per_deg, method, longest)
+    yield from map(classifier.push, blocks)
+    yield classifier.flush()
 
 
-class PieceMaker:
-    """Cuts a recording, or a live stream, into pieces block by block."""
+class ChunkClassifier:
+    """Classifies a recording or a live stream block by block."""
 
     def __init__(self, px_per_deg: float = PX_PER_DEG, method: str = IVT, longest: int = LONGEST) -> None:
-        """Holds nothing yet; the arguments are those of `classify_blocks`."""
+        """Start without samples; see `classify_blocks` for the arguments."""
         self._px_per_deg, self._method, self._longest = px_per_deg, method, longest
         self._held = Pixels(floats([]), floats([], 0, 2), bools([]))
-        self._begin = 0  # samples before have been handed out; they are the filters' left side
-        self._lasting = -math.inf  # until when the fixation at `begin` is known to go on [s]
+        self._begin = 0  # earlier samples have been returned; they are context for the filters
+        self._lasting = -math.inf  # time up to which the fixation at `begin` is known to last [s]
 
     def push(self, block: Pixels) -> Classified | None:
-        """What the next samples have settled, if anything."""
+        """Add a block and return the chunk that it completes, if any."""
         self._held = held = _joined(self._held, block)
         begin = self._begin
         if not len(held.time):
@@ -82,20 +83,20 @@ class PieceMaker:
         kept = int(np.searchsorted(held.time, held.time[end - 1] - HORIZON))
         self._held = Pixels(held.time[kept:], held.points[kept:], held.valid[kept:])
         self._begin = end - kept
-        return _piece(found, begin, end)
+        return _chunk(found, begin, end)
 
-    def rest(self) -> Classified | None:
-        """What is held and not settled, as if nothing followed."""
+    def flush(self) -> Classified | None:
+        """Return the remaining samples as a chunk, as if the recording ended here."""
         held, begin = self._held, self._begin
         if len(held.time) <= begin:
             return None
         found = classify(*held, self._px_per_deg, method=self._method, begin=begin)
-        return _piece(found, begin, len(held.time))
+        return _chunk(found, begin, len(held.time))
 
     def _goes_on(self) -> bool:
-        """Whether the fixation that is held lasts through all that is new, told by its last second and the new alone.
+        """Return whether the held fixation lasts through the new samples.
 
-        So a stare costs what its samples cost, and not their square.
+        Only its last second and the new samples are classified, so the cost of a long fixation is linear in its length.
         """
         held = self._held
         tail = int(np.searchsorted(held.time, self._lasting - _TAIL))
@@ -117,19 +118,19 @@ def _joined(first: Pixels, then: Pixels) -> Pixels:
 
 
 def _settled(found: Classified) -> int:
-    """How many of the samples no later one can change."""
+    """Return the number of samples that later ones can no longer change."""
     time = found.time
     near = int(np.searchsorted(time, time[-1] - HORIZON))
-    complete = int(np.searchsorted(found.last, near))  # fixations that ended before
+    complete = int(np.searchsorted(found.last, near))  # number of fixations that end before
     if complete < len(found.first):
         near = min(near, int(found.first[complete]))
     if complete and near and time[near - 1] - time[found.last[complete - 1]] <= THRESHOLDS.merge_time:
-        near = int(found.first[complete - 1])  # what follows may still be merged with it
+        near = int(found.first[complete - 1])  # a later fixation may still be merged with it
     return near
 
 
-def _piece(found: Classified, begin: int, end: int) -> Classified:
-    """The samples from `begin` to `end` and the fixations that end among them."""
+def _chunk(found: Classified, begin: int, end: int) -> Classified:
+    """Return the samples from `begin` to `end` (exclusive) and their fixations."""
     inside = slice(begin, end)
     mine = found.first < end
     return Classified(

@@ -1,4 +1,4 @@
-"""A recording is read a block a poll, whatever it holds, also when it is played again."""
+"""A poll reads at most one block of a recording, in the first play and in replays."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -11,11 +11,11 @@ from higvf_console.core.commands import Cursor
 from higvf_console.core.interface import InputSpec, OperatorContext
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 from higvf_interfaces.formats.xdf.samples import load
+from higvf_interfaces.gaze.chunked_fixations import Pixels, chunk_per_block
 from higvf_interfaces.gaze.fixations import Classified
 from higvf_interfaces.gaze.interface import open_gaze
-from higvf_interfaces.gaze.pieces import Pixels, piece_by_block
 from higvf_interfaces.gaze.playback import GazePlayback
-from higvf_interfaces.lookahead import AHEAD
+from higvf_interfaces.gaze.prefetch import AHEAD
 from tests.interfaces.formats.xdf_files import Stream, xdf
 
 RATE, BLOCK = 1000.0, 256
@@ -23,15 +23,15 @@ PERIOD = 0.02
 
 
 class Recording:
-    """Gaze to and fro, but for a stare from 20 s to 40 s; counts what is read of it."""
+    """Gaze that alternates between two points, except for a fixation from 20 s to 40 s; counts the blocks read."""
 
     def __init__(self, first: float = 0.0, last: float = 60.0) -> None:
         self.time = floats(np.arange(first, last, 1 / RATE))
         self.opened = self.read = 0
 
-    def pieces(self) -> Iterator[Classified | None]:
+    def chunks(self) -> Iterator[Classified | None]:
         self.opened += 1
-        return piece_by_block(self.blocks())
+        return chunk_per_block(self.blocks())
 
     def blocks(self) -> Iterator[Pixels]:
         for first in range(0, len(self.time), BLOCK):
@@ -42,7 +42,7 @@ class Recording:
             yield Pixels(time, floats(points), bools(np.ones(len(time))))
 
     def played(self, playback: GazePlayback, until: float) -> tuple[list[float], int]:
-        """When fixations ended, and the most blocks that one poll read."""
+        """Return the ends of the fixations and the largest number of blocks read in one poll."""
         ended: list[float] = []
         most = 0
         for tick in range(round(until / PERIOD)):
@@ -52,9 +52,9 @@ class Recording:
         return ended, most
 
 
-def test_no_poll_reads_more_than_a_block_and_a_second_play_is_like_the_first() -> None:
+def test_a_poll_reads_at_most_one_block_and_replays_are_equal() -> None:
     recording = Recording()
-    playback = GazePlayback(recording.pieces)
+    playback = GazePlayback(recording.chunks)
     first, again, broken_off, last = (recording.played(playback, until) for until in (62.0, 62.0, 3.0, 62.0))
     assert [most for _, most in (first, again, broken_off, last)] == [1, 1, 1, 1]
     assert first == again == last
@@ -62,9 +62,9 @@ def test_no_poll_reads_more_than_a_block_and_a_second_play_is_like_the_first() -
     assert np.diff(first[0]).max() == pytest.approx(20, abs=1), "the stare"
 
 
-def test_what_lies_before_the_run_is_passed_over_when_the_recording_is_opened() -> None:
+def test_samples_before_the_run_are_skipped_when_the_recording_is_opened() -> None:
     recording = Recording(first=-15.0)
-    playback = GazePlayback(recording.pieces)
+    playback = GazePlayback(recording.chunks)
     assert playback.first_time == -15.0
     first, again = (recording.played(playback, 30.0) for _ in range(2))
     assert first == again
@@ -74,7 +74,7 @@ def test_what_lies_before_the_run_is_passed_over_when_the_recording_is_opened() 
 
 def test_a_recording_that_is_shorter_than_the_head_is_opened_once() -> None:
     recording = Recording(last=AHEAD - 1)
-    playback = GazePlayback(recording.pieces)
+    playback = GazePlayback(recording.chunks)
     assert recording.played(playback, AHEAD) == recording.played(playback, AHEAD)
     assert (recording.opened, playback.ended) == (1, True)
 

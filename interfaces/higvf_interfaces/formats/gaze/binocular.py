@@ -1,4 +1,4 @@
-"""What the two-eyed formats share: the point that both eyes see, and cells that mean yes."""
+"""Helpers of binocular formats: the mean of both eyes, and cells that mean true or false."""
 
 import math
 from collections.abc import Iterable
@@ -9,7 +9,7 @@ _NO = ("0", "0.0", "false", "no", "invalid", "n/a", "nan")
 
 
 def both(eyes: Iterable[Eye]) -> Eye:
-    """Mean of the eyes that are there; NaN where none is."""
+    """Return the mean of the eyes with known gaze; NaN without one."""
     seen = [eye for eye in eyes if eye[0] == eye[0] and eye[1] == eye[1]]
     if not seen:
         return NO_EYE
@@ -17,10 +17,10 @@ def both(eyes: Iterable[Eye]) -> Eye:
 
 
 def says_yes(text: str) -> bool:
-    """Whether a cell affirms: 1, True, Valid and the like; an empty one does not."""
+    """Return whether a cell means true: any text except an empty cell and the values of `says_no`."""
     return text != "" and not says_no(text)
 
 
 def says_no(text: str) -> bool:
-    """Whether a cell denies: 0, False, Invalid and the like; an empty one does not."""
+    """Return whether a cell means false: 0, False, Invalid and similar; False for an empty cell."""
     return text.casefold() in _NO

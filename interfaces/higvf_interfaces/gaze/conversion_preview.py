@@ -1,6 +1,7 @@
-"""What a gaze recording would become as operator input: its gaps, fixations and strokes, and where gaze has been.
+"""Preview of the conversion of a gaze recording: its gaps, fixations, strokes and heat map.
 
-A stroke here is what lies between gaps in which the pen would lift itself: what `clutch=always` would draw, cut there.
+A stroke of the preview is a sequence of fixations without a gap longer than `PEN_UP`: what `clutch=always` would draw,
+split at these gaps.
 """
 
 from collections.abc import Mapping
@@ -22,18 +23,18 @@ if TYPE_CHECKING:
 else:
     cv2 = optional("cv2", "devices")
 
-PEN_UP = 1.5  # without gaze for so long, a stroke ends [s]
-_FEWEST = 3  # fixations that make one
-_LONGEST_BLINK = 0.5  # a longer gap is none [s]
-_STROKES_TOLD = 20
-_MOST_CENTROIDS = 300  # of a stroke whose path is told: the fit takes long for more
+PEN_UP = 1.5  # a gap longer than this ends a stroke [s]
+_FEWEST = 3  # minimum number of fixations of a stroke
+_LONGEST_BLINK = 0.5  # a longer gap is not a blink [s]
+_STROKES_LISTED = 20
+_MOST_CENTROIDS = 300  # per stroke; the spline fit is slow for more
 _WIDTH = 900  # of the picture [px]
-_DOT = 3  # radius of a fixation in it [px]
+_DOT = 3  # radius of a fixation's dot [px]
 _PAPER, _INK = 250, (40, 60, 110)
 
 
 class Stroke(NamedTuple):
-    """A stroke: when [s], and where its fixations were (k, 2) [m], the first ones of a very long one."""
+    """A stroke: its start and end [s], number of fixations, and their first centroids (k, 2) [m]."""
 
     start: float
     end: float
@@ -41,15 +42,21 @@ class Stroke(NamedTuple):
     centroids: Floats
 
 
-class Becoming:
-    """Takes a recording piece by piece; what it holds does not grow with it.
+class ConversionPreview:
+    """Accumulates the preview of a recording chunk by chunk, in bounded memory.
 
     Attributes:
-        blinks: gaps as long as a blink.
+        blinks: number of gaps no longer than a blink.
     """
 
     def __init__(self, screen: Screen, px_per_deg: float, arena: Arena) -> None:
-        """Starts before the recording."""
+        """Start before the first chunk.
+
+        Args:
+            screen: mapping from screen pixels to the arena.
+            px_per_deg: pixels per degree of visual angle.
+            arena: ground that the heat map covers.
+        """
         self.blinks = 0
         self._screen, self._arena = screen, arena
         self._degree = ground_length(px_per_deg, screen)
@@ -60,35 +67,35 @@ class Becoming:
         self._fixated = 0.0
         self._stages = dict.fromkeys(("with short gaps filled", "without the sides of blinks", "fixating"), 0)
         self._open: Stroke | None = None
-        self._told: list[Stroke] = []
+        self._listed: list[Stroke] = []
 
-    def add(self, piece: Classified) -> None:
-        """Takes the next piece."""
-        self._count_gaps(piece)
-        for stage, column in zip(self._stages, (piece.seen, piece.steady, piece.fixating), strict=True):
+    def add(self, chunk: Classified) -> None:
+        """Add the next chunk."""
+        self._count_gaps(chunk)
+        for stage, column in zip(self._stages, (chunk.seen, chunk.steady, chunk.fixating), strict=True):
             self._stages[stage] += int(np.count_nonzero(column))
-        self._grid += counts(to_ground(piece.points[piece.seen], self._screen), self._arena, _WIDTH)
-        for start, end, point in fixations_of(piece):
+        self._grid += counts(to_ground(chunk.points[chunk.seen], self._screen), self._arena, _WIDTH)
+        for start, end, point in fixations_of(chunk):
             self._fixations += 1
             self._fixated += end - start
             self._draw(start, end, to_ground(floats(point, 1, 2), self._screen)[0])
 
     def finish(self) -> None:
-        """Ends the stroke that is being drawn."""
+        """End the current stroke."""
         if self._open is not None and self._open.fixations >= _FEWEST:
             self._strokes += 1
-            if len(self._told) < _STROKES_TOLD:
-                self._told.append(self._open)
+            if len(self._listed) < _STROKES_LISTED:
+                self._listed.append(self._open)
         self._open = None
 
     @property
     def gaps(self) -> Mapping[str, object]:
-        """Stretches without gaze that are too long to fill."""
+        """Number and durations of the gaps that are too long to fill."""
         return {"count": self._gaps, "longest_s": round(self._longest, 3), "total_s": round(self._lost, 3)}
 
     @property
     def summary(self) -> Mapping[str, object]:
-        """Fixations and strokes."""
+        """Number of fixations and strokes, and the mean fixation duration."""
         mean = self._fixated / self._fixations if self._fixations else None
         return {
             "fixations": self._fixations,
@@ -97,28 +104,28 @@ class Becoming:
         }
 
     def steps(self) -> Mapping[str, object]:
-        """What each step leaves, and the paths of the first strokes."""
+        """Return the number of samples after each processing step, and the paths of the first strokes."""
         return {
             **self._stages,
             "fixations": self._fixations,
-            "strokes": [self._path_of(stroke) for stroke in self._told],
+            "strokes": [self._path_of(stroke) for stroke in self._listed],
         }
 
     def picture(self) -> NDArray[np.uint8]:
-        """A heat map (height, width, 3) over the arena, with the fixations of the first strokes."""
+        """Return a heat map (height, width, 3) of the arena with the fixations of the first strokes."""
         heat = floats(paint(self._grid, self._arena, _WIDTH, self._degree))
         opacity = heat[:, :, 3:] / 255
         picture = np.ascontiguousarray(_PAPER * (1 - opacity) + heat[:, :, :3] * opacity, dtype=np.uint8)
         corner = np.array([self._arena.x_min, self._arena.y_max])
-        for stroke in self._told:
+        for stroke in self._listed:
             pixels = (stroke.centroids - corner) * np.array([1, -1]) * _WIDTH / self._arena.width
             for x, y in pixels[np.isfinite(pixels).all(axis=1)].tolist():
                 cv2.circle(picture, (round(x), round(y)), _DOT, _INK, -1, cv2.LINE_AA)
         return picture
 
-    def _count_gaps(self, piece: Classified) -> None:
-        seen = piece.time[piece.seen]
-        before = float(piece.time[0]) if self._seen_at is None else self._seen_at
+    def _count_gaps(self, chunk: Classified) -> None:
+        seen = chunk.time[chunk.seen]
+        before = float(chunk.time[0]) if self._seen_at is None else self._seen_at
         steps = np.diff(seen, prepend=before)
         gaps = steps[steps > THRESHOLDS.longest_filled]
         self._gaps += len(gaps)

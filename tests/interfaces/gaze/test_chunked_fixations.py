@@ -1,4 +1,4 @@
-"""A recording classified piece by piece has the fixations of the recording classified whole."""
+"""A recording classified in chunks has the same fixations as one classified whole."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 
 from higvf_console.core.arrays import Floats, bools, floats
 from higvf_console.core.viewport import Arena, fit
+from higvf_interfaces.gaze.chunked_fixations import Pixels, classify_blocks
 from higvf_interfaces.gaze.fixations import METHODS, Classified, classify
-from higvf_interfaces.gaze.pieces import Pixels, classify_blocks
 from higvf_interfaces.recordings.gaze import DrawnByEye, synthetic_gaze
 
 
 def looked(seed: int, duration: float = 30.0) -> Pixels:
-    """A person who scans, draws, scans, and shuts the eyes for a while."""
+    """Gaze that scans, draws, scans, and is lost for three seconds."""
     stroke = DrawnByEye(8.0, 16.0, floats([[200, 200], [500, 400], [900, 350]]))
     samples = synthetic_gaze([stroke], duration, fit(Arena(0, 0, 1200, 700), 1920, 1080), seed=seed)
     valid = samples.valid & ~((samples.time > 20) & (samples.time < 23))
@@ -38,30 +38,30 @@ def spans(found: Classified) -> Floats:
 
 @settings(max_examples=25)
 @given(seed=st.integers(0, 1000), size=st.integers(1, 900), method=st.sampled_from(METHODS))
-def test_pieces_have_the_fixations_of_the_whole(seed: int, size: int, method: str) -> None:
+def test_chunks_have_the_fixations_of_the_whole_recording(seed: int, size: int, method: str) -> None:
     whole = looked(seed, 12.0 if size < 50 else 30.0)
-    pieces = list(classify_blocks(cut(whole, size), method=method))
-    np.testing.assert_array_equal(np.concatenate([piece.time for piece in pieces]), whole.time)
+    chunks = list(classify_blocks(cut(whole, size), method=method))
+    np.testing.assert_array_equal(np.concatenate([chunk.time for chunk in chunks]), whole.time)
     expected = spans(classify(*whole, method=method))
-    np.testing.assert_allclose(np.concatenate([spans(piece) for piece in pieces]), expected, atol=1e-9)
+    np.testing.assert_allclose(np.concatenate([spans(chunk) for chunk in chunks]), expected, atol=1e-9)
 
 
-def test_what_is_held_stays_small() -> None:
-    lengths = [len(piece.time) for piece in classify_blocks(cut(looked(1), 60))]
-    assert max(lengths) < 600, "the longest piece is the time without gaze"
+def test_the_number_of_held_samples_stays_small() -> None:
+    lengths = [len(chunk.time) for chunk in classify_blocks(cut(looked(1), 60))]
+    assert max(lengths) < 600, "the longest chunk is the time without gaze"
 
 
-def test_a_stare_without_end_is_cut() -> None:
+def test_an_endless_fixation_is_split() -> None:
     time = floats(np.arange(5000) / 100)
     stare = Pixels(time, np.full((5000, 2), 300.0), np.ones(5000, dtype=np.bool_))
-    pieces = list(classify_blocks(cut(stare, 100), longest=1000))
-    assert sum(len(piece.time) for piece in pieces) == 5000
-    assert max(len(piece.time) for piece in pieces) <= 1100
-    assert all(len(piece.first) == 1 for piece in pieces)
+    chunks = list(classify_blocks(cut(stare, 100), longest=1000))
+    assert sum(len(chunk.time) for chunk in chunks) == 5000
+    assert max(len(chunk.time) for chunk in chunks) <= 1100
+    assert all(len(chunk.first) == 1 for chunk in chunks)
 
 
 def stare(seconds: float, rate: float = 120.0) -> Pixels:
-    """A person who looks round, stares for so long, and looks round again."""
+    """Gaze that scans, fixates one point for `seconds`, and scans again."""
     scan = looked(2, 8.0)
     count = round(seconds * rate)
     rng = np.random.default_rng(3)
@@ -73,29 +73,27 @@ def stare(seconds: float, rate: float = 120.0) -> Pixels:
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("size", [5, 256])
-def test_a_long_stare_is_one_fixation_and_costs_what_its_samples_cost(
-    monkeypatch: pytest.MonkeyPatch, method: str, size: int
-) -> None:
+def test_a_long_fixation_is_found_whole_at_linear_cost(monkeypatch: pytest.MonkeyPatch, method: str, size: int) -> None:
     counted: list[int] = []
 
     def counting(time: Floats, *arguments: Any, **options: Any) -> Classified:
         counted.append(len(time))
         return classify(time, *arguments, **options)
 
-    monkeypatch.setattr("higvf_interfaces.gaze.pieces.classify", counting)
+    monkeypatch.setattr("higvf_interfaces.gaze.chunked_fixations.classify", counting)
     costs: list[int] = []
     for seconds in (10.0, 20.0):
         counted.clear()
         whole = stare(seconds)
-        pieces = list(classify_blocks(cut(whole, size), method=method))
+        chunks = list(classify_blocks(cut(whole, size), method=method))
         expected = spans(classify(*whole, method=method))
         assert max(end - start for start, end in expected.tolist()) == pytest.approx(seconds, abs=0.1)
-        np.testing.assert_allclose(np.concatenate([spans(piece) for piece in pieces]), expected, atol=1e-9)
+        np.testing.assert_allclose(np.concatenate([spans(chunk) for chunk in chunks]), expected, atol=1e-9)
         costs.append(sum(counted))
     assert costs[1] < 2 * costs[0], "twice the stare costs less than twice as much, and not four times"
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])
-def test_recordings_of_hardly_a_sample_are_pieces_too(count: int) -> None:
+def test_recordings_of_at_most_two_samples_are_classified(count: int) -> None:
     tiny = Pixels(floats(np.arange(count)), np.zeros((count, 2)), np.ones(count, dtype=np.bool_))
-    assert sum(len(piece.time) for piece in classify_blocks([tiny])) == count
+    assert sum(len(chunk.time) for chunk in classify_blocks([tiny])) == count

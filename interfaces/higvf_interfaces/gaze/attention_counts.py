@@ -1,4 +1,4 @@
-"""What the operator has looked at since the run started: tallies that each control period adds a little to."""
+"""Attention counts since the start of the run: gaze time by place, fixation time by fire and robot."""
 
 import math
 from collections import deque
@@ -9,31 +9,31 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.interface import NO_TARGETS, Targets
 from higvf_console.core.reports import AttentionReport
 from higvf_console.core.viewport import Arena
-from higvf_interfaces.gaze.attention import ELSEWHERE, Transitions, looked_at
+from higvf_interfaces.gaze.attention import ELSEWHERE, Transitions, fixated_targets
 from higvf_interfaces.gaze.fixations import Fixation
 from higvf_interfaces.gaze.heat_map import counts
 
-HEAT_PX = 480  # width of the picture whose cells are counted: 120 columns
-_REMEMBERED = 64  # positions of the targets, of the last seconds
+HEAT_PX = 480  # width of the heat map's picture; its grid has 120 columns
+_REMEMBERED = 64  # number of recent target positions kept, over some seconds
 _REMEMBER_EVERY = 0.1  # [s]
 
 
-class GazeTally:
-    """Time of gaze by place, and of fixations by fire and robot.
+class AttentionCounts:
+    """Accumulates gaze time by place, and fixation time by fire and robot.
 
-    A fixation goes to the target whose border is nearest to its centroid, within one degree of visual angle, by where
-    the targets were in the middle of it.
+    A fixation is assigned to the target whose border is nearest to its centroid, within one degree of visual angle,
+    with the positions of the targets at the middle of the fixation.
     """
 
     def __init__(self, arena: Arena) -> None:
-        """Starts at nothing.
+        """Start with zero counts.
 
         Args:
-            arena: the ground that the heat map covers.
+            arena: ground that the heat map covers.
         """
         self._arena = arena
         self._heat = counts(floats([], 0, 2), arena, HEAT_PX)
-        self._points: list[Floats] = []  # seen since the last report, not in the heat map yet
+        self._points: list[Floats] = []  # gaze since the last report, not yet in the heat map
         self._spans: list[float] = []
         self._before: float | None = None
         self._seen = 0.0
@@ -44,12 +44,12 @@ class GazeTally:
         self._degree = 0.0
 
     def look(self, time: float, point: Floats | None, targets: Targets) -> None:
-        """Gaze has been at a ground point since the last call.
+        """Add the time since the last call to the place of gaze.
 
         Args:
-            time: of the session [s].
-            point: (2,) [m]; None = it is not seen.
-            targets: what there is to look at now.
+            time: session time [s].
+            point: gaze on the ground (2,) [m]; None if unknown.
+            targets: current fires and robots.
         """
         span = 0.0 if self._before is None else time - self._before
         self._before = time
@@ -61,13 +61,18 @@ class GazeTally:
             self._targets.append((time, targets))
 
     def fixate(self, fixation: Fixation, degree: float) -> None:
-        """A fixation has ended; its point is on the ground, where one degree of visual angle is `degree` [m]."""
+        """Add a completed fixation.
+
+        Args:
+            fixation: fixation with its centroid on the ground [m].
+            degree: ground length of one degree of visual angle [m].
+        """
         middle = (fixation.start + fixation.end) / 2
         _, targets = min(self._targets, key=lambda remembered: abs(remembered[0] - middle))
         fires, robots = len(targets.fires), len(targets.robots)
         places = np.concatenate([targets.fires, targets.robots])
         reach = np.concatenate([targets.fire_radius, np.zeros(robots)]) + degree
-        at = int(looked_at(floats(fixation.point, 1, 2), places, reach)[0])
+        at = int(fixated_targets(floats(fixation.point, 1, 2), places, reach)[0])
         length = fixation.end - fixation.start
         self._fires, self._robots = _sized(self._fires, fires), _sized(self._robots, robots)
         if at == ELSEWHERE:
@@ -78,11 +83,11 @@ class GazeTally:
             self._robots[at - fires] += length
         self._fixations += 1
         self._fixated += length
-        self._transitions.add(at if at < fires else fires - at - 2)  # a fire that is added renames no robot
+        self._transitions.add(at if at < fires else fires - at - 2)  # an added fire does not renumber the robots
         self._degree = degree
 
     def report(self) -> AttentionReport | None:
-        """All so far; None before gaze was seen."""
+        """Return the counts so far; None before the first gaze sample."""
         if not self._points and not self._seen:
             return None
         if self._points:
@@ -103,7 +108,7 @@ class GazeTally:
 
 
 def _sized(spent: Floats, count: int) -> Floats:
-    """A copy of the times for `count` targets: more start at 0, fewer are cut."""
+    """Return a copy resized to `count` targets; new targets start at 0."""
     kept = np.zeros(count)
     kept[: len(spent)] = spent[:count]
     return kept
