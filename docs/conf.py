@@ -10,7 +10,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "interfaces")]
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # the equations are documented as the Python functions that they are written as
 
 project = "HI-GVF console"
-copyright = "the authors of the HI-GVF console"  # noqa: A001 (Sphinx reads it by this name)
+copyright = "the authors of the HI-GVF console"
 release = installed("higvf-console")
 version = release
 
@@ -27,8 +27,8 @@ napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False  # a colon in the text of "Returns" does not end a type
-# References to types and exceptions come from annotations and docstrings alone: NumPy's, type variables, aliases. There is
-# no network to look up those of other packages. All other references, documents and anchors above all, must exist.
+# References to types and exceptions come from annotations and docstrings alone, and there is no network to look up those
+# of other packages. All other references, documents and anchors above all, must exist.
 nitpick_ignore_regex = [("py:(class|obj|data|exc)", ".*")]
 
 html_theme = "furo"

@@ -82,7 +82,7 @@ def _number(quantity: Quantity) -> Key:
     return Key("number", quantity.unit, f"{quantity.low:g} to {quantity.high:g}", False)
 
 
-def _integer(low: int, high: int, _: str) -> Key:
+def _integer(low: int, _high: int, _what: str) -> Key:
     return Key("whole number", "", f"from {low}", False)
 
 

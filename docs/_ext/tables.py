@@ -1,4 +1,4 @@
-"""The reference as Markdown, made from the code: what a generated page shows, by its name in the directive `generated`."""
+"""The reference as Markdown, made from the code; the directive `generated` inserts a table by its name in `TABLES`."""
 
 import argparse
 import dataclasses
@@ -53,7 +53,11 @@ def forms() -> list[str]:
     """The equations with two forms, and the sets of forms that have a name."""
     named = ", ".join(code(name) for name in FORMS)
     rows = [(code(name), text) for name, text in attributes(Forms).items()]
-    return [*table(("Equation", "Paper's number, and what is wrong with the printed form"), rows), f"Sets: {named}.", ""]
+    return [
+        *table(("Equation", "Paper's number, and what is wrong with the printed form"), rows),
+        f"Sets: {named}.",
+        "",
+    ]
 
 
 def scenario() -> list[str]:
@@ -68,10 +72,7 @@ def scenario() -> list[str]:
             if inner:
                 lines += table(
                     ("Key", "Value", "Required", "Meaning"),
-                    [
-                        (code(p), _kind(k.kind, k.unit, k.span), "yes" if k.required else "", means[p])
-                        for p, k in inner
-                    ],
+                    [(code(p), _kind(k.kind, k.unit, k.span), "yes" if k.required else "", means[p]) for p, k in inner],
                 )
     return lines
 
@@ -93,16 +94,16 @@ def commands() -> list[str]:
 def command_line() -> list[str]:
     """Every subcommand of `higvf` with its arguments."""
     whole = parser()
-    chosen = next(action for action in whole._actions if isinstance(action, argparse._SubParsersAction))  # noqa: SLF001 # pyright: ignore[reportPrivateUsage]
+    chosen = next(action for action in whole._actions if isinstance(action, argparse._SubParsersAction))  # pyright: ignore[reportPrivateUsage]
     subcommands = cast("argparse._SubParsersAction[argparse.ArgumentParser]", chosen)  # pyright: ignore[reportPrivateUsage]
-    helps = {choice.dest: choice.help or "" for choice in subcommands._choices_actions}  # noqa: SLF001 # pyright: ignore[reportPrivateUsage]
+    helps = {choice.dest: choice.help or "" for choice in subcommands._choices_actions}  # pyright: ignore[reportPrivateUsage]
     lines: list[str] = []
     for name, command in subcommands.choices.items():
         usage = " ".join(command.format_usage().removeprefix("usage: ").split())
         lines += [*heading(2, f"higvf {name}"), sentence(helps.get(name, "")), "", "```text", usage, "```", ""]
         rows = [
             (code(_invocation(action)), sentence(_help(action)))
-            for action in command._actions  # noqa: SLF001 # pyright: ignore[reportPrivateUsage]
+            for action in command._actions  # pyright: ignore[reportPrivateUsage]
             if action.help != argparse.SUPPRESS and "--help" not in action.option_strings
         ]
         lines += table(("Argument", "Meaning"), rows) if rows else []
@@ -121,7 +122,7 @@ def glossary() -> list[str]:
     for group, terms in described("glossary").items():
         rows: list[tuple[str, ...]] = []
         for entry in terms:
-            _resolve(entry["where"], entry["name"])
+            resolve(entry["where"], entry["name"])
             rows.append(
                 (
                     entry["term"], entry.get("symbol", ""), str(entry.get("equation", "")), code(entry["name"]),
@@ -147,7 +148,12 @@ def layers() -> list[str]:
     return [*lines, "::::", ""]
 
 
-def _resolve(where: str, name: str) -> None:
+def resolve(where: str, name: str) -> None:
+    """Refuses a name of the glossary that its module does not have.
+
+    Raises:
+        LookupError: there is no such name; the message gives it.
+    """
     found: Any = import_module(f"higvf_console.{where}")
     for part in name.split("."):
         known = getattr(found, "_fields", ()) or getattr(found, "__dataclass_fields__", ())
@@ -172,7 +178,11 @@ def _type(kind: object) -> str:
 
 
 def _default(field: "dataclasses.Field[Any]") -> str:
-    return "required" if field.default is dataclasses.MISSING else code(repr(getattr(field.default, "value", field.default)))
+    return (
+        "required"
+        if field.default is dataclasses.MISSING
+        else code(repr(getattr(field.default, "value", field.default)))
+    )
 
 
 def _span(about: Quantity) -> str:
@@ -185,7 +195,9 @@ def _kind(kind: str, unit: str, span: str) -> str:
 
 
 def _invocation(action: argparse.Action) -> str:
-    shown = action.metavar or ("{" + ",".join(map(str, action.choices)) + "}" if action.choices else action.dest.upper())
+    shown = action.metavar or (
+        "{" + ",".join(map(str, action.choices)) + "}" if action.choices else action.dest.upper()
+    )
     if not action.option_strings:
         return str(shown)
     flag = ", ".join(action.option_strings)
