@@ -34,9 +34,9 @@ def run_headless(
         ArgumentError: no session, or a duration that is no time.
 
     Returns:
-        The report, ready for JSON: fires are numbered from 1, `min_clearance_m` is null when nobody ever came near
-        anything, `channels` tells how each input is at the end, and why, `attention` is null without gaze, `digest` is
-        the SHA-256 of `TrajectoryDigest`.
+        The report, ready for JSON: fires are numbered from 1; `min_clearance_margin_m` is the smallest distance beyond
+        the required clearance, null when no robot came near anything; `channels` gives the state of each input at the
+        end, and why; `attention` is null without gaze; `digest` is the SHA-256 of `TrajectoryDigest`.
     """
     instance("session", session, Session)
     dt = session.setup.params.safety.control_period
@@ -87,7 +87,7 @@ def _outcome(session: Session) -> dict[str, Any]:
         "extinguished": [fire + 1 for fire in now.extinguished],
         "loss_area_m2": now.loss_area.tolist(),
         "loss_area_total_m2": float(now.loss_area.sum()),
-        "min_clearance_m": now.min_clearance if math.isfinite(now.min_clearance) else None,
+        "min_clearance_margin_m": now.min_clearance if math.isfinite(now.min_clearance) else None,
         "infeasible_ticks": now.infeasible_ticks,
         "deadlock_s": round(now.deadlock_s, 9),
         "certificates": [
