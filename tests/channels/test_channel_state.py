@@ -15,8 +15,8 @@ from higvf_console.channels.channel_state import (
 )
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.interface import ChannelHealth, ChannelState
+from higvf_console.core.reading.document import read_yaml
 from higvf_console.scenario.channel_settings import read_inputs
-from higvf_console.scenario.reading import read_yaml
 
 LIVE, STALE, LOST, BACK = ChannelState.LIVE, ChannelState.STALE, ChannelState.LOST, ChannelState.RECOVERED
 LIMITS = Limits(0.5, 2.0)

@@ -11,20 +11,19 @@ tells how well a plane explains them. Stored as YAML (or JSON, which YAML reads)
     made: 2026-03-02T14:05:00+01:00      # optional; else the file's own time
 """
 
-from datetime import date, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple, cast
 
 import cv2
 import numpy as np
-import yaml
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
+from higvf_console.core.reading.document import read_text, read_yaml, yaml_text
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.viewport import Arena
 from higvf_interfaces.fields import Fields
-from higvf_interfaces.yaml_files import read_yaml
 
 MARGIN = 0.1  # of the arena's sides, between its border and the points to look at
 KEYS = ("screen_px", "points_px", "points_m", "residual_m", "made")
@@ -135,13 +134,10 @@ def read_calibration(path: Path) -> Calibration:
     Raises:
         InputError: the file cannot be used; the message gives place, value and known keys.
     """
-    content = read_yaml(path, InputError)
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: a calibration is a mapping with the keys {', '.join(KEYS)}")
-    fields = Fields(cast(dict[str, object], content), KEYS, str(path))
+    fields = Fields.of(read_yaml(read_text(path, InputError), str(path), InputError), KEYS)
     width, height = fields.numbers("screen_px", 2)
     if min(width, height) < 1:
-        fields.fail(f"screen_px: {[width, height]!r} is not [width, height]")
+        raise fields.required("screen_px").wrong("[width, height]")
     fitted = calibrate(fields.points("points_px"), fields.points("points_m"), (width, height), str(path))
     return fitted._replace(file=str(path), made=_made(path, fields))
 
@@ -149,8 +145,7 @@ def read_calibration(path: Path) -> Calibration:
 def _made(path: Path, fields: Fields) -> str:
     """What the file says of when it was made, else when it was written."""
     if fields.has("made"):
-        said = fields.values["made"]
-        return said.isoformat() if isinstance(said, date) else str(said)
+        return fields.text("made")
     return datetime.fromtimestamp(path.stat().st_mtime).astimezone().isoformat(timespec="seconds")
 
 
@@ -163,7 +158,7 @@ def calibration_text(calibration: Calibration) -> str:
         "residual_m": calibration.residual,
         **({"made": calibration.made} if calibration.made else {}),
     }
-    return yaml.safe_dump(content, sort_keys=False, default_flow_style=None)
+    return yaml_text(content)
 
 
 def _weights(homography: Floats, pixels: Floats) -> Floats:
