@@ -77,7 +77,7 @@ def test_the_limits_of_a_scenario_go_over_the_defaults_and_do_not_reach_the_inte
     [
         ("{gaze: {stale: 3, lost: 2}}", "gaze: lost: 2 s is not longer than stale, 3 s"),
         ("{gaze: {stale: soon}}", "gaze.stale"),
-        ("{gaze: {on_lost: panic}}", "'panic' is not one of: autonomy, hold, keep"),
+        ("{gaze: {on_lost: panic}}", "'panic' is not one of autonomy, hold, keep"),
     ],
 )
 def test_limits_that_cannot_be_are_refused(text: str, said: str) -> None:

@@ -98,7 +98,7 @@ def test_an_error_names_file_place_value_and_choices() -> None:
     robot = root.section(("team",))["team"].items()[0].section(("speed", "mode", "at"))
     for refused, message in (
         (lambda: robot["speed"].number(SPEED), "f.yaml: team[1].speed: 11 is not a number from 0 to 10 m/s"),
-        (lambda: robot["mode"].choice(("walk", "swim")), "f.yaml: team[1].mode: 'fly' is not one of: walk, swim"),
+        (lambda: robot["mode"].choice(("walk", "swim")), "f.yaml: team[1].mode: 'fly' is not one of walk, swim"),
         (robot["at"].point, "f.yaml: team[1].at: [1] is not a point [x, y]"),
         (lambda: robot["at"].numbers(2), "f.yaml: team[1].at: [1] is not a list of 2 numbers"),
         (robot["at"].points, "f.yaml: team[1].at[1]: 1 is not a point [x, y]"),

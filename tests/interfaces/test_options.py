@@ -63,7 +63,7 @@ def test_an_option_of_a_recording_beside_a_live_stream_is_refused(
 @pytest.mark.parametrize(
     ("options", "refusal"),
     [
-        ({"decoder": "foo"}, "decoder: 'foo' is not one of: lda, ssvep"),
+        ({"decoder": "foo"}, "decoder: 'foo' is not one of lda, ssvep"),
         ({"targets": "1@30"}, "targets is for decoder=ssvep; give that, or leave targets out"),
         ({"channels": "TP9"}, "channels is for decoder=lda or ssvep"),
         ({"decoder": "lda", "window": "2"}, "window is for decoder=ssvep"),

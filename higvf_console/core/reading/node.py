@@ -142,7 +142,7 @@ class Node:
             self.warnings.append(f"{self.where}: {value} is renamed; write {renamed[value]}")
             return renamed[value]
         if value not in words:
-            raise self.wrong(f"one of: {', '.join(words)}")
+            raise self.wrong(f"one of {', '.join(words)}")
         return str(value)
 
     def point(self) -> tuple[float, float]:

@@ -132,7 +132,7 @@ def test_the_command_writes_what_the_plan_asks_for(write: Write, tmp_path: Path)
             "[[200, 200]]",
             "strokes[1].points_m: 1 points are too few; give at least 2",
         ),
-        ("decimal_comma: true", "format: xdf", "gaze.format: 'xdf' is not one of: tobii-prolab, gaze-csv"),
+        ("decimal_comma: true", "format: xdf", "gaze.format: 'xdf' is not one of tobii-prolab, gaze-csv"),
     ],
 )
 def test_a_wrong_plan_is_refused_with_its_place(write: Write, old: str, new: str, message: str) -> None:
