@@ -190,8 +190,8 @@ def _run(given: argparse.Namespace) -> int:
         require(module, "console", "the console")
     session = _open_session(given)
     try:
-        for warning in session.scenario.warnings:
-            _log(f"Warning: {warning}")
+        for event in session.snapshot.events:  # nothing has run yet: the warnings of scenario and inputs
+            _log(f"Warning: {event.text}")
         return _run_headless(session, given) if given.headless else _serve(session, given)
     finally:
         session.close()

@@ -5,9 +5,11 @@ that a replay needs no image.
 
 JSON lines: a header; `{"tick": 120, "command": "Pick", ...}` for each command; `{"mark": 150, "digest": ...}` each
 second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`. Numbers that
-JSON does not have are written as {"number": "inf"}; null in an array is NaN. The header
-has the calibration of each input that has one; `{"tick": 90, "calibration": "gaze", ...}` tells of a new one. A replay
-needs neither: the commands are on the ground already.
+JSON does not have are written as {"number": "inf"}; null in an array is NaN. The header has the calibration of each
+input that has one; `{"tick": 90, "calibration": "gaze", ...}` reports a new one. A replay needs neither: the points of
+commands are on the ground already.
+
+Version 0.1 wrote the same format with other names of some commands, which are still read (`_RENAMED`).
 """
 
 import dataclasses
@@ -40,6 +42,12 @@ _KINDS: dict[str, type[Command]] = {kind.__name__: kind for kind in get_args(Ope
 _ARRAYS = {"points": (-1, 2), "point": (2,), "grip": (2,), "sides": (4,)}  # fields that hold arrays, and their shapes
 _CHAINS = ("outlines", "polygons")  # fields that hold tuples of arrays (n, 2)
 _NUMBER = "number"
+_RENAMED = {
+    "Stop": "EmergencyStop", "ResetStop": "ResetEmergencyStop", "BendPath": "MovePathPoint", "AddThing": "AddEntity",
+    "MoveThing": "MoveEntity", "ChangeThing": "ChangeEntity", "DeleteThing": "DeleteEntity",
+}  # fmt: skip
+_OF_ENTITIES = ("AddEntity", "MoveEntity", "ChangeEntity", "DeleteEntity")  # their `kind` was `thing`
+_RENAMED_USES = {"amend": "redraw"}  # of StrokeEnd
 
 
 class Recorder:
@@ -214,7 +222,7 @@ def read_recording(file: str | Path) -> Recording:
     """Reads a recording up to its end, or up to the line that was cut off.
 
     Raises:
-        InputError: not a recording, of another version, or damaged in the middle.
+        InputError: not a recording, of an unknown format, or damaged in the middle.
     """
     file = Path(instance("file", file, str, Path))
     try:
@@ -222,8 +230,10 @@ def read_recording(file: str | Path) -> Recording:
     except OSError as error:
         raise InputError(f"{file}: {error.strerror}") from error
     header = _parsed(lines[0])
-    if header is None or header.get("recording") != FORMAT:
-        raise InputError(f"{file}: not a recording of version {FORMAT}: its first line is not a header")
+    if header is None or "recording" not in header:
+        raise InputError(f"{file}: not a recording: its first line is not a header")
+    if header["recording"] != FORMAT:
+        raise InputError(f"{file}: recording format {header['recording']!r} is not known; known formats: {FORMAT}")
     polygons = tuple(floats(chain, -1, 2) for chain in header["polygons"]) if "polygons" in header else None
     scenario = parse_scenario(header["text"], header["source"], polygons)
     if "forms" in header:
@@ -255,11 +265,21 @@ def _parsed(line: str) -> dict[str, Any] | None:
 
 def _command(entry: dict[str, Any], place: str) -> OperatorCommand:
     try:
-        kind = _KINDS[entry["command"]]
-        fields = {name: _given(name, value) for name, value in entry.items() if name not in ("tick", "command")}
-        return kind(**fields)  # pyright: ignore[reportReturnType] (the members of the union)
+        name, fields = _current(entry)
+        return _KINDS[name](**fields)  # pyright: ignore[reportReturnType] (the members of the union)
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{place}: not a command that this console knows: {error}") from error
+
+
+def _current(entry: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """A command's name and fields, by their present names."""
+    name = _RENAMED.get(entry["command"], entry["command"])
+    fields = {key: _given(key, value) for key, value in entry.items() if key not in ("tick", "command")}
+    if name in _OF_ENTITIES and "thing" in fields:
+        fields["kind"] = fields.pop("thing")
+    if name == "StrokeEnd" and "use" in fields:
+        fields["use"] = _RENAMED_USES.get(fields["use"], fields["use"])
+    return name, fields
 
 
 def replay(recording: Recording, each: Callable[[Tick], object] | None = None) -> Replay:

@@ -35,7 +35,7 @@ from higvf_console.core.edits import Edit
 from higvf_console.core.errors import InputError
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
-from higvf_console.core.reports import Calibrated
+from higvf_console.core.reports import Calibrated, Warned
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.failsafe import failure_event, halted
 from higvf_console.runtime.history import rows_before
@@ -107,6 +107,7 @@ class Session:
         self.error: Exception | None = None
         self.answered = Signal()
         self._run = Run(scenario.setup(seed), scenario.filter, scenario)
+        interfaces = tuple(interfaces)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
@@ -116,6 +117,12 @@ class Session:
         self._steps_due = 0
         self._heartbeats = 0
         self._events = tuple(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings)
+        self._events += tuple(
+            Event(0.0, Severity.WARNING, "input", text)
+            for interface in interfaces
+            if isinstance(interface, Warned)
+            for text in interface.warnings
+        )
         self._publish(perf_counter())
 
     @property

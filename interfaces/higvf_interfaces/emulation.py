@@ -18,6 +18,7 @@ import numpy as np
 from higvf_console.core.arrays import Bools, Floats, bools, floats
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd
 from higvf_console.core.interface import ChannelHealth, Interface, OperatorContext
+from higvf_console.core.reports import Warned
 from higvf_interfaces.decisions.feeds import DecisionFeed, Due
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.records import Decision, GazeRecording
@@ -154,6 +155,11 @@ class EmulatedInterface:
     def name(self) -> str:
         """Channel name, shown in the status line."""
         return self._interface.name
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Those of the interface."""
+        return self._interface.warnings if isinstance(self._interface, Warned) else ()
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """Return the commands that have arrived, stamped with their times of arrival."""

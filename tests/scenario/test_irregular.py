@@ -140,3 +140,11 @@ def test_a_polygon_hides_of_a_fire_what_lies_behind_it() -> None:
         assert seen[-1] == pytest.approx(2 * half - (high - low))
     assert seen[0] == 0.0
     assert 0.0 < seen[2] < seen[4]
+
+
+def test_a_bar_may_be_called_a_capsule() -> None:
+    text = "version: 1\narena: {size_m: [900, 700]}\nrobots: {start_m: [[100, 100]]}\nobstacles: "
+    part = "[{from_m: [300, 350], to_m: [400, 350], half_width_m: 30}]"
+    bars, capsules = (parse_scenario(f"{text}{{{key}: {part}}}", "t.yaml") for key in ("bars", "capsules"))
+    assert bars.obstacles.bars.tolist() == capsules.obstacles.bars.tolist() == [[300, 350, 400, 350, 30]]
+    assert capsules.warnings == ()

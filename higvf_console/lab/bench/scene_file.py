@@ -2,9 +2,9 @@
 
 from higvf_console.control.guidance.paths import sketch_path
 from higvf_console.control.parameters import Parameters
+from higvf_console.core.reading.document import yaml_text
 from higvf_console.lab.bench.scenes import TIME_LIMIT, Scene
 from higvf_console.operator.path_commands import follow
-from higvf_console.scenario.reading import yaml_text
 from higvf_console.world.build import edges
 from higvf_console.world.layout import Fire, Layout
 from higvf_console.world.obstacles import Obstacles

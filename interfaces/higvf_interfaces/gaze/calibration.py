@@ -11,20 +11,19 @@ quality of the fit. A calibration is stored as YAML or JSON:
     made: 2026-03-02T14:05:00+01:00      # optional; default: the file's modification time
 """
 
-from datetime import date, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
-import yaml
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
 from higvf_console.core.optional import optional
+from higvf_console.core.reading.document import read_text, read_yaml, yaml_text
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.viewport import Arena
 from higvf_interfaces.fields import Fields
-from higvf_interfaces.yaml_files import read_yaml
 
 if TYPE_CHECKING:
     import cv2
@@ -142,13 +141,10 @@ def read_calibration(path: Path) -> Calibration:
     Raises:
         InputError: If the file is invalid; the message gives place, value and known keys.
     """
-    content = read_yaml(path, InputError)
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: a calibration is a mapping with the keys {', '.join(KEYS)}")
-    fields = Fields(cast(dict[str, object], content), KEYS, str(path))
+    fields = Fields.of(read_yaml(read_text(path, InputError), str(path), InputError), KEYS)
     width, height = fields.numbers("screen_px", 2)
     if min(width, height) < 1:
-        fields.fail(f"screen_px: {[width, height]!r} is not [width, height]")
+        raise fields.required("screen_px").wrong("[width, height]")
     fitted = calibrate(fields.points("points_px"), fields.points("points_m"), (width, height), str(path))
     return fitted._replace(file=str(path), made=_made(path, fields))
 
@@ -156,8 +152,7 @@ def read_calibration(path: Path) -> Calibration:
 def _made(path: Path, fields: Fields) -> str:
     """Return the time stored in the file, or its modification time."""
     if fields.has("made"):
-        made = fields.values["made"]
-        return made.isoformat() if isinstance(made, date) else str(made)
+        return fields.text("made")
     return datetime.fromtimestamp(path.stat().st_mtime).astimezone().isoformat(timespec="seconds")
 
 
@@ -170,7 +165,7 @@ def calibration_text(calibration: Calibration) -> str:
         "residual_m": calibration.residual,
         **({"made": calibration.made} if calibration.made else {}),
     }
-    return yaml.safe_dump(content, sort_keys=False, default_flow_style=None)
+    return yaml_text(content)
 
 
 def _weights(homography: Floats, pixels: Floats) -> Floats:

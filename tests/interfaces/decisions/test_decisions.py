@@ -155,6 +155,6 @@ def test_wrong_options_are_refused_with_the_known_ones(write: Write) -> None:
     with pytest.raises(InputError, match=r"threshold: 2.0 is not a number from 0 to 1"):
         open_emg(InputSpec("emg", write(log("fist")), options={"threshold": "2"}))
     with pytest.raises(
-        InputError, match=r"unknown key 'frame'; known keys: labels, threshold, refractory, start, format"
+        InputError, match=r"frame: unknown key.*; value .*; known keys: labels, threshold, refractory, start, format"
     ):
         open_emg(InputSpec("emg", write(log("fist")), options={"frame": "screen"}))

@@ -52,7 +52,10 @@ def test_the_evidence_table_overrides_the_defaults(write: Write, at: ContextAt) 
         ({"hysteresis": "0.5/0.8"}, "hysteresis: 0.5/0.8 is not ENTER/LEAVE with 0 <= LEAVE <= ENTER <= 1"),
         ({"evidence": {"jump": {}}}, "evidence: 'jump' is not an action; known actions: pause, resume"),
         ({"evidence": {"stop": 3}}, "evidence: stop: 3 is not a mapping with the keys threshold, votes"),
-        ({"evidence": {"stop": {"vote": 1}}}, "evidence: stop: unknown key 'vote'; known keys: threshold, votes"),
+        (
+            {"evidence": {"stop": {"vote": 1}}},
+            "evidence: stop: vote: unknown key (did you mean 'votes'?); value 1; known keys: threshold, votes",
+        ),
         ({"confirm": 2}, "confirm: 2 is not a number from 0 to 1"),
     ],
 )

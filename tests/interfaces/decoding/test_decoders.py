@@ -217,7 +217,7 @@ def test_attended_flickers_select_robots(write: Write, at: ContextAt) -> None:
     ("options", "message"),
     [
         ({"decoder": "csp"}, "decoder: 'csp' is not one of lda, ssvep"),
-        ({"decoder": "lda"}, "calibration is missing"),
+        ({"decoder": "lda"}, "the key 'calibration' is missing"),
         ({"decoder": "ssvep"}, "targets: None is not LABEL@HZ+LABEL@HZ, such as 1@30+2@20"),
         ({"decoder": "ssvep", "targets": "a@x+b@2"}, "targets: 'a@x+b@2' is not LABEL@HZ"),
         (

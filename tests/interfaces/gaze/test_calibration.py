@@ -98,10 +98,13 @@ def test_a_stored_calibration_is_read_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[1, 2]", "a calibration is a mapping with the keys screen_px, points_px, points_m"),
-        ("{colour: red}", "unknown key 'colour'; known keys: screen_px"),
-        ("{points_px: [[1, 2]], points_m: [[1, 2]]}", "screen_px is missing"),
-        ("{screen_px: [1920, 1080], points_px: [[1, 2, 3]], points_m: [[1, 2]]}", r"points_px: point 1: \[1, 2, 3\]"),
+        ("[1, 2]", "is not a section with the keys screen_px, points_px, points_m"),
+        ("{colour: red}", "colour: unknown key; value 'red'; known keys: screen_px"),
+        ("{points_px: [[1, 2]], points_m: [[1, 2]]}", "the key 'screen_px' is missing"),
+        (
+            "{screen_px: [1920, 1080], points_px: [[1, 2, 3]], points_m: [[1, 2]]}",
+            r"points_px\[1\]: \[1, 2, 3\] is not a point",
+        ),
     ],
 )
 def test_a_wrong_file_is_refused_with_place_and_keys(write: Write, text: str, message: str) -> None:

@@ -228,7 +228,10 @@ def test_gaze_without_a_frame_is_refused_with_the_choices(write: Write) -> None:
         ({"screen": "0x5"}, "screen: '0x5' is not WIDTHxHEIGHT in pixels"),
         ({"px_per_deg": "-1"}, "px_per_deg: -1.0 is not a number from 1 to 1000 px/deg"),
         ({"start": "soon"}, "start: 'soon' is not a number"),
-        ({"colour": "red"}, "unknown key 'colour'; known keys: format, stream, x, y, frame, origin, screen"),
+        (
+            {"colour": "red"},
+            "colour: unknown key; value 'red'; known keys: format, stream, x, y, frame, origin, screen",
+        ),
     ],
 )
 def test_wrong_options_are_refused_with_the_choices(write: Write, options: dict[str, str], message: str) -> None:
