@@ -16,17 +16,18 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from threading import Event as Signal
 from threading import Thread
-from time import perf_counter, sleep
+from time import sleep
 from typing import TYPE_CHECKING, Any
 
 from higvf_console.cli.arguments import parser
-from higvf_console.core.errors import HigvfError
+from higvf_console.core.errors import HigvfError, MissingExtraError
+from higvf_console.core.optional import require
 from higvf_console.runtime import scheduling
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
     from higvf_console.scenario.scenario import Scenario
-    from higvf_console.sim.setup import Setup
+    from higvf_console.world.setup import Setup
 
 
 _REPORTED = ("refused", "clipped", "failure", "channel", "recording")  # kinds of events that a headless run prints
@@ -60,7 +61,11 @@ def _scenarios(_: argparse.Namespace) -> int:
     from higvf_console.scenario.scenario import load_scenario, scenario_names
 
     for name in scenario_names():
-        print(f"{name:26} {load_scenario(name).description}")
+        try:
+            description = load_scenario(name).description
+        except MissingExtraError as missing:
+            description = f"({missing})"
+        print(f"{name:26} {description}")
     return 0
 
 
@@ -155,13 +160,9 @@ def _check_interface(given: argparse.Namespace) -> int:
 
 def _warm_up(setup: "Setup") -> float:
     """Compiles the engine, or loads it; how long that took [s]."""
-    from higvf_console.sim.simulation import warm_up
+    from higvf_console.library.engine import compiled
 
-    started = perf_counter()
-    if not any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("simulation.tick-*.nbi")):
-        _log("Compiling the engine, once; this takes up to a minute ...")
-    warm_up(setup.start, setup.world, setup.params)
-    return perf_counter() - started
+    return compiled(setup)
 
 
 def _replay(given: argparse.Namespace) -> int:
@@ -185,10 +186,12 @@ def _replay(given: argparse.Namespace) -> int:
 def _run(given: argparse.Namespace) -> int:
     if given.report is not None and not given.headless:
         raise HigvfError("--report needs a headless run: add --headless")
+    for module in () if given.headless else ("viser", "cv2", "mapbox_earcut"):
+        require(module, "console", "the console")
     session = _open_session(given)
     try:
-        for warning in session.scenario.warnings:
-            _log(f"Warning: {warning}")
+        for event in session.snapshot.events:  # nothing has run yet: the warnings of scenario and inputs
+            _log(f"Warning: {event.text}")
         return _run_headless(session, given) if given.headless else _serve(session, given)
     finally:
         session.close()
@@ -234,8 +237,8 @@ def _input_specs(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
 
 
 def _run_headless(session: "Session", given: argparse.Namespace) -> int:
+    from higvf_console.core.events import Severity
     from higvf_console.runtime.headless import run_headless
-    from higvf_console.sim.setup import Severity
 
     report = json.dumps(run_headless(session, given.duration), indent=2) + "\n"
     session.close()  # closing may fail too, and reports that as an event

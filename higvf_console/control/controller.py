@@ -96,7 +96,8 @@ def compute(motion: Motion, intent: Intent, world: World, params: Parameters) ->
     sight = perceive(motion, intent.priority, world, params)
     recovery_stage, flip = recover(motion, intent.influenced if following(motion, intent) else NOBODY, params)
     status = broken_away(motion, intent, sight.fire_value, sight.target, component, params)
-    w, status, idle, gap, left = progress(motion, intent, status, recovery_stage[intent.influenced], world, params)
+    stage = recovery_stage[intent.influenced] if recovery_stage.shape[0] > 0 else 0  # a team may have no robots
+    w, status, idle, gap, left = progress(motion, intent, status, stage, world, params)
     human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
     leader = intent.influenced if human else NOBODY
     steered = has_human(component, intent.influenced, human)
@@ -188,14 +189,14 @@ def perceive(motion: Motion, priority: Floats, world: World, params: Parameters)
     target_value = np.zeros(robots)
     wanted = np.zeros((robots, 2))
     waiting = motion.tick * params.safety.control_period < params.fires.start_delay
-    hidden = interval_room(world.circles, world.bars)
+    hidden = interval_room(world.capsules)
     for i in range(robots):
         x, y = motion.position[i, 0], motion.position[i, 1]
         for j in range(fires):
             if motion.fire_burning[j]:
                 value[i, j] = fire_value(
                     x, y, world.fire_position[j, 0], world.fire_position[j, 1], float(motion.fire_radius[j]),
-                    params.perception.perception_range, world.circles, world.bars, hidden,
+                    params.perception.perception_range, world.capsules, hidden,
                 )  # fmt: skip
         for entry in range(priority.shape[0]):
             j = int(priority[entry, 1])

@@ -12,13 +12,13 @@ from collections.abc import Callable
 from typing import Any
 
 from higvf_console.core.errors import HigvfError
+from higvf_console.core.optional import require
 from higvf_console.lab.bench import deadlock as bench_deadlock
 from higvf_console.lab.bench import deadlock_report
 from higvf_console.lab.bench import filter as bench_filter
 from higvf_console.lab.bench import lsl as bench_lsl
 from higvf_console.lab.bench import preview as bench_preview
 from higvf_console.lab.bench import tick as bench_tick
-from higvf_console.lab.bench import ui as bench_ui
 from higvf_console.lab.bench.timing import Case, Suite
 
 _TIMINGS: dict[str, Callable[[], Suite]] = {"filter": bench_filter.run, "tick": bench_tick.run}
@@ -40,7 +40,7 @@ def run_suite(name: str, as_json: bool, scenes: int | None = None) -> str:
         scenes: number of spaced scenes of `DEADLOCK` to run, and the same share of the others; None = all.
 
     Raises:
-        HigvfError: no such suite; the message lists them.
+        HigvfError: no such suite, the message lists them; or a package of an extra that it needs is missing.
     """
     if name == DEADLOCK:
         outcomes = bench_deadlock.run_all(scenes)
@@ -52,6 +52,9 @@ def run_suite(name: str, as_json: bool, scenes: int | None = None) -> str:
         figures = bench_lsl.run()
         return json.dumps(figures, indent=2) if as_json else bench_lsl.table(figures)
     if name == UI:
+        require("viser", "console", "suite ui")
+        from higvf_console.lab.bench import ui as bench_ui  # noqa: PLC0415 (needs viser)
+
         figures = bench_ui.run()
         return json.dumps(figures, indent=2) if as_json else bench_ui.table(figures)
     if name not in _TIMINGS:

@@ -2,10 +2,10 @@
 
 import sys
 from collections.abc import Callable, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 
 from higvf_console.core.errors import HigvfError
+from higvf_console.core.optional import require
 
 OUT = Path("reproduction")
 
@@ -22,10 +22,10 @@ def reproduce(
         prepare: called after the names are checked and before the first case, e.g. to compile the engine.
 
     Raises:
-        HigvfError: an unknown case, matplotlib is missing, or a file cannot be written.
+        HigvfError: an unknown case, a package of the extra `report` is missing, or a file cannot be written.
     """
-    if find_spec("matplotlib") is None:
-        raise HigvfError("the figures need matplotlib: pip install 'higvf-console[report]'")
+    for module in ("matplotlib", "tqdm"):
+        require(module, "report", "higvf reproduce")
     from higvf_console.lab.reproduce.registry import choose  # noqa: PLC0415 (needs matplotlib)
     from higvf_console.lab.reproduce.report.write import write_report  # noqa: PLC0415
     from higvf_console.lab.reproduce.results import run_cases  # noqa: PLC0415

@@ -97,7 +97,7 @@ def plain_run(run: Run) -> dict[str, Any]:
         "ticks": report["ticks"],
         "extinguished": report["extinguished"],
         "loss_area_total_m2": report["loss_area_total_m2"],
-        "min_clearance_m": report["min_clearance_m"],
+        "min_clearance_margin_m": report["min_clearance_margin_m"],
         "infeasible_ticks": report["infeasible_ticks"],
         "deadlock_s": report["deadlock_s"],
         "certificates": report["certificates"],

@@ -25,7 +25,7 @@ def test_a_run_is_the_headless_session_to_the_last_bit(column: str, scenario: Sc
     report = run_headless(session)
     assert list(run.order) == report["extinguished"]
     assert run.loss_area.tolist() == report["loss_area_m2"]
-    assert (run.ticks, run.min_clearance) == (report["ticks"], report["min_clearance_m"])
+    assert (run.ticks, run.min_clearance) == (report["ticks"], report["min_clearance_margin_m"])
 
 
 def test_an_operator_serves_many_runs(scenario: Scenario) -> None:

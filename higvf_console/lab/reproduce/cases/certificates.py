@@ -54,12 +54,12 @@ def _worst(kind: str, entries: list[dict[str, Any]]) -> Measurement:
 
 
 def _table(runs: list[Run], found: list[dict[str, dict[str, Any]]]) -> Table:
-    head = ("run", *[f"{kind}: {entry['symbol']}" for kind, entry in found[0].items()], "clearance [m]")
+    head = ("run", *[f"{kind}: {entry['symbol']}" for kind, entry in found[0].items()], "clearance margin [m]")
     rows = tuple(
         (
             str(run.spec).removeprefix("higvf run ").replace(" --headless", ""),
             *[_number(entry["value"]) for entry in certificates.values()],
-            _number(run.report["min_clearance_m"]),
+            _number(run.report["min_clearance_margin_m"]),
         )
         for run, certificates in zip(runs, found, strict=True)
     )
