@@ -19,16 +19,7 @@ from higvf_console.core.arrays import Bools, Floats, Ints, floats, ints
 _CELLS = 48  # most cells of a pocket's grid along its longer side
 _LEAST_CELL = 4.0  # [m]
 _CROWDED = 30.0  # extra cost of a metre where a robot violates the clearance
-_STEPS = (
-    (0, 1),
-    (1, 0),
-    (1, 1),
-    (1, -1),
-    (1, 2),
-    (2, 1),
-    (1, -2),
-    (2, -1),
-)  # offsets to half of the neighbours of a cell
+_STEPS = ((0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (1, -2), (2, -1))  # offsets to half of the neighbours
 
 
 class Groups(NamedTuple):
@@ -42,7 +33,7 @@ class Groups(NamedTuple):
 
 
 def group_obstacles(parts: Floats, clearance: float) -> Groups:
-    """Groups the parts of a world.
+    """Groups the obstacle parts of a world, and computes the hull and the pocket of each group.
 
     Args:
         parts: (K, 5) capsules ax, ay, bx, by, radius [m].

@@ -1,4 +1,4 @@
-"""The parts of obstacles: every one is a capsule, a disc swept along a spine; the spine of a circle is a point."""
+"""Distances to obstacle parts. Each part is a capsule, a disc swept along a spine; the spine of a circle is a point."""
 
 import math
 
@@ -30,7 +30,7 @@ def spine_point(x: float, y: float, ax: float, ay: float, bx: float, by: float) 
 def capsule_at(
     x: float, y: float, ax: float, ay: float, bx: float, by: float, radius: float
 ) -> tuple[float, float, float]:
-    """A capsule from (x, y): gap to its surface [m], outward unit normal; +x on the spine itself."""
+    """Gap from (x, y) to the surface of a capsule [m], and the outward unit normal; +x on the spine itself."""
     ox, oy = spine_point(x, y, ax, ay, bx, by)
     dx, dy = x - ox, y - oy
     distance = math.sqrt(dx * dx + dy * dy)
@@ -41,7 +41,7 @@ def capsule_at(
 
 @kernel
 def part_at(k: int, x: float, y: float, world: World) -> tuple[float, float, float]:
-    """Part k from (x, y), as `capsule_at`."""
+    """Gap and outward unit normal of part k of a world, as in `capsule_at`."""
     capsules = world.capsules
     return capsule_at(
         x, y, capsules[k, 0], capsules[k, 1], capsules[k, 2], capsules[k, 3], float(capsules[k, 4])

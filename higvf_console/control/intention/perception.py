@@ -1,7 +1,7 @@
 """Observed fire value [10], target choice [10] and robot intention [11], [13].
 
-A fire is seen under the angular interval of its disc; what nearer obstacles hide is the union of their
-intervals, so that two occluders behind each other do not count twice. Other fires hide nothing.
+A robot sees a fire under the angular interval of its disc, minus the union of the intervals that nearer obstacles hide.
+The union counts two occluders in line only once. Other fires hide nothing.
 """
 
 import math
@@ -80,7 +80,7 @@ def fire_value(
 
 @kernel
 def interval_room(capsules: Floats) -> Floats:
-    """Room (2, n) for the starts and ends of hidden intervals: at most two a capsule."""
+    """Work space (2, n) for the starts and ends of hidden intervals, at most two per capsule."""
     return np.empty((2, 2 * capsules.shape[0]))
 
 
