@@ -1,7 +1,7 @@
-"""Recordings: the scenario's text, the seed and every command with its tick are enough to run a session again.
+"""Recordings: the scenario's text, the seed and every command with its tick are enough to repeat a session.
 
-The polygons that the scenario's masks came to are kept as well, also those of a scenario that is loaded on the way, so
-that a replay needs no image.
+The polygons traced from the masks of the scenario, and of those loaded during the run, are recorded too, so that a
+replay needs no image.
 
 JSON lines: a header; `{"tick": 120, "command": "Pick", ...}` for each command; `{"mark": 150, "digest": ...}` each
 second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`. Numbers that
@@ -50,7 +50,7 @@ _RENAMED_USES = {"amend": "redraw"}  # of StrokeEnd
 
 
 class Recorder:
-    """Writes a session down while it runs."""
+    """Writes a recording while a session runs."""
 
     def __init__(
         self, file: Path, scenario: Scenario, seed: int, calibrations: Mapping[str, CalibrationReport] = NONE_MEASURED
@@ -187,7 +187,7 @@ class Recording(NamedTuple):
 
 
 class Replay(NamedTuple):
-    """What came of running a recording again.
+    """The result of repeating a recording.
 
     Attributes:
         ticks: control periods run.
@@ -275,7 +275,7 @@ def _current(entry: dict[str, Any]) -> tuple[str, dict[str, Any]]:
 
 
 def replay(recording: Recording) -> Replay:
-    """Runs a recording again, as far as it goes, and compares the digests."""
+    """Repeats a recording as far as it goes, and compares the digests."""
     run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter, recording.scenario)
     digest = TrajectoryDigest()
     expected = {mark.ticks: mark.digest for mark in recording.marks}
