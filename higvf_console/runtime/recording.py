@@ -24,15 +24,16 @@ from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
-from higvf_console.control.forms import WORDS, Forms
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import Command, LoadScenario, OperatorCommand
 from higvf_console.core.errors import InputError
+from higvf_console.core.reading.node import Node
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.state import Motion
 from higvf_console.runtime.interrupts import held_back
 from higvf_console.runtime.run import Run, TrajectoryDigest
 from higvf_console.scenario.scenario import Scenario, parse_scenario
+from higvf_console.scenario.sections import read_forms
 
 FORMAT = 1
 NONE_MEASURED: Mapping[str, CalibrationReport] = {}
@@ -226,10 +227,13 @@ def read_recording(file: Path) -> Recording:
         raise InputError(f"{file}: not a recording: its first line is not a header")
     if header["recording"] != FORMAT:
         raise InputError(f"{file}: recording format {header['recording']!r} is not known; known formats: {FORMAT}")
+    missing = [name for name in ("text", "source", "seed", "versions") if name not in header]
+    if missing:
+        raise InputError(f"{file}: the header of the recording has no '{missing[0]}'")
     polygons = tuple(floats(chain, -1, 2) for chain in header["polygons"]) if "polygons" in header else None
     scenario = parse_scenario(header["text"], header["source"], polygons)
     if "forms" in header:
-        scenario = scenario.with_forms(Forms(**{name: WORDS[word] for name, word in header["forms"].items()}))
+        scenario = scenario.with_forms(read_forms(Node(header["forms"], str(file), "forms", InputError)))
     recording = Recording(scenario, header["seed"], header["versions"], {}, [], False)
     for number, line in enumerate(lines[1:-1], 2):
         entry = _parsed(line)
