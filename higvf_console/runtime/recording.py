@@ -269,7 +269,8 @@ def _command(entry: dict[str, Any], place: str) -> OperatorCommand:
 
 def _current(entry: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """A command's name and fields, by their present names."""
-    name = _RENAMED.get(entry["command"], entry["command"])
+    command: str = entry["command"]
+    name = _RENAMED.get(command, command)
     fields = {key: _given(key, value) for key, value in entry.items() if key not in ("tick", "command")}
     if name in _OF_ENTITIES and "thing" in fields:
         fields["kind"] = fields.pop("thing")
