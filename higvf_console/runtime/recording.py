@@ -17,13 +17,14 @@ import json
 import math
 import platform
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
+from higvf_console.core.arguments import instance
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import Command, LoadScenario, OperatorCommand
 from higvf_console.core.errors import InputError
@@ -31,7 +32,7 @@ from higvf_console.core.reading.node import Node
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.state import Motion
 from higvf_console.runtime.interrupts import held_back
-from higvf_console.runtime.run import Run, TrajectoryDigest
+from higvf_console.runtime.run import Run, Tick, TrajectoryDigest
 from higvf_console.scenario.scenario import Scenario, parse_scenario
 from higvf_console.scenario.sections import read_forms
 
@@ -54,7 +55,11 @@ class Recorder:
     """Writes a recording while a session runs."""
 
     def __init__(
-        self, file: Path, scenario: Scenario, seed: int, calibrations: Mapping[str, CalibrationReport] = NONE_MEASURED
+        self,
+        file: str | Path,
+        scenario: Scenario,
+        seed: int,
+        calibrations: Mapping[str, CalibrationReport] = NONE_MEASURED,
     ) -> None:
         """Opens the file and writes the header.
 
@@ -67,6 +72,8 @@ class Recorder:
         Raises:
             InputError: the file cannot be written.
         """
+        file = Path(instance("file", file, str, Path))
+        instance("scenario", scenario, Scenario)
         try:
             self._file = file.open("w", encoding="utf-8")
         except OSError as error:
@@ -212,12 +219,13 @@ class Replay(NamedTuple):
         return self.differs_after is None and self.expected is not None
 
 
-def read_recording(file: Path) -> Recording:
+def read_recording(file: str | Path) -> Recording:
     """Reads a recording up to its end, or up to the line that was cut off.
 
     Raises:
         InputError: not a recording, of an unknown format, or damaged in the middle.
     """
+    file = Path(instance("file", file, str, Path))
     try:
         lines = file.read_text(encoding="utf-8", errors="replace").split("\n")
     except OSError as error:
@@ -279,8 +287,17 @@ def _current(entry: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     return name, fields
 
 
-def replay(recording: Recording) -> Replay:
-    """Repeats a recording as far as it goes, and compares the digests."""
+def replay(recording: Recording, each: Callable[[Tick], object] | None = None) -> Replay:
+    """Repeats a recording as far as it goes, and compares the digests.
+
+    Args:
+        recording: from `read_recording`.
+        each: called after every control period.
+
+    Raises:
+        ArgumentTypeError: no recording.
+    """
+    instance("recording", recording, Recording)
     run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter, recording.scenario)
     digest = TrajectoryDigest()
     expected = {mark.ticks: mark.digest for mark in recording.marks}
@@ -293,6 +310,8 @@ def replay(recording: Recording) -> Replay:
                 run.apply(command)
             run.step()
             digest.add(run.state.motion)
+            if each is not None:
+                each(Tick(run.time, run.state, run.trace, run.setup))
             if tick in expected and differs_after is None:
                 if digest.hex() != expected[tick]:
                     differs_after = agreed

@@ -18,6 +18,7 @@ from higvf_console.channels.channels import Channels
 from higvf_console.channels.input_reports import InputReports, Reporter, calibration_event
 from higvf_console.channels.marker_outlet import MarkerOutlet
 from higvf_console.channels.supervision import Said, Supervisor
+from higvf_console.core.arguments import instance, whole
 from higvf_console.core.command import SESSION
 from higvf_console.core.commands import (
     Cursor,
@@ -97,8 +98,10 @@ class Session:
         Raises:
             ScenarioError: the start is not safe with this seed.
             InputError: two interfaces have the same name.
+            ArgumentError: an argument is of another type, or an interface lacks one of its functions.
         """
-        self.seed = seed
+        instance("scenario", scenario, Scenario)
+        self.seed = whole("seed", seed, 0)
         self.baseline: Baseline | None = None
         self.viewport: Viewport | None = None
         self.commands: list[AppliedCommand] = []

@@ -38,6 +38,7 @@ from higvf_console.channels.channel_state import Limits
 from higvf_console.channels.channels import unknown_settings
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.parameters import Parameters
+from higvf_console.core.arguments import instance, whole
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, shown
@@ -145,8 +146,10 @@ class Scenario:
         """What a run starts from; the same seed gives the same bytes.
 
         Raises:
+            ArgumentError: the seed is no whole number from 0.
             ScenarioError: the seed's jitter puts a robot where it would violate a safety barrier.
         """
+        seed = whole("seed", seed, 0)
         position = self.robots.controlled(seed, self.params.robots.look_ahead)
         setup = make_setup(self._layout(position, seed), position)
         fire_radius = setup.layout.fire_radius
@@ -159,7 +162,7 @@ class Scenario:
 
     def with_forms(self, forms: Forms) -> "Scenario":
         """The same scenario with other forms of the equations, and weights with which they converge."""
-        params = self.params._replace(forms=forms)
+        params = self.params._replace(forms=instance("forms", forms, Forms))
         params, warnings = convergent(params, self.robots.points, self.links, self.influenced)
         return replace(self, params=params, warnings=self.warnings + warnings)
 
@@ -196,7 +199,7 @@ def load_scenario(name_or_path: str | FilePath) -> Scenario:
     Raises:
         ScenarioError: there is no such scenario, or its file cannot be used.
     """
-    given = str(name_or_path)
+    given = str(instance("name_or_path", name_or_path, str, FilePath))
     file = FilePath(given)
     if file.suffix not in (".yaml", ".yml"):
         names = scenario_names()

@@ -1,4 +1,4 @@
-"""What interfaces/README.md shows can be used as it stands."""
+"""The examples and tables of interfaces/README.md agree with the code."""
 
 import re
 from collections.abc import Callable

@@ -53,7 +53,7 @@ def test_another_process_computes_the_same_bytes() -> None:
     program = (
         "from tests.sim.test_simulation import digest, firefighting\n"
         "from higvf_console.sim.simulation import roll\n"
-        "s = firefighting(); print(digest(roll(s.start, s.world, s.gains, 900)[0]))"
+        "s = firefighting(); print(digest(roll(s.start, s.world, s.params, 900)[0]))"
     )
     there = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     setup = firefighting()

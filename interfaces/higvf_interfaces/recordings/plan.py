@@ -1,7 +1,7 @@
-"""Makes sample recordings from a plan: `python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml`.
+"""Generate sample recordings from a plan: `python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml`.
 
-The plan says what an operator would look at and what the decoders would say; the files come out in the formats that
-the adapters read, the same bytes each time. Its keys are described in interfaces/README.md.
+The plan lists what the operator looks at and which labels the decoders give. The files are in formats that the readers
+accept; the same plan gives the same bytes. interfaces/README.md describes the keys.
 """
 
 import argparse
@@ -30,10 +30,10 @@ _LONGEST = 36_000.0  # [s]
 
 
 def make_recordings(plan: Path) -> dict[str, str]:
-    """File names and contents that a plan asks for.
+    """Return the contents of the recordings that a plan describes, by file name.
 
     Raises:
-        InputError: the plan cannot be used; the message gives place, value and known keys.
+        InputError: If the plan is invalid; the message gives place, value and known keys.
     """
     fields = Fields.of(read_yaml(read_text(plan, InputError), str(plan), InputError), _PLAN)
     files: dict[str, str] = {}
@@ -47,7 +47,7 @@ def make_recordings(plan: Path) -> dict[str, str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command; returns its exit code."""
+    """Run the command and return its exit code."""
     parser = argparse.ArgumentParser(prog="python -m higvf_interfaces.recordings", description=__doc__)
     parser.add_argument("out_dir", type=Path, help="folder that receives the recordings")
     parser.add_argument("--plan", type=Path, required=True, help="YAML plan of strokes and labels")

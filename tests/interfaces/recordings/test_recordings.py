@@ -1,4 +1,4 @@
-"""Recordings made from a plan read back as what the plan says."""
+"""Recordings generated from a plan read back as planned."""
 
 import re
 import subprocess
@@ -73,7 +73,7 @@ def test_command_logs_read_back(write: Write, writer: Callable[[list[Decision]],
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_eye_stays_within_half_a_degree_of_the_polyline_and_reaches_its_ends(seed: int) -> None:
+def test_gaze_stays_within_half_a_degree_of_the_polyline_and_reaches_its_ends(seed: int) -> None:
     samples = synthetic_gaze([STROKE], 14.0, SCREEN, seed=seed)
     found = classify(samples.time, samples.points, samples.valid)
     during = (found.time[found.last] > STROKE.start) & (found.time[found.first] < STROKE.end)
@@ -86,7 +86,7 @@ def test_the_eye_stays_within_half_a_degree_of_the_polyline_and_reaches_its_ends
     assert np.hypot(*(ground[-1] - LINE[-1])) < half_a_degree
 
 
-def test_fixations_last_as_long_as_people_do() -> None:
+def test_fixations_last_250_to_400_ms() -> None:
     samples = synthetic_gaze([], 60.0, SCREEN, seed=1)
     found = classify(samples.time, samples.points, samples.valid)
     lasted = found.time[found.last] - found.time[found.first]
@@ -142,7 +142,7 @@ def test_a_wrong_plan_is_refused_with_its_place(write: Write, old: str, new: str
     assert message in str(refusal.value)
 
 
-def test_the_command_says_what_is_wrong_and_exits_with_two(
+def test_the_command_reports_an_error_and_exits_with_two(
     write: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([str(tmp_path), "--plan", write("- 1", "plan.yaml")]) == 2
