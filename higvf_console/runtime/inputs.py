@@ -1,12 +1,13 @@
 """`--input CHANNEL=FILE:option=value,option=value`, as words of the command line and of a scenario's `demo`."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
+from higvf_console.channels.channels import Channels
 from higvf_console.core.errors import InputError
 from higvf_console.core.events import Event, Severity
-from higvf_console.core.interface import InputSpec, Interface
+from higvf_console.core.interface import InputSpec
 from higvf_console.core.reports import Warned
 from higvf_console.scenario.scenario import Scenario, data_folder
 
@@ -48,9 +49,9 @@ def demo_specs(scenario: Scenario) -> list[InputSpec]:
     return [input_spec(text, scenario, data_folder()) for text in scenario.demo]
 
 
-def opening_warnings(scenario: Scenario, interfaces: Iterable[Interface]) -> tuple[Event, ...]:
+def opening_warnings(scenario: Scenario, channels: Channels) -> tuple[Event, ...]:
     """The warnings of a scenario and of the inputs that a session is opened with."""
-    warned = (interface for interface in interfaces if isinstance(interface, Warned))
+    warned = (interface for interface in map(channels.named, channels.names) if isinstance(interface, Warned))
     return (
         *(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings),
         *(Event(0.0, Severity.WARNING, "input", text) for interface in warned for text in interface.warnings),

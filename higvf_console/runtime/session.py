@@ -2,12 +2,11 @@
 
     each tick:  poll the interfaces -> apply their commands -> watch the channels -> advance -> record -> publish
 
-The session owns the clock (freeze, step, speed). Everyone else reads `snapshot`, which is replaced as a whole and never
-written, so a view may keep one for as long as it likes.
+The session owns the clock (freeze, step, speed). Views read `snapshot`, which is immutable and replaced as a whole.
 """
 
 import logging
-from collections.abc import Collection
+from collections.abc import Iterable
 from threading import Event as Signal
 from threading import Thread
 from time import perf_counter
@@ -81,7 +80,7 @@ class Session:
     def __init__(
         self,
         scenario: Scenario,
-        interfaces: Collection[Interface],
+        interfaces: Iterable[Interface],
         seed: int = 0,
         recorder: Recorder | None = None,
         markers: MarkerOutlet | None = None,
@@ -112,11 +111,9 @@ class Session:
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
         self._recorder, self._markers = recorder, markers
-        self._frozen = False
-        self._speed = 1.0
-        self._steps_due = 0
-        self._heartbeats = 0
-        self._events = opening_warnings(scenario, interfaces)
+        self._frozen, self._speed = False, 1.0
+        self._steps_due = self._heartbeats = 0
+        self._events = opening_warnings(scenario, self._channels)
         self._publish(perf_counter())
 
     @property
