@@ -1,9 +1,9 @@
-"""One command, whatever it is about: the moment after it, the history with it, and what there is to say.
+"""Apply one operator command to the run, its history and its events.
 
-what the operator asks of the team    operator.reducer
-what the world is made of             world.editing
-another scenario                      scenario.scenario
-undo, redo                            runtime.history
+intent of the operator     operator.reducer
+edits of the world         world.editing
+another scenario           scenario.scenario
+undo, redo                 runtime.history
 """
 
 from higvf_console.core.arrays import Ints
@@ -44,17 +44,17 @@ from higvf_console.world.editing.edit import edited
 from higvf_console.world.editing.freehand import outline_of
 
 Dispatched = tuple[RunState, History, tuple[Event, ...]]
-_REMEMBERED = (
+_UNDOABLE = (
     StrokeEnd, Pick, Confirm, Discard, Pause, Resume, ClearPath, ReversePath, ShapePath, MovePathPoint, TakeUpPath,
     ForgetPath, Prioritise, NextTask, ResetRun,
 )  # fmt: skip
 
 
 def dispatch(now: RunState, history: History, command: OperatorCommand) -> Dispatched:
-    """The run after a command.
+    """The run state and the history after a command, and the events that report it.
 
     Raises:
-        ScenarioError: it cannot be done; nothing has changed.
+        ScenarioError: the command is refused; nothing has changed.
     """
     match command:
         case Undo():
@@ -70,25 +70,25 @@ def dispatch(now: RunState, history: History, command: OperatorCommand) -> Dispa
         case Edit():
             return _edited(now, history, command)
         case _:
-            return _asked(now, history, command)
+            return _applied(now, history, command)
 
 
-def _asked(now: RunState, history: History, command: OperatorCommand) -> Dispatched:
+def _applied(now: RunState, history: History, command: OperatorCommand) -> Dispatched:
     state, events = apply_command(now.state, command, now.setup)
     run_state = now._replace(state=state)
     if isinstance(command, ResetRun):
         run_state = run_state._replace(tally=Tally())
     if isinstance(command, EmergencyStop):
         return run_state, history.stopped(), events
-    said = [event for event in events if event.kind not in ("refused", "clipped")]
-    if isinstance(command, _REMEMBERED) and said and _differs(now, run_state):
+    effects = [event for event in events if event.kind not in ("refused", "clipped")]
+    if isinstance(command, _UNDOABLE) and effects and _differs(now, run_state):
         rows = same_rows(len(state.motion.position)), same_rows(len(state.motion.fire_radius))
-        history = _remembered(now, run_state, history, command, said[-1].text, *rows)
+        history = _recorded(now, run_state, history, command, effects[-1].text, *rows)
     return run_state, history, events
 
 
 def _differs(now: RunState, run_state: RunState) -> bool:
-    """Whether more than the growing stroke has changed."""
+    """Whether more than cursor and growing stroke has changed."""
     was, become = now.state, run_state.state
     return (
         was.intent is not become.intent
@@ -103,12 +103,12 @@ def _edited(now: RunState, history: History, command: Edit) -> Dispatched:
     kept = {old: new for new, old in enumerate(result.fires.tolist()) if old != NEW}
     out = tuple(kept[fire] for fire in now.tally.extinguished if fire in kept)
     run_state = now._replace(setup=result.setup, state=result.state, tally=now.tally._replace(extinguished=out))
-    history = _remembered(now, run_state, history, command, result.text, result.robots, result.fires)
+    history = _recorded(now, run_state, history, command, result.text, result.robots, result.fires)
     return run_state, history, _report(now, "edited", result.text)
 
 
 def _outlined(now: RunState, history: History) -> Dispatched:
-    """The stroke is the outline of an obstacle; it is over, whether that can be or not."""
+    """Makes the stroke the outline of an obstacle; the stroke ends even if the outline is refused."""
     stroke = now.state.pointer_state.stroke
     now = now._replace(state=apply_command(now.state, StrokeCancel(), now.setup)[0])
     try:
@@ -123,13 +123,13 @@ def _loaded(now: RunState, history: History, command: LoadScenario) -> Dispatche
     start = started_again(now.state, setup)
     run_state = RunState(setup, start, Tally(), scenario.filter, scenario)
     rows = same_rows(len(start.motion.position)), same_rows(len(start.motion.fire_radius))
-    said = f"The scenario '{scenario.title}' is loaded."
-    history = _remembered(now, run_state, history, command, said, *rows)
+    text = f"The scenario '{scenario.title}' is loaded."
+    history = _recorded(now, run_state, history, command, text, *rows)
     warnings = tuple(Event(0.0, Severity.WARNING, "scenario", warning) for warning in scenario.warnings)
-    return run_state, history, _report(now, "loaded", said) + warnings
+    return run_state, history, _report(now, "loaded", text) + warnings
 
 
-def _remembered(
+def _recorded(
     now: RunState, run_state: RunState, history: History, command: Command, text: str, robots: Ints, fires: Ints
 ) -> History:
     whole = isinstance(command, ResetRun | LoadScenario)

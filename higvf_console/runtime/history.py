@@ -1,12 +1,14 @@
-"""What was done, to be undone and done again: every edit and every action of the operator.
+"""Undo and redo of every edit and every operator action.
 
-Time does not run back: an undo takes the difference that a deed made out of the present moment. Robots stay where they
-have come to since, but for those that the deed itself moved, and those that stand where something comes back, which
-are set aside to the nearest safe place; a fire keeps what it has grown. Where no time has passed, all is as it was to
-the last bit. Without a repair, a path is followed from where the team has come to on it. Where the deed was a reset or
-another scenario, the former run comes back as a whole, but for what the operator's hand is doing.
+Undo reverts actions, not elapsed time. It subtracts the difference that an action made from the present run state:
+- Robots keep their present positions. Those that the action itself moved return; those in the way of what returns move
+  to the nearest safe position.
+- A fire keeps its present radius.
+- A path whose redrawing is undone is followed on from the team's present position along it.
+- If no time has passed since the action, the former run state is restored bit for bit.
+- If the action was a reset or another scenario, the former run is restored as a whole, except for the pointer.
 
-An undo never sets the team in motion after a STOP: that takes pauses out of the history.
+Undo never sets the team in motion after an emergency stop: the stop removes pauses from the history.
 """
 
 import math
@@ -28,19 +30,19 @@ from higvf_console.world.editing.safe_places import crowded, diagonal, nearest_f
 from higvf_console.world.layout import Layout
 from higvf_console.world.setup import Setup
 
-KEPT = 200  # deeds
-_WAITING = ("pending", "pending_robot", "pending_repairs")  # what a drawing has of the path that waits
+KEPT = 200  # actions
+_WAITING = ("pending", "pending_robot", "pending_repairs")  # of the pointer state: the path that waits
 
 
 class Tally(NamedTuple):
-    """What a run has come to so far.
+    """Measures of a run so far.
 
     Attributes:
-        extinguished: fire indices in the order in which they went out.
+        extinguished: fire indices in the order in which they were extinguished.
         min_clearance: smallest clearance [m].
-        infeasible_ticks: control periods in which a robot could not meet all barrier rows.
+        infeasible_ticks: control periods in which a robot could not meet all constraints.
         deadlock_ticks: control periods in which a robot was deadlocked.
-        worst: what the certificates of single ticks came to.
+        worst: worst certificates of single ticks.
     """
 
     extinguished: tuple[int, ...] = ()
@@ -51,14 +53,14 @@ class Tally(NamedTuple):
 
 
 class RunState(NamedTuple):
-    """A run at one moment.
+    """Everything that changes in a run.
 
     Attributes:
-        setup: world and gains in force, and the start.
+        setup: layout and world in force, and the start.
         state: now.
         tally: so far.
         filter: the safety filter that runs.
-        scenario: where it all came from; None for a run that no scenario file describes.
+        scenario: where the run came from; None for a run that no scenario file describes.
     """
 
     setup: Setup
@@ -69,18 +71,18 @@ class RunState(NamedTuple):
 
 
 class Action(NamedTuple):
-    """Something that was done.
+    """A command that changed the run, and can be undone.
 
     Attributes:
         time: session time [s].
         kind: name of the command.
-        text: what was done, one sentence.
-        before: the moment before.
-        after: the moment after; no time has passed.
+        text: its effect, one sentence.
+        before: run state before it.
+        after: run state right after it, at the same time.
         robots: row before of each robot after, or `NEW`.
         fires: likewise.
-        whole: whether the former run as a whole comes back when it is undone.
-        repairs: whether it changed the path in force, and the team went on along it.
+        whole: whether undo restores the former run as a whole.
+        repairs: whether it changed the path in force without replacing it.
     """
 
     time: float
@@ -95,7 +97,7 @@ class Action(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """A line of the history as people read it."""
+    """A line of the history as the console shows it."""
 
     time: float
     text: str
@@ -103,22 +105,22 @@ class Entry(NamedTuple):
 
 
 class History(NamedTuple):
-    """Deeds in the order in which they were done; `undone` ones in the order in which they would be done again."""
+    """The actions that can be undone, oldest first, and those that can be redone, next first."""
 
     done: tuple[Action, ...] = ()
     undone: tuple[Action, ...] = ()
 
     def with_action(self, action: Action) -> "History":
-        """The history after something new was done: what was undone before is gone."""
+        """The history after a new action, which cannot be followed by a redo."""
         return History((*self.done, action)[-KEPT:], ())
 
     def stopped(self) -> "History":
-        """The history after a STOP."""
+        """The history after an emergency stop."""
         pauses = ("Pause", "Resume")
         return History(*(tuple(action for action in actions if action.kind not in pauses) for actions in self))
 
     def entries(self) -> tuple[Entry, ...]:
-        """All lines, the oldest first."""
+        """All lines, oldest first."""
         return (
             *(Entry(action.time, action.text, False) for action in self.done),
             *(Entry(action.time, action.text, True) for action in self.undone),
@@ -126,45 +128,47 @@ class History(NamedTuple):
 
 
 def undo(history: History, now: RunState) -> tuple[History, RunState, str]:
-    """The moment without the last deed.
+    """The history and the run state without the last action, and a sentence about it.
 
     Raises:
-        ScenarioError: there is none, or no robot could keep its clearance after it.
+        ScenarioError: there is no action, or no robot could keep its clearance after it.
     """
     if not history.done:
         raise ScenarioError("there is nothing to undo")
     action = history.done[-1]
     if action.whole:
-        run_state, aside = _as_a_whole(now, action.before), ""
+        run_state, aside = _restored(now, action.before), ""
     else:
-        run_state, aside = _turned(now, action.after, action.before, *_rows_back(action), action.repairs)
+        run_state, aside = _with_difference(now, action.after, action.before, *_rows_back(action), action.repairs)
     action = action._replace(after=_with_progress(action.after, now))
     return History(history.done[:-1], (action, *history.undone)), run_state, f"Undone: {action.text}{aside}"
 
 
 def redo(history: History, now: RunState) -> tuple[History, RunState, str]:
-    """The moment with the deed that was undone last.
+    """The history and the run state with the action that was undone last, and a sentence about it.
 
     Raises:
-        ScenarioError: there is none, or no robot could keep its clearance after it.
+        ScenarioError: there is no action, or no robot could keep its clearance after it.
     """
     if not history.undone:
-        raise ScenarioError("there is nothing to do again")
+        raise ScenarioError("there is nothing to redo")
     action = history.undone[0]
     if action.whole:
-        run_state, aside = _as_a_whole(now, action.after), ""
+        run_state, aside = _restored(now, action.after), ""
     else:
-        run_state, aside = _turned(now, action.before, action.after, action.robots, action.fires, action.repairs)
+        run_state, aside = _with_difference(
+            now, action.before, action.after, action.robots, action.fires, action.repairs
+        )
     action = action._replace(before=_with_progress(action.before, now))
-    return History((*history.done, action), history.undone[1:]), run_state, f"Done again: {action.text}{aside}"
+    return History((*history.done, action), history.undone[1:]), run_state, f"Redone: {action.text}{aside}"
 
 
 def rows_before(history: History, *, undone: bool) -> tuple[Ints, Ints]:
-    """Row that each robot, and each fire, had before what the history came by, or `NEW`.
+    """Row that each robot, and each fire, had before the latest change of the history, or `NEW`.
 
     Args:
-        history: just now.
-        undone: whether it came by an undo, else by a deed or a redo.
+        history: after that change.
+        undone: whether that change was an undo; else it was an action or a redo.
 
     Returns:
         (N,), (M,) rows; none where the whole run has become another.
@@ -182,7 +186,7 @@ def _rows_back(action: Action) -> tuple[Ints, Ints]:
 
 
 def _with_progress(run_state: RunState, now: RunState) -> RunState:
-    """A moment of the past, for the way back to it, as far along its path as the team has come since."""
+    """A past run state with the team's present progress along its path."""
     state, motion = run_state.state, now.state.motion
     if state.intent.path is not now.state.intent.path or state.motion.path_parameter == motion.path_parameter:
         return run_state
@@ -190,8 +194,8 @@ def _with_progress(run_state: RunState, now: RunState) -> RunState:
     return run_state._replace(state=state._replace(motion=state.motion._replace(**progress)))
 
 
-def _as_a_whole(now: RunState, goal: RunState) -> RunState:
-    """Another moment in place of the present one, but for what the operator's hand is doing."""
+def _restored(now: RunState, goal: RunState) -> RunState:
+    """Another run state in place of the present one, except for the pointer."""
     intent, present = goal.state.intent, now.state.intent
     intent = intent._replace(paused=intent.paused or present.paused, stopped=present.stopped)
     state = proposal_dropped(now.state._replace(motion=goal.state.motion, intent=intent))
@@ -199,10 +203,10 @@ def _as_a_whole(now: RunState, goal: RunState) -> RunState:
     return goal._replace(state=with_pointer_state(state, **back))
 
 
-def _turned(
+def _with_difference(
     now: RunState, source: RunState, goal: RunState, robots: Ints, fires: Ints, repairs: bool
 ) -> tuple[RunState, str]:
-    """The present moment with the difference between two moments of the past, and who was in the way of that."""
+    """The present run state plus the difference between two past ones, and which robots were in the way."""
     if now.state.motion is source.state.motion:
         intent = goal.state.intent._replace(paused=_paused(now, source, goal), stopped=now.state.intent.stopped)
         state = SimState(goal.state.motion, intent, _pointer_state_back(now, source, goal, robots))
@@ -214,19 +218,19 @@ def _turned(
     motion = _fires_back(motion, source, goal, fires)
     motion = _robots_back(motion, source, goal, robots, layout)
     already = set(crowded(now.setup.layout, now.state.motion))
-    motion, aside = _set_aside(motion, [robot for robot, row in enumerate(robots) if int(row) not in already], layout)
+    motion, aside = _moved_aside(motion, [robot for robot, row in enumerate(robots) if int(row) not in already], layout)
     led_by = led_on(source.state.motion, source.state.intent, robots, fires, count)[1].influenced
     if led_by != goal.state.intent.influenced:
         intent = intent._replace(influenced=goal.state.intent.influenced)
     intent = intent._replace(paused=_paused(now, source, goal))
-    motion, intent = _asked_back(motion, intent, source.state, goal.state, repairs)
+    motion, intent = _intent_back(motion, intent, source.state, goal.state, repairs)
     state = SimState(motion, intent, _pointer_state_back(now, source, goal, robots))
     tally = now.tally._replace(extinguished=_numbers_back(now.tally, goal.tally, fires))
     return now._replace(setup=goal.setup, state=state, tally=tally), aside
 
 
 def _robots_back(motion: Motion, source: RunState, goal: RunState, robots: Ints, layout: Layout) -> Motion:
-    """Robots that the deed moved, or took away, are where they were, or at the nearest safe place."""
+    """Returns robots that the action moved or removed to where they were, or to the nearest safe position."""
     was, then = source.state.motion, goal.state.motion
     for robot, row in enumerate(robots.tolist()):
         same = row != NEW and (was.position[row] == then.position[robot]).all()
@@ -239,8 +243,8 @@ def _robots_back(motion: Motion, source: RunState, goal: RunState, robots: Ints,
     return motion
 
 
-def _set_aside(motion: Motion, movable: list[int], layout: Layout) -> tuple[Motion, str]:
-    """Robots that stand where something comes back are at the nearest safe place, and which these are, in words."""
+def _moved_aside(motion: Motion, movable: list[int], layout: Layout) -> tuple[Motion, str]:
+    """Moves robots that are in the way of what returns to the nearest safe position, and names them."""
     aside: list[int] = []
     for robot in crowded(layout, motion):
         if robot in movable and not robot_fits(robot, layout, motion)(motion.position[robot : robot + 1])[0]:
@@ -255,7 +259,7 @@ def _set_aside(motion: Motion, movable: list[int], layout: Layout) -> tuple[Moti
 
 
 def _held(motion: Motion, robot: int, layout: Layout) -> Motion:
-    """With a robot at the safe place that is nearest to where it is."""
+    """Moves a robot to the nearest safe position."""
     place = nearest_fit(motion.position[robot], robot_fits(robot, layout, motion), diagonal(layout))
     if place is None:
         raise ScenarioError(f"there is no safe place for robot {robot + 1} in the arena")
@@ -263,7 +267,7 @@ def _held(motion: Motion, robot: int, layout: Layout) -> Motion:
 
 
 def _fires_back(motion: Motion, source: RunState, goal: RunState, fires: Ints) -> Motion:
-    """Fires that the deed resized, or took away, are as they were."""
+    """Restores fires that the action resized or removed."""
     was, then = source.state.motion, goal.state.motion
     radius, progress, burning = motion.fire_radius.copy(), motion.fire_progress.copy(), motion.fire_burning.copy()
     for fire, row in enumerate(fires.tolist()):
@@ -275,15 +279,15 @@ def _fires_back(motion: Motion, source: RunState, goal: RunState, fires: Ints) -
 
 
 def _paused(now: RunState, source: RunState, goal: RunState) -> bool:
-    """Whether the team is paused where the deed changed that; a team that is stopped stays paused."""
+    """Whether the team is paused, restored if the action changed it; a stopped team stays paused."""
     was, then, intent = source.state.intent.paused, goal.state.intent.paused, now.state.intent
     return intent.paused if was == then else then or intent.stopped
 
 
-def _asked_back(
+def _intent_back(
     motion: Motion, intent: Intent, source: SimState, goal: SimState, repairs: bool
 ) -> tuple[Motion, Intent]:
-    """Path and priorities, where the deed changed them."""
+    """Restores path and priorities that the action changed."""
     was, then = source.intent, goal.intent
     if was.priority.tobytes() != then.priority.tobytes():
         intent = intent._replace(priority=then.priority)
@@ -296,7 +300,7 @@ def _asked_back(
 
 
 def _pointer_state_back(now: RunState, source: RunState, goal: RunState, robots: Ints) -> PointerState:
-    """What waits, and the list of paths, where the deed changed them."""
+    """Restores the path that waits and the list of paths, where the action changed them."""
     pointer_state, was, then = (
         waiting_on(now.state.pointer_state, robots),
         source.state.pointer_state,
@@ -308,7 +312,7 @@ def _pointer_state_back(now: RunState, source: RunState, goal: RunState, robots:
 
 
 def _repaired(motion: Motion, path: Path, source: SimState, goal: SimState) -> Motion:
-    """On the path without, or with, a repair, where the team has come to on the one in force."""
+    """On the path before (or after) it was redrawn, at the place that corresponds to the present one."""
     was, then = source.motion, goal.motion
     revives = (was.path_status in ACTING) != (then.path_status in ACTING)
     lasts = source.intent.path.duration == goal.intent.path.duration
@@ -321,7 +325,7 @@ def _repaired(motion: Motion, path: Path, source: SimState, goal: SimState) -> M
 
 
 def _rejoined(motion: Motion, goal: SimState, robot: int) -> Motion:
-    """On a former path, an open one where it was left, any other at the nearest point."""
+    """On a former path: an open one where it was left, any other at the nearest point."""
     path, w = goal.intent.path, goal.motion.path_parameter
     if path.kind != PathKind.NONE and (path.closed or path.kind != PathKind.SPLINE):
         x, y = motion.position[robot].tolist()
@@ -333,7 +337,7 @@ def _rejoined(motion: Motion, goal: SimState, robot: int) -> Motion:
 
 
 def _numbers_back(now: Tally, goal: Tally, fires: Ints) -> tuple[int, ...]:
-    """Fires that are out, by their numbers; those that come back with the deed as they were."""
+    """Extinguished fires by their present numbers; those that return keep their former order."""
     numbers = {old: new for new, old in enumerate(fires.tolist()) if old != NEW}
     kept = tuple(numbers[fire] for fire in now.extinguished if fire in numbers)
     return kept + tuple(fire for fire in goal.extinguished if fires[fire] == NEW)

@@ -4,8 +4,11 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from higvf_console.channels.channels import Channels
 from higvf_console.core.errors import InputError
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import InputSpec
+from higvf_console.core.reports import Warned
 from higvf_console.scenario.scenario import Scenario, data_folder
 
 _CHANNEL = re.compile(r"[A-Za-z][\w-]*")
@@ -44,6 +47,15 @@ def demo_specs(scenario: Scenario) -> list[InputSpec]:
     if not scenario.demo:
         raise InputError(f"scenario '{scenario.name}' has no section 'demo' ({scenario.source})")
     return [input_spec(text, scenario, data_folder()) for text in scenario.demo]
+
+
+def opening_warnings(scenario: Scenario, channels: Channels) -> tuple[Event, ...]:
+    """The warnings of a scenario and of the inputs that a session is opened with."""
+    warned = (interface for interface in map(channels.named, channels.names) if isinstance(interface, Warned))
+    return (
+        *(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings),
+        *(Event(0.0, Severity.WARNING, "input", text) for interface in warned for text in interface.warnings),
+    )
 
 
 def _split(rest: str, folder: Path) -> tuple[str, str]:

@@ -1,7 +1,7 @@
-"""Recordings: the scenario's text, the seed and every command with its tick are enough to run a session again.
+"""Recordings: the scenario's text, the seed and every command with its tick are enough to repeat a session.
 
-The polygons that the scenario's masks came to are kept as well, also those of a scenario that is loaded on the way, so
-that a replay needs no image.
+The polygons traced from the masks of the scenario, and of those loaded during the run, are recorded too, so that a
+replay needs no image.
 
 JSON lines: a header; `{"tick": 120, "command": "Pick", ...}` for each command; `{"mark": 150, "digest": ...}` each
 second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`. Numbers that
@@ -24,16 +24,17 @@ from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
-from higvf_console.control.forms import WORDS, Forms
 from higvf_console.core.arguments import instance
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import Command, LoadScenario, OperatorCommand
 from higvf_console.core.errors import InputError
+from higvf_console.core.reading.node import Node
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.state import Motion
 from higvf_console.runtime.interrupts import held_back
 from higvf_console.runtime.run import Run, Tick, TrajectoryDigest
 from higvf_console.scenario.scenario import Scenario, parse_scenario
+from higvf_console.scenario.sections import read_forms
 
 FORMAT = 1
 NONE_MEASURED: Mapping[str, CalibrationReport] = {}
@@ -51,7 +52,7 @@ _RENAMED_USES = {"amend": "redraw"}  # of StrokeEnd
 
 
 class Recorder:
-    """Writes a session down while it runs."""
+    """Writes a recording while a session runs."""
 
     def __init__(
         self,
@@ -194,7 +195,7 @@ class Recording(NamedTuple):
 
 
 class Replay(NamedTuple):
-    """What came of running a recording again.
+    """The result of repeating a recording.
 
     Attributes:
         ticks: control periods run.
@@ -234,10 +235,13 @@ def read_recording(file: str | Path) -> Recording:
         raise InputError(f"{file}: not a recording: its first line is not a header")
     if header["recording"] != FORMAT:
         raise InputError(f"{file}: recording format {header['recording']!r} is not known; known formats: {FORMAT}")
+    missing = [name for name in ("text", "source", "seed", "versions") if name not in header]
+    if missing:
+        raise InputError(f"{file}: the header of the recording has no '{missing[0]}'")
     polygons = tuple(floats(chain, -1, 2) for chain in header["polygons"]) if "polygons" in header else None
     scenario = parse_scenario(header["text"], header["source"], polygons)
     if "forms" in header:
-        scenario = scenario.with_forms(Forms(**{name: WORDS[word] for name, word in header["forms"].items()}))
+        scenario = scenario.with_forms(read_forms(Node(header["forms"], str(file), "forms", InputError)))
     recording = Recording(scenario, header["seed"], header["versions"], {}, [], False)
     for number, line in enumerate(lines[1:-1], 2):
         entry = _parsed(line)
@@ -273,7 +277,8 @@ def _command(entry: dict[str, Any], place: str) -> OperatorCommand:
 
 def _current(entry: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """A command's name and fields, by their present names."""
-    name = _RENAMED.get(entry["command"], entry["command"])
+    command: str = entry["command"]
+    name = _RENAMED.get(command, command)
     fields = {key: _given(key, value) for key, value in entry.items() if key not in ("tick", "command")}
     if name in _OF_ENTITIES and "thing" in fields:
         fields["kind"] = fields.pop("thing")
@@ -283,7 +288,7 @@ def _current(entry: dict[str, Any]) -> tuple[str, dict[str, Any]]:
 
 
 def replay(recording: Recording, each: Callable[[Tick], object] | None = None) -> Replay:
-    """Runs a recording again, as far as it goes, and compares the digests.
+    """Repeats a recording as far as it goes, and compares the digests.
 
     Args:
         recording: from `read_recording`.

@@ -2,8 +2,7 @@
 
     each tick:  poll the interfaces -> apply their commands -> watch the channels -> advance -> record -> publish
 
-The session owns the clock (freeze, step, speed). Everyone else reads `snapshot`, which is replaced as a whole and never
-written, so a view may keep one for as long as it likes.
+The session owns the clock (freeze, step, speed). Views read `snapshot`, which is immutable and replaced as a whole.
 """
 
 import logging
@@ -35,10 +34,11 @@ from higvf_console.core.edits import Edit
 from higvf_console.core.errors import InputError
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
-from higvf_console.core.reports import Calibrated, Warned
+from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.failsafe import failure_event, halted
 from higvf_console.runtime.history import rows_before
+from higvf_console.runtime.inputs import opening_warnings
 from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.run import Run
 from higvf_console.runtime.scheduling import stand_back
@@ -107,22 +107,13 @@ class Session:
         self.error: Exception | None = None
         self.answered = Signal()
         self._run = Run(scenario.setup(seed), scenario.filter, scenario)
-        interfaces = tuple(interfaces)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
         self._recorder, self._markers = recorder, markers
-        self._frozen = False
-        self._speed = 1.0
-        self._steps_due = 0
-        self._heartbeats = 0
-        self._events = tuple(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings)
-        self._events += tuple(
-            Event(0.0, Severity.WARNING, "input", text)
-            for interface in interfaces
-            if isinstance(interface, Warned)
-            for text in interface.warnings
-        )
+        self._frozen, self._speed = False, 1.0
+        self._steps_due = self._heartbeats = 0
+        self._events = opening_warnings(scenario, self._channels)
         self._publish(perf_counter())
 
     @property

@@ -1,4 +1,4 @@
-"""What a scenario's `inputs` section says of each channel to the session, beside what it says to the interface.
+"""The `inputs` section of a scenario: settings for each interface, and the session's limits of each channel.
 
 inputs:
   gaze: {stale: 0.5, lost: 2, on_lost: hold, clutch: held}   # the first three are the session's
@@ -15,10 +15,10 @@ _SILENCE = Quantity("s", 0.05, 3600.0, "", "Silence of a channel.")
 
 
 def read_inputs(node: Node) -> tuple[dict[str, dict[str, object]], dict[str, Limits]]:
-    """Settings by interface, as the interface wants them, and the limits of each channel that is named.
+    """Settings by interface, without the session's keys, and the limits of each channel that is named.
 
     Raises:
-        ScenarioError: not sections of settings, or limits that cannot be used.
+        ScenarioError: an entry is no mapping of settings, or its limits cannot be used.
     """
     settings: dict[str, dict[str, object]] = {}
     limits: dict[str, Limits] = {}

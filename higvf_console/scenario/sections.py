@@ -25,6 +25,7 @@ from higvf_console.world.layout import Fire, Links
 from higvf_console.world.obstacles import Obstacles
 
 MOST_ROBOTS = 100_000
+RENAMED_FORMS = {"fire_row": "fire_constraint"}  # of version 0.1, which are still read
 SPEED_LIMIT_FACTOR = 1.5  # v_max of a scenario that names only the cruise speed C
 
 _LENGTH = Quantity("m", 0.001, 1e6, "", "A length.")
@@ -293,5 +294,5 @@ def read_forms(node: Node) -> Forms:
     """The forms of the equations: the name of a set, or a section with a word for each equation."""
     if isinstance(node.value, str):
         return FORMS[node.choice(tuple(FORMS))]
-    entries = node.section(Forms._fields)
+    entries = node.section(Forms._fields, renamed=RENAMED_FORMS)
     return Forms(**{name: WORDS[entry.choice(tuple(WORDS))] for name, entry in entries.items()})

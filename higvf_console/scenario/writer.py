@@ -1,8 +1,8 @@
-"""A run as it is now, as the text of a scenario file; `scenario.parse_scenario` reads it.
+"""Writes the present run as the text of a scenario file, which `scenario.parse_scenario` reads.
 
-What burns keeps its present radius; what is out is left out, and later fires move up. Of an open path the part is kept
-that is still to be followed, of any path only where it is not over. Progress at a fire, priorities and what the team
-had agreed on are of the run, not of the scenario, and are not kept.
+Burning fires keep their present radius; extinguished ones are omitted, and later fires move up. A path is written while
+it is in force, an open one from the present place along it. Progress at fires, priorities and what the team has agreed
+on belong to the run, not to the scenario, and are not written.
 """
 
 import math
@@ -34,18 +34,17 @@ Section = dict[str, Any]
 
 
 def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> str:
-    """The text of a scenario file that starts from what is now.
+    """The text of a scenario file that starts from the present state.
 
-    World, gains and start positions are bit for bit those of now; headings of unicycles and a sketched path are so up
-    to rounding.
+    Layout and start positions are written bit for bit; headings of unicycles and a sketched path up to rounding.
 
     Args:
-        setup: world and gains in force.
-        state: now.
-        scenario: where the run comes from, for what an edit does not touch; None = nowhere.
+        setup: layout and world in force.
+        state: the present state.
+        scenario: where the run comes from, for what edits do not change; None = nowhere.
 
     Raises:
-        ScenarioError: a run cannot start from what is now, for example because a fire has grown too large.
+        ScenarioError: no run can start from the present state, for example because a fire has grown too large.
     """
     layout, motion = setup.layout, state.motion
     robots = _robots(centres(layout, motion), motion.heading, setup.params)
@@ -159,7 +158,7 @@ def _strokes(scenario: Scenario, robots: int) -> list[Section]:
 
 
 def _parameters(params: Parameters) -> Section:
-    """What differs from the defaults; a speed limit that would follow from the cruise speed is said as well."""
+    """What differs from the defaults; a speed limit that would follow from the cruise speed is written too."""
     sections: Section = {}
     for group, default in Parameters()._asdict().items():
         if group == "forms":

@@ -40,6 +40,13 @@ def test_a_headless_run_reports_a_refused_scripted_stroke(tmp_path: Path, capsys
     assert "1.00 s: No path: a stroke needs at least 3 distinct points; this one has 1." in capsys.readouterr().err
 
 
+def test_former_names_in_a_script_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    script = tmp_path / "old.yaml"
+    script.write_text("- {at_s: 0.1, do: add, thing: circle, at_m: [300, 300]}\n")
+    report(tmp_path, "empty", "--duration", "0.5", "--script", str(script))
+    assert f"Warning: {script}, entry 1: thing: renamed; write kind" in capsys.readouterr().err.splitlines()
+
+
 def test_the_recorded_inputs_guide_the_team_without_a_mouse(tmp_path: Path) -> None:
     alone = report(tmp_path, "barrier-gaze")
     guided = report(tmp_path, "barrier-gaze", "--demo")

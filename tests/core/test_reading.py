@@ -122,6 +122,12 @@ def test_a_number_is_finite_and_in_range_and_no_boolean(value: object) -> None:
         Node(value, "f", "v", ScriptError).number(SPEED)
 
 
+@pytest.mark.parametrize("value", [True, 1.0, "1", None, 0, 4, 10**400])
+def test_a_whole_number_is_no_boolean_and_no_fraction_and_in_range(value: object) -> None:
+    with pytest.raises(ScriptError, match=r"f: v: .* is not a whole number from 1 to 3"):
+        Node(value, "f", "v", ScriptError).integer(1, 3)
+
+
 def test_a_renamed_key_is_read_with_a_warning_that_names_the_new_one() -> None:
     root = read_yaml("{edit: {thing: bar, use: amend}}", "f.yaml")
     edit = root.section(("edit",))["edit"].section(("kind", "use"), ("kind",), {"thing": "kind"})

@@ -39,7 +39,7 @@ WAY = stroke([(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)])
 def test_without_a_deed_there_is_nothing_to_undo_or_redo() -> None:
     run = edited_run()
     assert run.apply(Undo())[0].text == "Not done: there is nothing to undo."
-    assert run.apply(Redo())[0].text == "Not done: there is nothing to do again."
+    assert run.apply(Redo())[0].text == "Not done: there is nothing to redo."
 
 
 def test_robots_that_a_deed_did_not_move_stay_where_they_have_come_to() -> None:

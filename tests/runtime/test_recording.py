@@ -170,6 +170,8 @@ def test_other_versions_are_named(team: Scenario, tmp_path: Path) -> None:
     ("old", "new", "sentence"),
     [
         ('{"recording": 1', '{"recording": 2', "recording format 2 is not known; known formats: 1"),
+        ('"seed": 5', '"sede": 5', "the header of the recording has no 'seed'"),
+        ('"formation": "corrected"', '"formation": "new"', "forms.formation: 'new' is not one of corrected"),
         ('{"mark": 50', '{"mark": 50 oops', r"line \d+ is damaged"),
         ('{"mark": 50', '{"foo": 50', r"line \d+ is damaged"),
         ('{"mark": 50', '{"mark": "50"', r"line \d+ is damaged"),

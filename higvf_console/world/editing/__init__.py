@@ -1,1 +1,1 @@
-"""Edits of a running world: what it is made of, where things may stand, what an edit does, how it is undone."""
+"""Edits of the layout during a run: the entities, where they may stand, what each edit does, what it must keep."""

@@ -1,4 +1,4 @@
-"""A motion carried over into another world: rows that stay, rows that come, sides of rings that are no more."""
+"""Carries a motion over into another world: rows that stay, rows that are new, circulation round what is gone."""
 
 from typing import Any, TypeVar
 

@@ -1,4 +1,4 @@
-"""What every edit must leave true: clearances kept, barriers that hold in discrete time, gains that fit the team."""
+"""Conditions that every edit must keep: clearances, barriers that hold in discrete time, gains that fit the team."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -26,7 +26,7 @@ _SOURCE = "the edit"
 
 
 class Stand(NamedTuple):
-    """A moment of a run, as the checks see it; `influenced` is the robot that feels the human."""
+    """The part of a run state that the checks need; `influenced` is the index of the influenced robot."""
 
     layout: Layout
     world: World
@@ -38,8 +38,8 @@ def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
     """Refuses an edit that breaks a guarantee that held before it.
 
     Args:
-        before: the edit.
-        after: the edit.
+        before: the run before the edit.
+        after: the run after it.
         robots: (N,) row that each robot had before, or `NEW`.
 
     Raises:

@@ -1,8 +1,8 @@
-"""What each edit does: from a setup and a state to others, or a refusal that says why and what would do.
+"""Applies an edit to a setup and a state, or refuses it with the reason and the choices.
 
-A body dropped on a robot, and a robot dropped on a body, are held at the nearest safe place. An edit before the first
-step changes the start too; later ones leave the start of what stood then alone, but for robots that could not start
-safely any more: those start at their nearest safe place.
+An obstacle put on a robot, and a robot put on an obstacle, are held at the nearest safe position. An edit before the
+first step changes the start of the run too. A later edit leaves the start alone, except for robots that could no longer
+start safely: they start at their nearest safe position.
 """
 
 import math
@@ -43,14 +43,14 @@ _OF_PATH = ("path_parameter", "path_status", "path_idle", "path_gap", "path_left
 
 
 class Edited(NamedTuple):
-    """What came of an edit.
+    """The result of an edit.
 
     Attributes:
-        setup: from now on.
-        state: from now on.
+        setup: after it.
+        state: after it.
         robots: (N,) row that each robot had before, or `carry.NEW`.
         fires: (M,) likewise.
-        text: what was done, one sentence.
+        text: its effect, one sentence.
     """
 
     setup: Setup
@@ -61,7 +61,7 @@ class Edited(NamedTuple):
 
 
 class _Draft(NamedTuple):
-    """An edit on its way: the new layout, and what it makes of a motion."""
+    """An edit before its checks: the new layout, and how it changes a motion."""
 
     layout: Layout
     robots: Ints
@@ -74,7 +74,7 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
     """Setup and state after an edit.
 
     Raises:
-        ScenarioError: it cannot be done; nothing has changed.
+        ScenarioError: the edit is refused; nothing has changed.
     """
     before = setup.layout
     draft = _draft(before, state, command)
@@ -101,7 +101,7 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
 
 
 def _start(setup: Setup, draft: _Draft, layout: Layout, world: World) -> Motion:
-    """The start, with rows that came and went; what could not start safely any more is moved."""
+    """The start with rows added and removed; robots that could no longer start safely are moved."""
     start = carried(setup.start.motion, draft.robots, draft.fires, setup.world, world)
     if (draft.robots == NEW).any() or (draft.fires == NEW).any():
         start = draft.finish(start)
@@ -112,7 +112,7 @@ def _start(setup: Setup, draft: _Draft, layout: Layout, world: World) -> Motion:
 
 
 def _shifted_formation(layout: Layout, draft: _Draft, before: Motion, after: Motion) -> Floats:
-    """The shape to keep, before the first step: it follows robots that are moved."""
+    """The formation, which follows robots that are moved before the first step."""
     formation = layout.formation.copy()
     kept = draft.robots != NEW
     if len(formation) == len(after.position):

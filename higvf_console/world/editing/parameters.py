@@ -1,4 +1,4 @@
-"""Tunables edited while a run goes on: checked against their ranges; a few are fixed for a run."""
+"""Edits of the tunables during a run: checked against their ranges; a few are fixed for a run."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""Where things may stand: what an edit would put too near to something is held at the nearest place that is safe."""
+"""Safe positions: an edit that would put an entity too near to another holds it at the nearest safe position."""
 
 import math
 from collections.abc import Callable
@@ -21,7 +21,7 @@ _ANGLES = 64
 _RINGS = 600
 _BISECTIONS = 24
 _HAIR = 1e-6  # [m] to spare, so that rounding never makes a violation
-_HELD = 0.01  # [m] from where it was wanted, from which on it is said that a thing was held
+_HELD = 0.01  # distance from the wanted position above which the report says that an entity was held [m]
 
 
 def nearest_fit(point: Floats, fits: Fits, reach: float) -> Floats | None:
@@ -123,7 +123,7 @@ def crowded(layout: Layout, motion: Motion) -> list[int]:
 
 
 def held_words(place: Floats, wanted: Floats) -> str:
-    """What to say where a thing is held at another place (2,) than the one that was wanted [m]."""
+    """Text that reports an entity held at another position (2,) than the wanted one [m]; else empty."""
     gap = math.hypot(place[0] - wanted[0], place[1] - wanted[1])
     return f"; it is held at the nearest safe place, {gap:.1f} m from there" if gap > _HELD else ""
 
