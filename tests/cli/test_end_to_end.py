@@ -33,16 +33,14 @@ def test_scripted_strokes_change_the_order_and_reduce_the_loss(tmp_path: Path) -
     assert report(tmp_path, "firefighting")["digest"] == alone["digest"]
 
 
-def test_a_headless_run_says_which_scripted_stroke_was_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_headless_run_reports_a_refused_scripted_stroke(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     script = tmp_path / "point.yaml"
     script.write_text("- {at_s: 1, do: stroke, points_m: [[5, 5]]}\n")
     report(tmp_path, "empty", "--duration", "2", "--script", str(script))
     assert "1.00 s: No path: a stroke needs at least 3 distinct points; this one has 1." in capsys.readouterr().err
 
 
-def test_the_demonstration_guides_the_team_without_a_mouse(tmp_path: Path) -> None:
+def test_the_recorded_inputs_guide_the_team_without_a_mouse(tmp_path: Path) -> None:
     alone = report(tmp_path, "barrier-gaze")
     guided = report(tmp_path, "barrier-gaze", "--demo")
     assert alone["extinguished"] == [2, 1, 3]
