@@ -26,8 +26,9 @@ autodoc_preserve_defaults = True
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
+napoleon_attr_annotations = False  # the signature has the types
 napoleon_use_rtype = False  # a colon in the text of "Returns" does not end a type
-# References to types come from annotations and docstrings alone, and there is no network to look up those
+# References to types and exceptions come from annotations and docstrings, and there is no network to look up those
 # of other packages. All other references, documents and anchors above all, must exist.
 nitpick_ignore_regex = [("py:(class|obj|data|exc)", ".*")]
 

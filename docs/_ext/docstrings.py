@@ -6,6 +6,8 @@ Runs before the docstring's sections (Args, Returns, ...) are read by `sphinx.ex
 import re
 from typing import Any
 
+_ARRAYS = {"float64": "Floats", "int64": "Ints", "bool": "Bools"}
+_ARRAY = re.compile(r"(?:numpy\.)?ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], (?:numpy\.)?dtype\[(?:numpy\.)?(\w+)\]\]")
 _SECTION = re.compile(r"(Args|Attributes|Returns|Raises|Yields):$")
 
 
@@ -26,6 +28,17 @@ def plain_text(_app: Any, _what: str, _name: str, _obj: Any, _options: Any, line
 def skip_fields(_app: Any, _what: str, _name: str, obj: Any, skip: bool, _options: Any) -> bool:
     """Leaves out the fields of named tuples as members: their class's docstring lists them."""
     return skip or type(obj).__name__ == "_tuplegetter"
+
+
+def short_types(
+    _app: Any, _what: str, _name: str, _obj: Any, _options: Any, signature: str | None, result: str | None
+) -> tuple[str | None, str | None]:
+    """Gives the arrays of a signature the names that the code has for them."""
+    return _short(signature), _short(result)
+
+
+def _short(signature: str | None) -> str | None:
+    return signature and _ARRAY.sub(lambda match: _ARRAYS[match[1]], signature)
 
 
 def _escaped(line: str) -> str:

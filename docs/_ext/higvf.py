@@ -8,7 +8,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from docs._ext import mathml
-from docs._ext.docstrings import plain_text, skip_fields
+from docs._ext.docstrings import plain_text, short_types, skip_fields
 from docs._ext.tables import TABLES
 
 
@@ -30,6 +30,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     """Adds the directive, the reading of docstrings and the drawing of equations."""
     app.add_directive("generated", Generated)
     app.connect("autodoc-process-docstring", plain_text, priority=400)
+    app.connect("autodoc-process-signature", short_types)
     app.connect("autodoc-skip-member", skip_fields)
     app.add_html_math_renderer("mathml", (mathml.visit_inline, None), (mathml.visit_block, None))
     return {"parallel_read_safe": True}

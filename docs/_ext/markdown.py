@@ -1,6 +1,7 @@
 """Small pieces of Markdown: a table, a heading, a value in code font."""
 
 import inspect
+import math
 import re
 from collections.abc import Iterable, Sequence
 
@@ -20,6 +21,11 @@ def heading(level: int, text: str) -> list[str]:
 def code(text: object) -> str:
     """`text` in code font; nothing where it is empty."""
     return f"`{text}`" if str(text) else ""
+
+
+def number(value: float) -> str:
+    """A number without exponent, as far as twelve digits go."""
+    return "∞" if value == math.inf else f"{value:.12g}"
 
 
 def sentence(text: str) -> str:

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from unittest.mock import patch
 
+from docs._ext.markdown import number
 from higvf_console.core.quantity import Quantity
-from higvf_console.scenario import scenario
+from higvf_console.core.reading.node import Node
 from higvf_console.scenario.scenario import parse_scenario
 
 EXAMPLES = Path(__file__).parents[1] / "_data" / "scenarios"
 _ITEM = re.compile(r"\[\d+\]")
-_FREE = ("inputs", "parameters", "forms")  # sections with reference tables of their own
+ELSEWHERE = ("inputs", "parameters", "forms")  # sections with reference tables of their own
 
 
 class Key(NamedTuple):
@@ -27,13 +28,13 @@ class Key(NamedTuple):
         kind: what its value is, in words.
         unit: of a number; else empty.
         span: the range of a number; else empty.
-        required: whether its section must have it.
+        required: "yes" where its section must have it, "depends" where another key can take its place; else empty.
     """
 
     kind: str
     unit: str
     span: str
-    required: bool
+    required: str = ""
 
 
 def scenario_keys() -> dict[str, Key]:
@@ -42,21 +43,22 @@ def scenario_keys() -> dict[str, Key]:
     with _observed(found):
         for file in sorted(EXAMPLES.glob("*.yaml")):
             parse_scenario(file.read_text(encoding="utf-8"), str(file))
-    return {path: key for path, key in found.items() if path.split(".")[0] not in _FREE or "." not in path}
+    return {path: key for path, key in found.items() if path.split(".")[0] not in ELSEWHERE or "." not in path}
 
 
 @contextmanager
 def _observed(found: dict[str, Key]) -> Iterator[None]:
     """While it lasts, the reader's requests are noted in `found`."""
-    kind: Any = scenario.Node
-    methods = {name: getattr(kind, name) for name in ("section", *_KINDS)}
+    methods = {name: getattr(Node, name) for name in ("section", *_KINDS)}
 
-    def section(node: Any, known: Any, required: Any = ()) -> Any:
+    def section(node: Any, known: Any, required: Any = (), **options: Any) -> Any:
         for name in known:
             path = _path(f"{node.place}.{name}" if node.place else name)
-            before = found.get(path, Key("section", "", "", False))
-            found[path] = before._replace(required=before.required or name in required)
-        return methods["section"](node, known, required)
+            if path not in found:
+                found[path] = Key("section", "", "", "yes" if name in required else "")
+            elif name in required and not found[path].required:
+                found[path] = found[path]._replace(required="depends")
+        return methods["section"](node, known, required, **options)
 
     def observer(name: str) -> Callable[..., Any]:
         def take(node: Any, *arguments: Any, **options: Any) -> Any:
@@ -70,7 +72,7 @@ def _observed(found: dict[str, Key]) -> Iterator[None]:
         return take
 
     replaced = {"section": section, **{name: observer(name) for name in _KINDS}}
-    with patch.multiple(kind, **replaced):
+    with patch.multiple(Node, **replaced):
         yield
 
 
@@ -79,24 +81,31 @@ def _path(place: str) -> str:
 
 
 def _number(quantity: Quantity) -> Key:
-    return Key("number", quantity.unit, f"{quantity.low:g} to {quantity.high:g}", False)
+    return Key("number", quantity.unit, f"{number(quantity.low)} to {number(quantity.high)}")
 
 
-def _integer(low: int, _high: int, _what: str) -> Key:
-    return Key("whole number", "", f"from {low}", False)
+def _numbers(count: int, quantity: Quantity) -> Key:
+    return _number(quantity)._replace(kind=f"list of {count} numbers")
 
 
-def _words(words: Any) -> Key:
-    return Key(" or ".join(f"`{word}`" for word in words), "", "", False)
+def _integer(low: int, *_: Any, **__: Any) -> Key:
+    return Key("whole number", "", f"from {low}")
+
+
+def _words(words: Any, *_: Any, **__: Any) -> Key:
+    return Key(" or ".join(f"`{word}`" for word in words), "", "")
+
+
+def _points(least: int = 0) -> Key:
+    return Key(f"list of {f'at least {least} ' if least else ''}points", "m", "")
+
+
+def _always(kind: str, unit: str = "") -> Callable[..., Key]:
+    return lambda *_, **__: Key(kind, unit, "")
 
 
 _KINDS: dict[str, Callable[..., Key]] = {
-    "number": _number,
-    "integer": _integer,
-    "flag": lambda: Key("`true` or `false`", "", "", False),
-    "text": lambda: Key("text", "", "", False),
-    "choice": _words,
-    "point": lambda: Key("point [x, y]", "m", "", False),
-    "points": lambda least=0: Key(f"list of {f'at least {least} ' if least else ''}points", "m", "", False),
-    "items": lambda: Key("list", "", "", False),
-}
+    "number": _number, "numbers": _numbers, "integer": _integer, "choice": _words, "points": _points,
+    "flag": _always("`true` or `false`"), "text": _always("text"), "point": _always("point [x, y]", "m"),
+    "items": _always("list"),
+}  # fmt: skip

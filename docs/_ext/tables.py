@@ -10,8 +10,8 @@ from typing import Any, cast, get_args
 
 import yaml
 
-from docs._ext.markdown import attributes, code, heading, sentence, summary, table
-from docs._ext.scenario_trace import scenario_keys
+from docs._ext.markdown import attributes, code, heading, number, sentence, summary, table
+from docs._ext.scenario_trace import ELSEWHERE, scenario_keys
 from higvf_console.cli.arguments import parser
 from higvf_console.control.forms import FORMS, Forms
 from higvf_console.control.parameters import Parameters
@@ -42,7 +42,7 @@ def parameters() -> list[str]:
         lines += table(
             ("Name", "Symbol", "Unit", "Default", "Range", "Meaning"),
             [
-                (code(name), about.symbol, about.unit, f"{getattr(part, name):g}", _span(about), about.text)
+                (code(name), about.symbol, about.unit, number(getattr(part, name)), _span(about), about.text)
                 for name, about in known.items()
             ],
         )
@@ -66,13 +66,14 @@ def scenario() -> list[str]:
     found = sorted(scenario_keys().items(), key=lambda item: KEYS.index(item[0].split(".")[0].removesuffix("[]")))
     for path, key in found:
         if path in KEYS:
-            required = ", required" if key.required else ""
-            lines += [*heading(3, code(path)), f"{_kind(key.kind, key.unit, key.span)}{required}. {means[path]}", ""]
             inner = [(p, k) for p, k in found if p.split(".")[0].removesuffix("[]") == path and p != path]
+            kind = "value" if key.kind == "section" and not inner and path not in ELSEWHERE else key.kind
+            required = ", required" if key.required == "yes" else ""
+            lines += [*heading(3, code(path)), f"{_kind(kind, key.unit, key.span)}{required}. {means[path]}", ""]
             if inner:
                 lines += table(
                     ("Key", "Value", "Required", "Meaning"),
-                    [(code(p), _kind(k.kind, k.unit, k.span), "yes" if k.required else "", means[p]) for p, k in inner],
+                    [(code(p), _kind(k.kind, k.unit, k.span), k.required, means[p]) for p, k in inner],
                 )
     return lines
 
@@ -186,7 +187,7 @@ def _default(field: "dataclasses.Field[Any]") -> str:
 
 
 def _span(about: Quantity) -> str:
-    return f"{about.low:g} to {about.high:g}"
+    return f"{number(about.low)} to {number(about.high)}"
 
 
 def _kind(kind: str, unit: str, span: str) -> str:

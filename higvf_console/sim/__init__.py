@@ -1,1 +1,1 @@
-"""The world that the controller acts in: operator commands, fires, dynamics, metrics."""
+"""The world that the controller acts in: the step, fires, dynamics, metrics."""

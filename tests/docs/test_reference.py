@@ -9,6 +9,7 @@ from typing import get_args
 import pytest
 
 from docs._ext import tables
+from docs._ext.markdown import number
 from docs._ext.scenario_trace import EXAMPLES, scenario_keys
 from higvf_console.cli.arguments import parser
 from higvf_console.control.forms import Forms
@@ -55,9 +56,9 @@ def test_every_parameter_is_listed_with_its_range_and_sentence() -> None:
     page = text("parameters")
     for part in Parameters():
         for name, about in quantities(type(part)).items():
-            assert re.search(rf"\| `{name}` \|.*\| {about.low:g} to {about.high:g} \| {re.escape(about.text)}", page), (
-                name
-            )
+            assert re.search(
+                rf"\| `{name}` \|.*\| {number(about.low)} to {number(about.high)} \| {re.escape(about.text)}", page
+            ), name
 
 
 def test_every_form_is_listed() -> None:
