@@ -91,8 +91,6 @@ def test_unsafe_starts_are_refused_with_their_numbers() -> None:
 def test_what_a_run_cannot_hold_is_refused() -> None:
     with pytest.raises(hc.ArgumentError, match="walls besides those of an arena"):
         hc.make_setup(TEAM, hc.Hazards().wall((1, 0), 0.0))
-    with pytest.raises(hc.ArgumentError, match="grows"):
-        hc.make_setup(TEAM, hc.Hazards().circle((0, 0), 5, growth=1.0))
     with pytest.raises(hc.ArgumentError, match="arena differs"):
         hc.make_setup(TEAM, hc.Hazards().inside((0, 0, 1200, 700)), arena=(0, 0, 900, 700))
 
