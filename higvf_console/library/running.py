@@ -88,6 +88,9 @@ def warm_up(setup: Setup | None = None) -> float:
 
     Returns:
         How long it took [s].
+
+    Raises:
+        ArgumentError: no setup.
     """
     given = make_setup([[0.0, 0.0]], Hazards().circle((100.0, 0.0), 10.0)) if setup is None else given_setup(setup)
     took = engine.compiled(given)

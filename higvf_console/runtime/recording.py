@@ -213,6 +213,9 @@ class Replay(NamedTuple):
 def read_recording(file: str | Path) -> Recording:
     """Reads a recording up to its end, or up to the line that was cut off.
 
+    Args:
+        file: written by a `Recorder`.
+
     Raises:
         InputError: not a recording, of another version, or damaged in the middle.
     """
