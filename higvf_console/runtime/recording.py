@@ -29,6 +29,7 @@ from higvf_console.core.commands import Command, LoadScenario, OperatorCommand
 from higvf_console.core.errors import InputError
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.state import Motion
+from higvf_console.runtime.compiling import TICK, announce
 from higvf_console.runtime.interrupts import held_back
 from higvf_console.runtime.run import Run, Tick, TrajectoryDigest
 from higvf_console.scenario.scenario import Scenario, parse_scenario
@@ -276,6 +277,7 @@ def replay(recording: Recording, each: Callable[[Tick], object] | None = None) -
         ArgumentTypeError: no recording.
     """
     instance("recording", recording, Recording)
+    announce(TICK)
     run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter, recording.scenario)
     digest = TrajectoryDigest()
     expected = {mark.ticks: mark.digest for mark in recording.marks}

@@ -9,6 +9,7 @@ import pytest
 import higvf_console as hc
 from higvf_console import commands
 from higvf_console.cli.main import main
+from higvf_console.runtime import compiling
 from higvf_console.sim import simulation
 from tests.fake_interfaces import FakeInterface
 
@@ -121,13 +122,11 @@ def test_parameters_are_made_by_name() -> None:
 def test_compilation_is_said_once_in_the_words_of_the_command_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from higvf_console.library import engine
-
     if not hasattr(simulation.tick, "signatures"):
         pytest.skip("nothing is compiled under NUMBA_DISABLE_JIT=1")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    engine.announce.cache_clear()
-    engine.say_once.cache_clear()
-    engine.announce(engine.TICK)
-    engine.announce(engine.FILTER)
-    assert capsys.readouterr().err == f"{engine.COMPILING}\n"
+    compiling.announce.cache_clear()
+    compiling.say_once.cache_clear()
+    compiling.announce(compiling.TICK)
+    compiling.announce(compiling.FILTER)
+    assert capsys.readouterr().err == f"{compiling.COMPILING}\n"
