@@ -25,6 +25,9 @@ def interface_names() -> tuple[str, ...]:
 def open_interface(spec: InputSpec) -> Interface:
     """Opens the interface that the entry point `spec.channel` names.
 
+    Args:
+        spec: channel, file or stream, options and settings.
+
     Raises:
         InputError: no such interface is installed, it cannot be imported, or its input cannot be used.
         CrashedError: it raised something else while it opened.

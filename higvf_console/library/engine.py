@@ -1,9 +1,6 @@
 """The compiled engine as the library calls it: the one place to change when the engine's own interface changes."""
 
-import os
-import sys
-from functools import cache, lru_cache
-from pathlib import Path
+from functools import lru_cache
 from time import perf_counter
 
 from higvf_console.control.forms import PRINTED
@@ -14,31 +11,9 @@ from higvf_console.control.safety.hazards import GROWTH
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.errors import ArgumentError
 from higvf_console.library.hazards import FIRE, Hazards
+from higvf_console.runtime.compiling import FILTER, TICK, announce
 from higvf_console.sim import simulation
 from higvf_console.world.setup import Setup
-
-COMPILING = "Compiling the engine, once; this takes up to a minute ..."
-TICK, ROLL, FILTER = "simulation.tick", "simulation._roll", "safety_filter.filter_velocities"
-FIELD, PATH = "field._field", "paths.nearest"
-
-
-@cache
-def announce(name: str) -> None:
-    """Says on standard error, once a process, that a kernel is about to be compiled; not where it is in the cache.
-
-    Args:
-        name: module and function of the kernel.
-    """
-    folder = os.environ.get("NUMBA_CACHE_DIR")
-    compiles = hasattr(simulation.tick, "signatures")  # not under NUMBA_DISABLE_JIT=1
-    if compiles and (folder is None or not any(Path(folder).rglob(f"{name}-*.nbi"))):
-        say_once()
-
-
-@cache
-def say_once() -> None:
-    """Says that the engine is being compiled, once a process."""
-    print(COMPILING, file=sys.stderr, flush=True)
 
 
 def compiled(setup: Setup) -> float:

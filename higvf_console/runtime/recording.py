@@ -31,6 +31,7 @@ from higvf_console.core.errors import InputError
 from higvf_console.core.reading.node import Node
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.state import Motion
+from higvf_console.runtime.compiling import TICK, announce
 from higvf_console.runtime.interrupts import held_back
 from higvf_console.runtime.run import Run, Tick, TrajectoryDigest
 from higvf_console.scenario.scenario import Scenario, parse_scenario
@@ -222,6 +223,9 @@ class Replay(NamedTuple):
 def read_recording(file: str | Path) -> Recording:
     """Reads a recording up to its end, or up to the line that was cut off.
 
+    Args:
+        file: written by a `Recorder`.
+
     Raises:
         InputError: not a recording, of an unknown format, or damaged in the middle.
     """
@@ -298,6 +302,7 @@ def replay(recording: Recording, each: Callable[[Tick], object] | None = None) -
         ArgumentTypeError: no recording.
     """
     instance("recording", recording, Recording)
+    announce(TICK)
     run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter, recording.scenario)
     digest = TrajectoryDigest()
     expected = {mark.ticks: mark.digest for mark in recording.marks}

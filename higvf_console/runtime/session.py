@@ -36,6 +36,7 @@ from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
 from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
+from higvf_console.runtime.compiling import TICK, announce
 from higvf_console.runtime.failsafe import failure_event, halted
 from higvf_console.runtime.history import rows_before
 from higvf_console.runtime.inputs import opening_warnings
@@ -101,6 +102,7 @@ class Session:
         """
         instance("scenario", scenario, Scenario)
         self.seed = whole("seed", seed, 0)
+        announce(TICK)
         self.baseline: Baseline | None = None
         self.viewport: Viewport | None = None
         self.commands: list[AppliedCommand] = []

@@ -196,6 +196,9 @@ def scenario_names() -> tuple[str, ...]:
 def load_scenario(name_or_path: str | FilePath) -> Scenario:
     """The shipped scenario of that name, or the one in that file.
 
+    Args:
+        name_or_path: a name of `scenario_names`, or a .yaml file.
+
     Raises:
         ScenarioError: there is no such scenario, or its file cannot be used.
     """

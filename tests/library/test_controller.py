@@ -36,8 +36,10 @@ def test_a_path_made_anew_goes_on_and_another_one_begins() -> None:
     assert come_to > 10.0
     controller.step(controller.state.motion.position, hc.sketch_path(STROKE))
     assert controller.state.motion.path_parameter >= come_to
+    left = controller.state.motion.path_gap
+    assert left < 700.0
     controller.step(controller.state.motion.position, hc.sketch_path(STROKE[::-1]))
-    assert controller.state.motion.path_parameter < come_to
+    assert controller.state.motion.path_gap > left + 500.0
     controller.step(controller.state.motion.position)
     assert controller.state.motion.path_status == 0
 

@@ -142,7 +142,8 @@ def test_an_intent_that_names_what_does_not_exist_is_refused_by_field(field: str
 @pytest.mark.parametrize(
     ("field", "value"),
     [
-        ("circles", np.zeros((1, 2))), ("circles", [[0.0, 0.0, np.nan]]), ("bars", np.zeros((1, 4))), ("walls", None),
+        ("capsules", np.zeros((1, 4))), ("capsules", [[0.0, 0.0, 0.0, np.nan, 5.0]]), ("circle_count", 5),
+        ("walls", None),
         ("fire_position", np.zeros((2, 2))), ("fire_growth", [1.0, 1.0]), ("fire_needs", [1.5]), ("fire_needs", [0]),
         ("link_start", [0, 1]), ("link_start", [0, 0, 0, 2]), ("link_to", [0, 1]), ("boundary", np.zeros((0, 9))),
         ("boundary", np.zeros((1, 8))), ("boundary_start", np.zeros((3, 3), int)), ("hull", np.zeros((2, 2))),

@@ -9,6 +9,8 @@ import pytest
 import higvf_console as hc
 from higvf_console import commands
 from higvf_console.cli.main import main
+from higvf_console.runtime import compiling
+from higvf_console.sim import simulation
 from tests.fake_interfaces import FakeInterface
 
 TEAM = [[700, 300], [670, 350], [730, 350]]
@@ -59,7 +61,7 @@ def test_a_scenario_of_a_setup_starts_bit_for_bit_from_it_and_is_read_from_its_t
     start = scenario.setup(0)
     assert start.start.motion.position.tobytes() == setup.start.motion.position.tobytes()
     for one, other in zip(start.world, setup.world, strict=True):
-        assert one.tobytes() == other.tobytes()
+        assert np.asarray(one).tobytes() == np.asarray(other).tobytes()
     assert start.params == setup.params
     (tmp_path / "own.yaml").write_text(scenario.text)
     assert hc.load_scenario(tmp_path / "own.yaml").duration == 3.0
@@ -91,8 +93,6 @@ def test_unsafe_starts_are_refused_with_their_numbers() -> None:
 def test_what_a_run_cannot_hold_is_refused() -> None:
     with pytest.raises(hc.ArgumentError, match="walls besides those of an arena"):
         hc.make_setup(TEAM, hc.Hazards().wall((1, 0), 0.0))
-    with pytest.raises(hc.ArgumentError, match="grows"):
-        hc.make_setup(TEAM, hc.Hazards().circle((0, 0), 5, growth=1.0))
     with pytest.raises(hc.ArgumentError, match="arena differs"):
         hc.make_setup(TEAM, hc.Hazards().inside((0, 0, 1200, 700)), arena=(0, 0, 900, 700))
 
@@ -122,11 +122,11 @@ def test_parameters_are_made_by_name() -> None:
 def test_compilation_is_said_once_in_the_words_of_the_command_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from higvf_console.library import engine
-
+    if not hasattr(simulation.tick, "signatures"):
+        pytest.skip("nothing is compiled under NUMBA_DISABLE_JIT=1")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    engine.announce.cache_clear()
-    engine.say_once.cache_clear()
-    engine.announce(engine.TICK)
-    engine.announce(engine.FILTER)
-    assert capsys.readouterr().err == f"{engine.COMPILING}\n"
+    compiling.announce.cache_clear()
+    compiling.say_once.cache_clear()
+    compiling.announce(compiling.TICK)
+    compiling.announce(compiling.FILTER)
+    assert capsys.readouterr().err == f"{compiling.COMPILING}\n"
