@@ -7,15 +7,14 @@ import numpy as np
 
 from higvf_console.control.guidance.paths import EVERYWHERE, nearest, path_points, start_parameter
 from higvf_console.core.arrays import floats
-from higvf_console.core.commands import ShapePath, StrokeEnd
+from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
+from higvf_console.core.path_terms import ENDINGS, FASTEST, SLOWEST, PathTerms, changed_terms
 from higvf_console.core.state import Path, PathEnding, PathKind, PathStatus, SimState
 from higvf_console.operator.outcome import Outcome, path_dropped, refuse, report, with_pointer_state
 from higvf_console.operator.path_edits import reclosed
 from higvf_console.sim.setup import Event
 
-ENDINGS = {ending.name.lower(): ending for ending in PathEnding}
-SLOWEST, FASTEST = 0.2, 1.5  # pace along a path
 PATHS_KEPT = 20
 # Statuses with which a human intention acts on the team, be it by holding it.
 ACTING = (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY, PathStatus.HOLDING)
@@ -36,27 +35,38 @@ def follow(state: SimState, path: Path) -> SimState:
     return state._replace(motion=motion, intent=intent._replace(path=path))
 
 
-def shaped(path: Path, command: ShapePath | StrokeEnd) -> Path:
+def terms_of(path: Path, smoothing: float | None = None) -> PathTerms:
+    """The terms on which a path is followed; what its stroke was smoothed by [m] is not known of it, but given."""
+    duration = float(path.duration) if math.isfinite(path.duration) else 0.0
+    return PathTerms(ending_word(path), float(path.pace), duration, smoothing)
+
+
+def with_terms(path: Path, terms: PathTerms) -> Path:
+    """The path, followed on these terms.
+
+    Raises:
+        PathError: it cannot be.
+    """
+    if terms.ending not in ENDINGS:
+        raise PathError(f"'{terms.ending}' is no ending of a path; endings: {', '.join(ENDINGS)}")
+    if not SLOWEST <= terms.pace <= FASTEST:
+        raise PathError(f"a pace of {terms.pace:g} is not within {SLOWEST:g} to {FASTEST:g}")
+    if not terms.duration >= 0.0:
+        raise PathError(f"a duration of {terms.duration:g} s is not from 0 s, which means no limit")
+    return path._replace(
+        ending=int(ENDINGS[terms.ending]), pace=float(terms.pace), duration=float(terms.duration) or math.inf
+    )
+
+
+def shaped(path: Path, command: ShapePath) -> Path:
     """The path, followed as the command says.
 
     Raises:
         PathError: it cannot be.
     """
-    if isinstance(command, ShapePath) and command.closed is not None:
+    if command.closed is not None:
         path = reclosed(path, command.closed)
-    if command.ending is not None:
-        if command.ending not in ENDINGS:
-            raise PathError(f"'{command.ending}' is no ending of a path; endings: {', '.join(ENDINGS)}")
-        path = path._replace(ending=int(ENDINGS[command.ending]))
-    if command.pace is not None:
-        if not SLOWEST <= command.pace <= FASTEST:
-            raise PathError(f"a pace of {command.pace:g} is not within {SLOWEST:g} to {FASTEST:g}")
-        path = path._replace(pace=float(command.pace))
-    if command.duration is not None:
-        if not command.duration >= 0.0:
-            raise PathError(f"a duration of {command.duration:g} s is not from 0 s, which means no limit")
-        path = path._replace(duration=float(command.duration) or math.inf)
-    return path
+    return with_terms(path, changed_terms(terms_of(path), command))
 
 
 def in_hand(state: SimState) -> Path:

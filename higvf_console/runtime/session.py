@@ -14,6 +14,7 @@ from time import perf_counter
 from typing import Any, NamedTuple, cast
 
 from higvf_console.analysis.baseline import Baseline, compute_baseline
+from higvf_console.channels.channel_state import Limits
 from higvf_console.channels.channels import Channels
 from higvf_console.channels.input_reports import InputReports, Reporter, calibration_event
 from higvf_console.channels.marker_outlet import MarkerOutlet
@@ -31,7 +32,6 @@ from higvf_console.core.commands import (
     Undo,
 )
 from higvf_console.core.edits import Edit
-from higvf_console.core.errors import InputError
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
 from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
@@ -94,7 +94,7 @@ class Session:
 
         Raises:
             ScenarioError: the start is not safe with this seed.
-            InputError: two interfaces have the same name.
+            InputError: two interfaces have the same name, or one offers capabilities that cannot be.
         """
         self.seed = seed
         self.baseline: Baseline | None = None
@@ -116,15 +116,22 @@ class Session:
 
     @property
     def pointer(self) -> PointerSink:
-        """Where the view leaves the browser's commands: the interface named "mouse".
+        """Where the view leaves the commands of its pages: the first interface whose capabilities say so.
 
         Raises:
-            InputError: the session has none, or it takes no pushed commands.
+            InputError: there is none.
         """
-        mouse = self._channels.named("mouse")
-        if not hasattr(mouse, "push"):
-            raise InputError("the session has no interface 'mouse' that commands can be pushed to")
-        return cast(PointerSink, mouse)
+        return self._channels.pointer
+
+    @property
+    def pointer_limits(self) -> Limits:
+        """When silence of that interface matters."""
+        return self._supervisor.limits[self._channels.pointer_name]
+
+    def draws_previewed(self, source: str) -> bool:
+        """Whether strokes of a source are previewed with what is chosen at the console, see `Capabilities`."""
+        offered = self._channels.capabilities.get(source)
+        return offered is not None and offered.draws_previewed
 
     @property
     def scenario(self) -> Scenario:

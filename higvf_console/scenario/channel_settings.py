@@ -6,7 +6,8 @@ inputs:
 
 from collections.abc import Mapping
 
-from higvf_console.channels.channel_state import LOST_BY_STALE, Limits, OnLost, default_limits
+from higvf_console.channels.channel_state import GivenLimits, OnLost
+from higvf_console.core.interface import current_channel, renamed_channel
 from higvf_console.core.quantity import Quantity
 from higvf_console.scenario.reading import Node
 
@@ -14,43 +15,52 @@ _KEYS = ("stale", "lost", "on_lost")
 _SILENCE = Quantity("s", 0.05, 3600.0, "", "Silence of a channel.")
 
 
-def read_inputs(node: Node) -> tuple[dict[str, dict[str, object]], dict[str, Limits]]:
-    """Settings by interface, as the interface wants them, and the limits of each channel that is named.
+def read_inputs(node: Node) -> tuple[dict[str, dict[str, object]], dict[str, GivenLimits]]:
+    """Settings by interface, as the interface wants them, and what is said of when each of these channels is lost.
+
+    A channel's name from before is read as that of today; `renamed_inputs` has the warnings.
 
     Raises:
-        ScenarioError: not sections of settings, or limits that cannot be used.
+        ScenarioError: not sections of settings, limits that cannot be used, or a channel under both its names.
     """
     if not isinstance(node.value, dict):
         raise node.wrong("a section with one entry an interface")
     settings: dict[str, dict[str, object]] = {}
-    limits: dict[str, Limits] = {}
-    for name, value in node.value.items():
-        section = Node(value, node.source, f"{node.place}.{name}")
+    limits: dict[str, GivenLimits] = {}
+    for given, value in node.value.items():
+        name, section = current_channel(given), Node(value, node.source, f"{node.place}.{given}")
+        if name in settings:
+            raise section.error(f"channel '{name}' has two sections, one under a name from before")
         if not isinstance(value, dict):
             raise section.wrong("a section of settings")
         settings[name] = {key: setting for key, setting in value.items() if key not in _KEYS}
-        limits[name] = _limits(section, value, default_limits(name))
+        limits[name] = _limits(section, value)
     return settings, limits
 
 
+def renamed_inputs(node: Node) -> tuple[str, ...]:
+    """A warning for each channel that has its name from before."""
+    names = node.value if isinstance(node.value, dict) else {}
+    return tuple(f"{node.place}: {warning}" for name in names if (warning := renamed_channel(name)))
+
+
 def written_inputs(
-    settings: Mapping[str, Mapping[str, object]], limits: Mapping[str, Limits]
+    settings: Mapping[str, Mapping[str, object]], limits: Mapping[str, GivenLimits]
 ) -> dict[str, dict[str, object]]:
     """The section that `read_inputs` reads as these settings and limits."""
-    return {name: {**settings[name], **_differing(limits[name], default_limits(name))} for name in settings}
+    return {name: {**settings[name], **_said(limits[name])} for name in settings}
 
 
-def _differing(limits: Limits, default: Limits) -> dict[str, object]:
-    if limits == default:
-        return {}
-    return {"stale": limits.stale, "lost": limits.lost, "on_lost": limits.on_lost.value}
+def _said(limits: GivenLimits) -> dict[str, object]:
+    said = {"stale": limits.stale, "lost": limits.lost, "on_lost": limits.on_lost.value}
+    return {key: value for key, value in said.items() if value is not None and value != OnLost.AUTONOMY.value}
 
 
-def _limits(section: Node, values: Mapping[str, object], default: Limits) -> Limits:
+def _limits(section: Node, values: Mapping[str, object]) -> GivenLimits:
     given = {key: Node(values[key], section.source, f"{section.place}.{key}") for key in _KEYS if key in values}
-    stale = given["stale"].number(_SILENCE) if "stale" in given else default.stale
-    lost = given["lost"].number(_SILENCE) if "lost" in given else max(default.lost, LOST_BY_STALE * stale)
-    if lost <= stale:
+    stale = given["stale"].number(_SILENCE) if "stale" in given else None
+    lost = given["lost"].number(_SILENCE) if "lost" in given else None
+    if stale is not None and lost is not None and lost <= stale:
         raise section.error(f"lost: {lost:g} s is not longer than stale, {stale:g} s")
-    on_lost = OnLost(given["on_lost"].choice(tuple(OnLost))) if "on_lost" in given else default.on_lost
-    return Limits(stale, lost, on_lost)
+    on_lost = OnLost(given["on_lost"].choice(tuple(OnLost))) if "on_lost" in given else OnLost.AUTONOMY
+    return GivenLimits(stale, lost, on_lost)

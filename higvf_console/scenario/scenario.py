@@ -34,7 +34,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
-from higvf_console.channels.channel_state import Limits
+from higvf_console.channels.channel_state import GivenLimits
 from higvf_console.channels.channels import unknown_settings
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.parameters import Parameters
@@ -44,7 +44,7 @@ from higvf_console.core.quantity import Quantity, shown
 from higvf_console.core.state import NO_PATH, Path, World
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import follow
-from higvf_console.scenario.channel_settings import read_inputs
+from higvf_console.scenario.channel_settings import read_inputs, renamed_inputs
 from higvf_console.scenario.reading import Node, read_yaml
 from higvf_console.scenario.sections import (
     FilterKind,
@@ -137,7 +137,7 @@ class Scenario:
     params: Parameters
     filter: FilterKind
     inputs: Mapping[str, Mapping[str, object]]
-    limits: Mapping[str, Limits]
+    limits: Mapping[str, GivenLimits]
     demo: tuple[str, ...]
     duration: float
     warnings: tuple[str, ...]
@@ -280,6 +280,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         warnings=(
             *renamed,
             *_network_warnings(network, links is not None),
+            *renamed_inputs(entry("inputs", {})),
             *unknown_settings(inputs),
             *robot_warnings(params),
         ),

@@ -11,13 +11,14 @@ the speed of the session and however often it polls. Nothing overtakes: a link d
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from higvf_console.core.arrays import Bools, Floats, bools, floats
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd
-from higvf_console.core.interface import ChannelHealth, Interface, OperatorContext
+from higvf_console.core.interface import Capabilities, ChannelHealth, Interface, OperatorContext, capabilities_of
 from higvf_interfaces.decisions.feeds import DecisionFeed, Due
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.records import Decision, GazeRecording
@@ -144,6 +145,11 @@ class EmulatedInterface:
     def name(self) -> str:
         """Channel name, shown in the status line."""
         return self._interface.name
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """Those of the interface; nothing can be pushed through the link."""
+        return replace(capabilities_of(self._interface), takes_pointer=False)
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """Commands that have come through, stamped with the time at which they did."""

@@ -15,12 +15,12 @@ from higvf_console.core.interface import InputSpec
 
 
 def test_the_shipped_interfaces_are_installed() -> None:
-    assert {"mouse", "gaze", "emg", "bci", "script"} <= set(interface_names())
+    assert {"console", "gaze", "emg", "bci", "script"} <= set(interface_names())
 
 
 def test_an_interface_is_opened_by_its_name() -> None:
-    interface = open_interface(InputSpec("mouse"))
-    assert interface.name == "mouse"
+    interface = open_interface(InputSpec("console"))
+    assert interface.name == "console"
     interface.close()
 
 

@@ -72,7 +72,7 @@ def test_a_growing_stroke_is_seen_and_not_felt(setup: Setup) -> None:
 
 
 def test_points_of_another_source_do_not_enter_a_stroke(setup: Setup) -> None:
-    state, _ = after(setup, [StrokeBegin(source="gaze"), StrokePoints(floats(LINE), source="mouse")])
+    state, _ = after(setup, [StrokeBegin(source="gaze"), StrokePoints(floats(LINE), source="console")])
     assert len(state.pointer_state.stroke) == 0
 
 
@@ -328,6 +328,6 @@ def test_a_stroke_is_ended_by_nobody_but_the_interface_that_draws_it_and_the_ses
     drawn, _ = after(setup, [StrokeBegin(source="gaze"), begin, points])
     state, events = after(setup, [end(source="gaze")], drawn)
     assert state is drawn and events == []
-    for source in ("mouse", "session"):
+    for source in ("console", "session"):
         state, _ = after(setup, [end(source=source)], drawn)
         assert len(state.pointer_state.stroke) == 0

@@ -16,7 +16,7 @@ import numpy as np
 from higvf_console.analysis.preview import USUAL, foresee, wish
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
-from higvf_console.core.interface import ChannelHealth, ChannelState, OperatorContext
+from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, OperatorContext
 from higvf_console.core.state import SimState
 from higvf_console.lab.bench.timing import take_turns
 from higvf_console.operator.reducer import apply_command
@@ -87,10 +87,11 @@ class PreviewBench(NamedTuple):
     with_preview: Lateness
 
 
-class ArenaInteraction:
+class Sketcher:
     """An interface that draws all the time, a point each control period, and never lets a robot feel it."""
 
-    name = "mouse"
+    name = "sketcher"
+    capabilities = Capabilities(draws_previewed=True)
 
     def __init__(self, outline: Floats) -> None:
         """Draws along `outline` (n, 2) [m], again and again."""
@@ -120,7 +121,7 @@ def run(seconds: float = 30.0) -> PreviewBench:
     outline = _outline(round(_STROKE_LASTS / setup.params.safety.control_period))
     drawn = _drawn(setup, outline)
     spent = take_turns({"preview": lambda _: _preview(drawn, setup)})["preview"]
-    late = [_lateness(Session(scenario, [ArenaInteraction(outline)]), ahead, seconds) for ahead in (False, True)]
+    late = [_lateness(Session(scenario, [Sketcher(outline)]), ahead, seconds) for ahead in (False, True)]
     return PreviewBench(factor, 1e3 / spent, 1e3 * setup.params.safety.control_period, *late)
 
 

@@ -11,14 +11,13 @@ from higvf_console.ui.page import page
 from higvf_console.ui.panels.widgets.callbacks import reaction
 from higvf_console.ui.panels.widgets.html import block, severity_colour, text
 from higvf_console.ui.panels.widgets.html import clock as session_clock
-from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import hex_rgb
+from higvf_console.ui.ui_state import UiStore, acknowledge_alarms, add_alarms
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
 MOST_SHOWN = 30
-MOST_ALARMS = 99  # that wait to be acknowledged; older ones are let go
 MOST_AT_ONCE = 2  # notifications of one update
 REFUSED = "refused"
 TITLES = {
@@ -44,13 +43,13 @@ class LogPanel:
     To acknowledge is a matter of the view: it says that somebody has read the alarm, and commands nothing.
     """
 
-    def __init__(self, server: viser.ViserServer, view: View) -> None:
+    def __init__(self, server: viser.ViserServer, ui: UiStore) -> None:
         """Starts empty."""
-        self._server, self._view = server, view
+        self._server, self._ui = server, ui
         self._button = server.gui.add_button(
             "Acknowledge", icon=viser.Icon.CHECK, visible=False, hint="The alarms have been read"
         )
-        self._button.on_click(reaction(lambda _: self._view.alarms.clear()))
+        self._button.on_click(reaction(lambda _: self._ui.change(acknowledge_alarms())))
         self._html = server.gui.add_html(_NOTHING)
         self._newest: Event | None = None
         self._shown: tuple[Event, ...] = ()
@@ -62,25 +61,22 @@ class LogPanel:
 
     def _read(self, _client_id: int, body: page.Body) -> None:
         """A page has put a notification away: the alarm that it told is acknowledged."""
-        told = body.get("text")
-        for alarm in [alarm for alarm in self._view.alarms if alarm.text == told]:
-            self._view.alarms.remove(alarm)
+        self._ui.change(acknowledge_alarms(str(body.get("text"))))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Lists and notifies what is new, and takes back what has been acknowledged."""
         fresh = newer(snapshot.events, self._newest)
         if fresh:
             self._newest = fresh[-1]
-            self._view.alarms += [event for event in fresh if event.severity == Severity.ALARM]
-            del self._view.alarms[:-MOST_ALARMS]
+            self._ui.change(add_alarms(fresh))
             for event in self._notifications.chosen(fresh, clock.monotonic(), self._told()):
                 self._notify(event)
-        unread = tuple(self._view.alarms)
+        unread = self._ui.state.alarms
         if fresh or unread != self._shown:
             self._shown = unread
             self._html.content = log_html(snapshot.events, unread)
             self._button.visible = bool(unread)
-            self._button.color = hex_rgb(severity_colour(Severity.ALARM, self._view.look.palette))
+            self._button.color = hex_rgb(severity_colour(Severity.ALARM, self._ui.state.look.palette))
             self._button.label = f"Acknowledge {alarms_text(len(unread))}"
             self._take_back(unread)
 
@@ -96,7 +92,7 @@ class LogPanel:
                 TITLES.get(event.kind, event.kind.capitalize()),
                 event.text,
                 auto_close_seconds=STAY_S.get(event.severity),
-                color=hex_rgb(severity_colour(event.severity, self._view.look.palette)),
+                color=hex_rgb(severity_colour(event.severity, self._ui.state.look.palette)),
             )
             if event.severity == Severity.ALARM:
                 self._standing.append((event, notification))

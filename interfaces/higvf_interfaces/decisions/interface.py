@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 from higvf_console.core.commands import OperatorCommand, ResetRun
 from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_console.core.reports import DecisionReport
+from higvf_interfaces.decisions import interpretation
 from higvf_interfaces.decisions.debouncer import Evidence, Verdict
 from higvf_interfaces.decisions.evidence import STREAMING
 from higvf_interfaces.decisions.feeds import LogFeed
-from higvf_interfaces.decisions import interpretation
 from higvf_interfaces.decisions.interpretation import Interpreter
 from higvf_interfaces.decisions.options import DECODING, RECORDED, decoder_of, signal_request
 from higvf_interfaces.emulation import ERRORS, EmulatedFeed, error_model

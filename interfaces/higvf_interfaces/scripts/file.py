@@ -14,6 +14,7 @@ from typing import NamedTuple, cast
 from higvf_console.core.arrays import Floats
 from higvf_console.core.commands import Clutch, FaultKind, InjectFault, OperatorCommand, Pick, StrokeEnd, StrokeUse
 from higvf_console.core.errors import ScriptError
+from higvf_console.core.path_terms import ENDINGS, USUAL_TERMS, PathTerms, stroke_end
 from higvf_interfaces.decisions.actions import PLAIN
 from higvf_interfaces.fields import Fields, shown
 from higvf_interfaces.scripts import edits as script_edits
@@ -153,12 +154,12 @@ def _action(action: str, fields: Fields) -> Stroke | OperatorCommand:
 
 
 def _stroke_end(fields: Fields) -> StrokeEnd:
-    return StrokeEnd(
-        smoothing=fields.number("smoothing_m", None, 0.0, 1e6, "m") if fields.has("smoothing_m") else None,
-        robot=fields.whole("robot", 1) - 1 if fields.has("robot") else None,
-        preview=fields.flag("preview", False),
-        use=fields.choice("use", StrokeUse.PATH, tuple(StrokeUse)),
-        ending=fields.choice("ending", script_edits.ENDINGS[0], script_edits.ENDINGS),
+    terms = PathTerms(
+        ending=fields.choice("ending", USUAL_TERMS.ending, tuple(ENDINGS)),
         pace=script_edits.pace(fields),
         duration=script_edits.duration(fields),
+        smoothing=fields.number("smoothing_m", None, 0.0, 1e6, "m") if fields.has("smoothing_m") else None,
     )
+    use = StrokeUse(fields.choice("use", StrokeUse.PATH, tuple(StrokeUse)))
+    robot = fields.whole("robot", 1) - 1 if fields.has("robot") else None
+    return stroke_end(terms, use, robot, preview=fields.flag("preview", False))
