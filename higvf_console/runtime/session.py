@@ -72,7 +72,7 @@ class Session:
         viewport: how the operator's screen lies over the arena; set by the view.
         commands: applied so far, without cursors and stroke points, which come by the thousand.
         error: what halted the engine; None while all is well.
-        answered: set when the snapshot has come to show what one of `commands` did; cleared by who shows it.
+        answered: set when there is an answer to the operator to show, such as what a command did; the view clears it.
     """
 
     def __init__(
@@ -116,11 +116,7 @@ class Session:
 
     @property
     def pointer(self) -> PointerSink:
-        """Where the view leaves the commands of its pages: the first interface whose capabilities say so.
-
-        Raises:
-            InputError: there is none.
-        """
+        """Where the view leaves its pages' commands: the first interface that takes them; InputError without one."""
         return self._channels.pointer
 
     @property
@@ -130,8 +126,7 @@ class Session:
 
     def draws_previewed(self, source: str) -> bool:
         """Whether strokes of a source are previewed with what is chosen at the console, see `Capabilities`."""
-        offered = self._channels.capabilities.get(source)
-        return offered is not None and offered.draws_previewed
+        return source in self._channels.names and self._channels.capabilities[source].draws_previewed
 
     @property
     def scenario(self) -> Scenario:

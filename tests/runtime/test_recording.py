@@ -327,3 +327,14 @@ def test_a_command_that_cannot_be_written_ends_the_recording_and_not_the_run(tea
     assert len(session.snapshot.state.intent.priority) == 1
     assert any("The recording ends here" in event.text for event in session.snapshot.events)
     assert session.snapshot.time == pytest.approx(0.4)
+
+
+def test_a_recording_with_a_channels_name_from_before_is_read_with_one_warning(team: Scenario, tmp_path: Path) -> None:
+    file = tmp_path / "run.jsonl"
+    drawn = stroke([(700.0, 300.0), (500.0, 450.0), (200.0, 500.0)])
+    digest = recorded(team, file, *((0.2, command) for command in drawn))
+    file.write_text(file.read_text().replace('"source": "console"', '"source": "mouse"'))
+    recording = read_recording(file)
+    assert recording.warnings == (f"{file}: channel 'mouse' is renamed; write 'console'",)
+    assert {command.source for given in recording.commands.values() for command in given} == {"console"}
+    assert (replay(recording).digest, replay(recording).agrees) == (digest, True)

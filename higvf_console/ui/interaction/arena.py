@@ -6,26 +6,13 @@ from typing import TYPE_CHECKING
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import (
-    AskReset,
-    ClearPath,
-    Confirm,
-    Discard,
     EmergencyStop,
-    Freeze,
     OperatorCommand,
-    Pause,
     Pick,
-    Prioritise,
-    Redo,
-    ResetEmergencyStop,
-    Resume,
-    ReversePath,
-    Step,
     StrokeBegin,
     StrokeCancel,
     StrokePoints,
     StrokeUse,
-    Undo,
 )
 from higvf_console.core.edits import AddEntity, DeleteEntity
 from higvf_console.core.state import Motion, PathKind
@@ -34,6 +21,7 @@ from higvf_console.operator.path_commands import in_hand
 from higvf_console.operator.reducer import waiting
 from higvf_console.ui.interaction import pointer
 from higvf_console.ui.interaction.grips import Drag, gripped, result_of, robot_near
+from higvf_console.ui.interaction.key_commands import command_of
 from higvf_console.ui.interaction.tools import ADDS, USES, Tool
 from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.ui_state import (
@@ -199,35 +187,22 @@ class ArenaInteraction:
         if name == "stop":  # first, and on its own: nothing may come between
             self._roles.push_of(client_id, EmergencyStop())
             return
-        snapshot = self._session.snapshot
-        commands: dict[str, OperatorCommand] = {
-            "ask_reset": AskReset(),
-            "reset_stop": ResetEmergencyStop(),
-            "pause": Resume() if snapshot.state.intent.paused else Pause(),
-            "confirm": Confirm(),
-            "discard": Discard(),
-            "clear_path": ClearPath(),
-            "reverse_path": ReversePath(),
-            "clear_priority": Prioritise(),
-            "freeze": Freeze(not snapshot.frozen),
-            "step": Step(),
-            "undo": Undo(),
-            "redo": Redo(),
-        }
         if name == "field_arrows":
             self._ui.change(show_next_field)
         elif name == "delete":
             self._delete()
-        elif name in commands:
-            self._push(commands[name])
-            if name == "discard" and not waiting(snapshot.state.pointer_state, snapshot.time):
-                self._put_away(client_id)
         elif name.startswith("tool_"):
             self.tool(client_id, Tool(name.removeprefix("tool_")))
-        elif name.startswith("pick_"):
-            robot = int(name.removeprefix("pick_")) - 1
-            if 0 <= robot < len(snapshot.state.motion.position):
-                self._push(Pick(robot))
+        else:
+            self._command(client_id, name)
+
+    def _command(self, client_id: int, name: str) -> None:
+        snapshot = self._session.snapshot
+        command = command_of(name, snapshot)
+        if command is not None:
+            self._push(command)
+        if name == "discard" and not waiting(snapshot.state.pointer_state, snapshot.time):
+            self._put_away(client_id)
 
     def _put_away(self, client_id: int) -> None:
         """Lets go of what is chosen for editing; where nothing is, of the tool."""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
 MOST_SHOWN = 30
-MOST_AT_ONCE = 2  # notifications of one update
+MOST_AT_ONCE = 2  # notifications of one update, besides its alarms
 REFUSED = "refused"
 TITLES = {
     "extinguished": "Fire out",
@@ -69,16 +69,16 @@ class LogPanel:
         if fresh:
             self._newest = fresh[-1]
             self._ui.change(add_alarms(fresh))
-            for event in self._notifications.chosen(fresh, clock.monotonic(), self._told()):
-                self._notify(event)
         unread = self._ui.state.alarms
+        self._take_back(unread)  # first: one that has just been acknowledged must not keep back the next of its kind
+        for event in self._notifications.chosen(fresh, clock.monotonic(), self._told()):
+            self._notify(event)
         if fresh or unread != self._shown:
             self._shown = unread
             self._html.content = log_html(snapshot.events, unread)
             self._button.visible = bool(unread)
             self._button.color = hex_rgb(severity_colour(Severity.ALARM, self._ui.state.look.palette))
             self._button.label = f"Acknowledge {alarms_text(len(unread))}"
-            self._take_back(unread)
 
     def _told(self) -> set[str]:
         return {event.kind for event, _ in self._standing}
@@ -144,7 +144,9 @@ class Notifications:
                 if event.kind == REFUSED:
                     chosen = [other for other in chosen if other.kind != REFUSED]
                 chosen.append(event)
-        return chosen[-MOST_AT_ONCE:]
+        others = [event for event in chosen if event.severity != Severity.ALARM]
+        left_out = {id(event) for event in others[:-MOST_AT_ONCE]}
+        return [event for event in chosen if id(event) not in left_out]
 
     def _is_news(self, event: Event, now: float) -> bool:
         until, told = self._shown.get(event.kind, (now, ""))

@@ -285,9 +285,8 @@ def test_a_choice_ends_when_things_of_its_kind_come_or_go() -> None:
     hand.hand.click(PAGE, floats([900.0, 350.0]))
     hand.ui.change(keep_choice(layout_of(two)))
     assert hand.view.selected == Place(EntityKind.FIRE, 1)
-    hand.ui.change(
-        keep_choice(layout_of(team(fires=[(100.0, 350.0, 30.0), (600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])))
-    )
+    three = team(fires=[(100.0, 350.0, 30.0), (600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])
+    hand.ui.change(keep_choice(layout_of(three)))
     assert hand.view.selected is None
 
 
