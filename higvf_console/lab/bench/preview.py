@@ -15,6 +15,7 @@ import numpy as np
 
 from higvf_console.analysis.preview import USUAL, foresee, wish
 from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, OperatorContext
 from higvf_console.core.state import SimState
@@ -90,7 +91,7 @@ class PreviewBench(NamedTuple):
 class Sketcher:
     """An interface that draws all the time, a point each control period, and never lets a robot feel it."""
 
-    name = "sketcher"
+    name = CONSOLE  # as which its commands are signed
     capabilities = Capabilities(draws_previewed=True)
 
     def __init__(self, outline: Floats) -> None:

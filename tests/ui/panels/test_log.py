@@ -75,9 +75,10 @@ def test_an_alarm_that_still_stands_is_not_notified_twice(panel: LogPanel, notes
 
 
 def test_an_acknowledged_alarm_is_taken_back(panel: LogPanel, ui: UiStore, notes: list[Note]) -> None:
-    panel.update(snapshot(stop(1.0)))
-    ui.change(acknowledge_alarms("STOP: all robots stand still."))
-    panel.update(snapshot(stop(1.0)))
+    alarm = stop(1.0)
+    panel.update(snapshot(alarm))
+    ui.change(acknowledge_alarms(alarm.text))
+    panel.update(snapshot(alarm))
     assert notes == []
 
 

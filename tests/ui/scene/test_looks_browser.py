@@ -238,9 +238,10 @@ def test_nothing_overlaps_or_overflows_in_any_tab(
     running.push(Freeze(False), Pick(0), *stroke(shipped.points, shipped.robot))
     page.evaluate("window.higvf.call('hints', 'reopen')")
     close_notifications(page)  # the browser's own, unless it has gone by itself
+    last = page.locator(NOTE, has_text="all robots stand still")
+    wait_until(lambda: not last.count())  # that of the test before, which says the same
     wait_until(lambda: running.state.motion.tick > 100)
     running.push(EmergencyStop())
-    last = page.locator(NOTE, has_text="all robots stand still")
     wait_until(lambda: (box := last.bounding_box()) and box["x"] > 0)  # it slides in
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(THEMES[theme].surround)}")
     names = page.get_by_role("tab").all_inner_texts()
