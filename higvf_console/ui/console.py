@@ -101,7 +101,7 @@ class Console:
         self._roles = Roles(server, session.pointer, session.pointer_limits.lost)
         self._build_panels()
         camera.install(server, self._scene.camera_arena)
-        self._hand = hand = ArenaInteraction(session, self.ui, self._roles, self._show_tool)
+        hand = ArenaInteraction(session, self.ui, self._roles, self._show_tool)
         pointer.install(server, hand, theme.CSS.stroke)
         self._calibration = Calibration(server, session.calibrated)  # ahead of the keys: Esc is its own at times
         keys.install(server, hand.key)
