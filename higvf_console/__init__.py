@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from higvf_console.control.parameters import Parameters
     from higvf_console.core.commands import OperatorCommand
     from higvf_console.core.errors import HigvfError
+    from higvf_console.core.events import Event
     from higvf_console.core.interface import InputSpec, Interface, OperatorContext
     from higvf_console.core.state import SimState, Trace, World
     from higvf_console.operator.reducer import apply_command
@@ -32,14 +33,15 @@ if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
     from higvf_console.scenario.scenario import Scenario, load_scenario, scenario_names
-    from higvf_console.sim.setup import Event, Setup
     from higvf_console.sim.simulation import advance, roll
+    from higvf_console.world.setup import Setup
 
 _HOMES = {
     "channels.channels": ("open_interface",),
     "control.parameters": ("Parameters",),
     "core.commands": ("OperatorCommand",),
     "core.errors": ("HigvfError",),
+    "core.events": ("Event",),
     "core.interface": ("InputSpec", "Interface", "OperatorContext"),
     "core.state": ("SimState", "Trace", "World"),
     "operator.reducer": ("apply_command",),
@@ -48,8 +50,8 @@ _HOMES = {
     "runtime.session": ("Session",),
     "runtime.snapshot": ("Snapshot",),
     "scenario.scenario": ("Scenario", "load_scenario", "scenario_names"),
-    "sim.setup": ("Event", "Setup"),
     "sim.simulation": ("advance", "roll"),
+    "world.setup": ("Setup",),
 }
 
 __all__ = [

@@ -19,8 +19,8 @@ from higvf_console.control.safety.barriers.surroundings import (
 from higvf_console.core.arrays import Floats
 from higvf_console.sim.disturbances import measured
 from higvf_console.sim.fires import growth_rates
-from higvf_console.sim.setup import Setup
 from higvf_console.world.polygons import obstacles_of
+from higvf_console.world.setup import Setup
 
 
 class ActiveConstraint(NamedTuple):
@@ -104,11 +104,11 @@ def _still_dangers(robot: int, moved: Moved, around: Surroundings, setup: Setup)
 
 def part_name(part: int, setup: Setup) -> str:
     """What people call a part of the world: circle `part`, or bar `part` - P, which may be an edge of a polygon."""
-    circles, bars = len(setup.world.circles), len(setup.world.bars)
-    edges = sum(len(chain) for chain in setup.polygons)
+    obstacles = setup.layout.obstacles
+    circles, bars = len(obstacles.circles), len(obstacles.bars)
     if part < circles:
         return f"circle {part + 1}"
-    if part < circles + bars - edges:
+    if part < circles + bars:
         return f"bar {part - circles + 1}"
-    ends = np.cumsum([sum(len(chain) for chain in chains) for chains in obstacles_of(setup.polygons)])
-    return f"polygon {int(np.searchsorted(ends, part - circles - bars + edges, side='right')) + 1}"
+    ends = np.cumsum([sum(len(chain) for chain in chains) for chains in obstacles_of(obstacles.polygons)])
+    return f"polygon {int(np.searchsorted(ends, part - circles - bars, side='right')) + 1}"

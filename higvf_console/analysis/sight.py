@@ -7,7 +7,7 @@ import numpy as np
 from higvf_console.analysis.active_constraints import part_name, seen_positions
 from higvf_console.analysis.explain import Moved
 from higvf_console.control.intention.perception import fire_value, half_angle, interval_room
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 
 class Sight(NamedTuple):

@@ -9,6 +9,7 @@ from higvf_console.channels.console import open_console
 from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import OperatorCommand
 from higvf_console.core.errors import HigvfError, InputError, closest
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import (
     Capabilities,
     ChannelHealth,
@@ -20,7 +21,6 @@ from higvf_console.core.interface import (
     capabilities_of,
     current_channel,
 )
-from higvf_console.sim.setup import Event, Severity
 
 GROUP = "higvf_console.interfaces"
 

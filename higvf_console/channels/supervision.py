@@ -43,10 +43,9 @@ from higvf_console.core.commands import (
     Resume,
     StrokeCancel,
 )
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState, OperatorContext, current_channel, renamed_channel
-from higvf_console.core.state import SimState
-from higvf_console.operator.path_commands import ACTING
-from higvf_console.sim.setup import Event, Severity
+from higvf_console.core.state import ACTING, SimState
 
 _OUTCOME = {
     OnLost.AUTONOMY: "The team goes on with its own task.",

@@ -26,7 +26,7 @@ from higvf_console.runtime import scheduling
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
     from higvf_console.scenario.scenario import Scenario
-    from higvf_console.sim.setup import Setup
+    from higvf_console.world.setup import Setup
 
 
 _WORTH_SAYING = ("refused", "clipped", "failure", "channel", "recording")  # events of which a headless run warns
@@ -245,8 +245,8 @@ def _input_specs(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
 
 
 def _run_headless(session: "Session", given: argparse.Namespace) -> int:
+    from higvf_console.core.events import Severity
     from higvf_console.runtime.headless import run_headless
-    from higvf_console.sim.setup import Severity
 
     report = json.dumps(run_headless(session, given.duration), indent=2) + "\n"
     session.close()  # now: that may fail as well, of which the events tell

@@ -40,6 +40,10 @@ class PathStatus(IntEnum):
     HOLDING = 5  # at its end, where the team waits
 
 
+# Statuses with which a human intention acts on the team, be it by holding it.
+ACTING = (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY, PathStatus.HOLDING)
+
+
 class PathEnding(IntEnum):
     """What happens at the end of an open path, and when the time of a path is over."""
 

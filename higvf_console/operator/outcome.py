@@ -3,8 +3,8 @@
 import math
 from typing import TypeAlias
 
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import NO_PATH, NOBODY, PointerState, SimState
-from higvf_console.sim.setup import Event, Severity
 
 Outcome: TypeAlias = tuple[SimState, tuple[Event, ...]]
 

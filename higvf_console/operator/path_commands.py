@@ -9,15 +9,13 @@ from higvf_console.control.guidance.paths import EVERYWHERE, nearest, path_point
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
+from higvf_console.core.events import Event
 from higvf_console.core.path_terms import ENDINGS, FASTEST, SLOWEST, PathTerms, changed_terms
-from higvf_console.core.state import Path, PathEnding, PathKind, PathStatus, SimState
+from higvf_console.core.state import ACTING, Path, PathEnding, PathKind, PathStatus, SimState
 from higvf_console.operator.outcome import Outcome, path_dropped, refuse, report, with_pointer_state
 from higvf_console.operator.path_edits import reclosed
-from higvf_console.sim.setup import Event
 
 PATHS_KEPT = 20
-# Statuses with which a human intention acts on the team, be it by holding it.
-ACTING = (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY, PathStatus.HOLDING)
 
 
 def follow(state: SimState, path: Path) -> SimState:

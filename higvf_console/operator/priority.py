@@ -7,7 +7,7 @@ from higvf_console.core.commands import Prioritise
 from higvf_console.core.outline import enclosed
 from higvf_console.core.state import SimState
 from higvf_console.operator.outcome import Outcome, no_robot, refuse, report
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 
 def prioritise_inside(state: SimState, outline: Floats, setup: Setup, time: float) -> Outcome:

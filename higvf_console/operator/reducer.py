@@ -53,6 +53,7 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.edits import Edit
 from higvf_console.core.errors import PathError
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.path_terms import terms_of_stroke
 from higvf_console.core.state import NO_PATH, NOBODY, Path, PathKind, PointerState, SimState
 from higvf_console.core.viewport import Arena
@@ -78,7 +79,7 @@ from higvf_console.operator.path_commands import (
 )
 from higvf_console.operator.path_edits import bent, redrawn
 from higvf_console.operator.priority import prioritise, prioritise_inside
-from higvf_console.sim.setup import Event, Setup, Severity
+from higvf_console.world.setup import Setup
 
 _NO_STROKE = np.zeros((0, 2))
 

@@ -64,7 +64,7 @@ def run_headless(session: Session, duration: float | None = None) -> dict[str, A
 
 
 def _outcome(session: Session) -> dict[str, Any]:
-    now = session.snapshot
+    now, setup = session.snapshot, session.setup
     return {
         "extinguished": [fire + 1 for fire in now.extinguished],
         "loss_area_m2": now.loss_area.tolist(),
@@ -74,6 +74,6 @@ def _outcome(session: Session) -> dict[str, Any]:
         "deadlock_s": round(now.deadlock_s, 9),
         "certificates": [
             {**item._asdict(), "value": item.value if math.isfinite(item.value) else None, "met": item.met}
-            for item in certificates(session.setup, now.state, now.trace, now.worst)
+            for item in certificates(setup.world, setup.params, setup.start, now.state, now.trace, now.worst)
         ],
     }

@@ -13,6 +13,7 @@ from higvf_console.control.parameters import Parameters
 from higvf_console.control.safety.coupled_filter import CoupledFilter
 from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, Undo
 from higvf_console.core.errors import ScenarioError
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import Motion, SimState, Trace
 from higvf_console.runtime.dispatch import dispatch
 from higvf_console.runtime.history import History, RunState, Tally
@@ -21,7 +22,7 @@ from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim import simulation
 from higvf_console.sim.certificates import watched
 from higvf_console.sim.events import events_between
-from higvf_console.sim.setup import Event, Setup, Severity
+from higvf_console.world.setup import Setup
 
 Advance: TypeAlias = Callable[[SimState], tuple[SimState, Trace]]
 

@@ -32,6 +32,7 @@ from higvf_console.core.commands import (
     Undo,
 )
 from higvf_console.core.edits import Edit
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
 from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
@@ -44,7 +45,7 @@ from higvf_console.runtime.snapshot import Snapshot
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.metrics import loss_area
-from higvf_console.sim.setup import Event, Setup, Severity
+from higvf_console.world.setup import Setup
 
 SLOWEST, FASTEST = 0.25, 8.0  # speed factors
 CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time
@@ -107,10 +108,8 @@ class Session:
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
         self._recorder, self._markers = recorder, markers
-        self._frozen = False
-        self._speed = 1.0
-        self._steps_due = 0
-        self._heartbeats = 0
+        self._frozen, self._speed = False, 1.0
+        self._steps_due, self._heartbeats = 0, 0
         self._events = tuple(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings)
         self._publish(perf_counter())
 

@@ -38,17 +38,16 @@ from higvf_console.channels.channel_state import GivenLimits
 from higvf_console.channels.channels import unknown_settings
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.parameters import Parameters
-from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, shown
-from higvf_console.core.state import NO_PATH, Path, World
+from higvf_console.core.state import NO_PATH, Path
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import follow
 from higvf_console.scenario.channel_settings import read_inputs, renamed_inputs
 from higvf_console.scenario.reading import Node, read_yaml
 from higvf_console.scenario.sections import (
     FilterKind,
-    Fire,
     Robots,
     ShownStroke,
     read_arena,
@@ -62,9 +61,7 @@ from higvf_console.scenario.sections import (
     read_robots,
     read_strokes,
 )
-from higvf_console.sim.setup import Setup
-from higvf_console.sim.simulation import initial_state
-from higvf_console.world.editing.layout import Layout, world_of
+from higvf_console.world.layout import Fire, Layout, Links
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.placement import (
     Network,
@@ -80,6 +77,7 @@ from higvf_console.world.placement import (
     robot_warnings,
     start_network,
 )
+from higvf_console.world.setup import Setup, make_setup
 
 VERSION = 1
 KEYS = (
@@ -127,7 +125,7 @@ class Scenario:
     arena: Arena
     walls: bool
     robots: Robots
-    links: tuple[tuple[int, int], ...] | None
+    links: Links | None
     formation: Floats | None
     fires: tuple[Fire, ...]
     obstacles: Obstacles
@@ -149,16 +147,14 @@ class Scenario:
             ScenarioError: the seed's jitter puts a robot where it would violate a safety barrier.
         """
         position = self.robots.controlled(seed, self.params.robots.look_ahead)
-        world = self._world(position)
-        fire_radius = floats([fire.radius for fire in self.fires], -1)
-        check_start(position, fire_radius, world, self.obstacles, self.params, f"{self.source}: robots")
-        start = initial_state(position, fire_radius, world)
-        start = start._replace(
-            motion=start.motion._replace(heading=self.robots.heading),
-            intent=start.intent._replace(influenced=self.influenced),
+        setup = make_setup(self._layout(position, seed), position)
+        fire_radius = setup.layout.fire_radius
+        check_start(position, fire_radius, setup.world, self.obstacles, self.params, f"{self.source}: robots")
+        start = setup.start._replace(
+            motion=setup.start.motion._replace(heading=self.robots.heading),
+            intent=setup.start.intent._replace(influenced=self.influenced),
         )
-        params = self.params._replace(robots=self.params.robots._replace(seed=float(seed % _SEEDS)))
-        return Setup(self.arena, world, params, follow(start, self.path), self.obstacles.polygons)
+        return setup._replace(start=follow(start, self.path))
 
     def with_forms(self, forms: Forms) -> "Scenario":
         """The same scenario with other forms of the equations, and weights with which they converge."""
@@ -166,19 +162,15 @@ class Scenario:
         params, warnings = convergent(params, self.robots.points, self.links, self.influenced)
         return replace(self, params=params, warnings=self.warnings + warnings)
 
-    def _world(self, position: Floats) -> World:
-        return world_of(
-            Layout(
-                arena=self.arena,
-                walls=self.walls,
-                obstacles=self.obstacles,
-                fire_position=floats([fire.position for fire in self.fires], -1, 2),
-                fire_growth=floats([fire.growth for fire in self.fires], -1),
-                fire_needs=ints([fire.needs for fire in self.fires], -1),
-                formation=position if self.formation is None else self.formation,
-                links=self.links,
-                params=self.params,
-            )
+    def _layout(self, position: Floats, seed: int) -> Layout:
+        return Layout(
+            arena=self.arena,
+            formation=position if self.formation is None else self.formation,
+            walls=self.walls,
+            obstacles=self.obstacles,
+            fires=self.fires,
+            links=self.links,
+            params=self.params._replace(robots=self.params.robots._replace(seed=float(seed % _SEEDS))),
         )
 
 

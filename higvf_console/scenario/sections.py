@@ -20,6 +20,7 @@ from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import with_terms
 from higvf_console.scenario.irregular import check_edges, read_masks, read_polygons
 from higvf_console.scenario.reading import Node
+from higvf_console.world.layout import Fire, Links
 from higvf_console.world.obstacles import Obstacles
 
 MOST_ROBOTS = 100_000
@@ -39,22 +40,6 @@ class FilterKind(StrEnum):
 
     DISTRIBUTED = "distributed"
     CENTRALISED = "centralised"
-
-
-class Fire(NamedTuple):
-    """A fire at time 0.
-
-    Attributes:
-        position: centre [m].
-        radius: [m].
-        growth: growth of the radius [m/s].
-        needs: robots that it takes to extinguish it.
-    """
-
-    position: tuple[float, float]
-    radius: float
-    growth: float
-    needs: int
 
 
 class Robots(NamedTuple):
@@ -163,7 +148,7 @@ def _grid(count: int, spacing: float, centre: tuple[float, float]) -> Floats:
     return floats(cells * spacing + np.array(centre))
 
 
-def read_links(node: Node, robots: int) -> tuple[tuple[int, int], ...]:
+def read_links(node: Node, robots: int) -> Links:
     """Communication links as pairs of robot indices, each once, the smaller index first."""
     links: set[tuple[int, int]] = set()
     for item in node.items():

@@ -41,7 +41,6 @@ from higvf_console.ui.panels.why import WhyPanel
 from higvf_console.ui.panels.widgets.html import SPACER, style_html
 from higvf_console.ui.scene.scene import Scene
 from higvf_console.ui.ui_state import UiState, UiStore, begin_scenario, follow_path, keep_choice
-from higvf_console.world.editing.layout import layout_of
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
@@ -206,7 +205,7 @@ class Console:
 
     def _show_scene(self, snapshot: "Snapshot") -> None:
         if self._scene.setup is not snapshot.setup:
-            self.ui.change(keep_choice(layout_of(snapshot.setup)))
+            self.ui.change(keep_choice(snapshot.setup.layout))
         state = self.ui.state
         look = state.look
         if self._scene.setup is not snapshot.setup or self._scene.look != look:

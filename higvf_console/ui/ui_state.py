@@ -15,15 +15,15 @@ from higvf_console.analysis.preview import USUAL
 from higvf_console.control.guidance.field import FieldKind
 from higvf_console.core.arrays import Floats
 from higvf_console.core.commands import StrokeEnd, StrokeUse
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.path_terms import USUAL_TERMS, PathTerms, stroke_end
 from higvf_console.core.state import Path, PathKind
 from higvf_console.operator.path_commands import terms_of
-from higvf_console.sim.setup import Event, Severity
 from higvf_console.ui.interaction.grips import Drag
 from higvf_console.ui.scene.background import Background
 from higvf_console.ui.theme import USUAL_LOOK, Look
 from higvf_console.world.editing.entities import Place, exists, how_many
-from higvf_console.world.editing.layout import Layout
+from higvf_console.world.layout import Layout
 from higvf_console.world.masks import MaskPlace
 
 if TYPE_CHECKING:

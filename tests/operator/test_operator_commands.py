@@ -32,10 +32,11 @@ from higvf_console.core.commands import (
     StrokeEnd,
     StrokePoints,
 )
+from higvf_console.core.events import Event
 from higvf_console.core.state import NO_PATH, NOBODY, PathKind, PathStatus, SimState
 from higvf_console.operator.reducer import apply_command
-from higvf_console.sim.setup import Event, Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup
 from tests.teams import stroke, team
 
 LINE = [(100.0, 350.0), (300.0, 350.0), (500.0, 350.0)]

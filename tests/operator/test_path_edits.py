@@ -27,8 +27,8 @@ from higvf_console.core.errors import PathError
 from higvf_console.core.state import NO_PATH, Path, PathEnding, PathStatus, SimState
 from higvf_console.operator.path_edits import bent, reclosed, redrawn
 from higvf_console.operator.reducer import apply_command
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup
 from tests.teams import stroke, team
 
 WAY = floats([[100.0, 350.0], [300.0, 360.0], [500.0, 340.0], [700.0, 360.0], [900.0, 350.0]])

@@ -8,8 +8,8 @@ import pytest
 from higvf_console.core.commands import OperatorCommand, Pause, Resume, ReversePath, ShapePath
 from higvf_console.core.state import PathStatus, SimState
 from higvf_console.operator.reducer import apply_command
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup
 from tests.teams import stroke, team
 
 WAY = ((100.0, 350.0), (200.0, 360.0), (300.0, 350.0), (400.0, 350.0))

@@ -7,8 +7,8 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand, Prioritise, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.core.state import SimState
 from higvf_console.operator.reducer import apply_command
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup
 from tests.teams import team
 
 FIRES = [(300.0, 350.0, 30.0), (600.0, 350.0, 10.0)]

@@ -37,7 +37,7 @@ def test_the_edges_of_a_polygon_follow_the_bars_and_have_no_width() -> None:
   polygons: [{points_m: [[300, 100], [300, 200], [400, 100], [300, 100]]}]"""
     setup = parse_scenario(BASE + obstacles, "t.yaml").setup()
     assert setup.world.bars[0].tolist() == [100, 100, 200, 100, 6]
-    (chain,) = setup.polygons
+    (chain,) = setup.layout.obstacles.polygons
     assert signed_area(chain) == 5000.0
     for edge, point, following in zip(setup.world.bars[1:], chain, np.roll(chain, -1, axis=0), strict=True):
         assert edge.tolist() == [*point, *following, 0.0]

@@ -27,7 +27,7 @@ from higvf_console.core.state import Motion, PathEnding, PathKind, PathStatus
 from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario, scenario_names
 from higvf_console.scenario.writer import scenario_yaml
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 from tests.teams import stroke
 
 SMALL = tuple(name for name in scenario_names() if name != "swarm")
@@ -67,7 +67,9 @@ def assert_same_start(run: Run, again: Setup) -> None:
     else:
         assert start.position.tobytes() == motion.position.tobytes()
     assert again.arena == run.setup.arena
-    assert [chain.tobytes() for chain in again.polygons] == [chain.tobytes() for chain in run.setup.polygons]
+    assert [chain.tobytes() for chain in again.layout.obstacles.polygons] == [
+        chain.tobytes() for chain in run.setup.layout.obstacles.polygons
+    ]
     assert again.start.intent.influenced == run.state.intent.influenced
 
 

@@ -14,6 +14,7 @@ import viser
 from higvf_console.control.guidance.paths import sketch_path
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand, ShapePath, StrokeEnd, StrokeUse
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.path_terms import PathTerms, terms_of_stroke
 from higvf_console.core.state import NO_PATH, Path
@@ -21,7 +22,6 @@ from higvf_console.core.viewport import Viewport
 from higvf_console.operator.path_commands import with_terms
 from higvf_console.runtime.previewer import Choice
 from higvf_console.runtime.session import Session
-from higvf_console.sim.setup import Event, Severity
 from higvf_console.ui.console import Console
 from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.interaction.grips import Drag

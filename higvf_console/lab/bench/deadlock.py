@@ -19,9 +19,9 @@ from higvf_console.lab.bench.pockets import pocket_scene
 from higvf_console.lab.bench.scene_file import scene_setup
 from higvf_console.lab.bench.scenes import TIME_LIMIT, Kind, Scene, open_scene
 from higvf_console.lab.progress import ProgressBar
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import roll, warm_up
 from higvf_console.world.placement import convergent
+from higvf_console.world.setup import Setup, with_params
 
 FORMS = ("printed", "zero_in", "corrected")
 SCENES = {Kind.SPACED: 1000, Kind.CROWDED: 1000, Kind.POCKETS: 100}
@@ -131,5 +131,5 @@ def _run_batch(jobs: Sequence[tuple[Kind, int]], forms: Sequence[str]) -> list[O
     for kind, seed in jobs:
         scene = make_scene(kind, seed)
         setup = scene_setup(scene, params_of(forms[0], scene))
-        outcomes += [_run(scene, form, setup._replace(params=params_of(form, scene))) for form in forms]
+        outcomes += [_run(scene, form, with_params(setup, params_of(form, scene))) for form in forms]
     return outcomes

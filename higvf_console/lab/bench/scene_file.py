@@ -2,14 +2,13 @@
 
 from higvf_console.control.guidance.paths import sketch_path
 from higvf_console.control.parameters import Parameters
-from higvf_console.core.arrays import Floats, floats, ints
-from higvf_console.core.viewport import Arena
 from higvf_console.lab.bench.scenes import TIME_LIMIT, Scene
 from higvf_console.operator.path_commands import follow
 from higvf_console.scenario.reading import yaml_text
-from higvf_console.sim.setup import Setup
-from higvf_console.sim.simulation import initial_state
-from higvf_console.world.build import edges, make_world
+from higvf_console.world.build import edges
+from higvf_console.world.layout import Fire, Layout
+from higvf_console.world.obstacles import Obstacles
+from higvf_console.world.setup import Setup, make_setup
 
 _NEEDS = 2  # robots that extinguish a fire
 _EDGE = 0.001  # half width by which a file writes an edge of a polygon [m]
@@ -17,21 +16,17 @@ _EDGE = 0.001  # half width by which a file writes an edge of a polygon [m]
 
 def scene_setup(scene: Scene, params: Parameters) -> Setup:
     """The run that a scene starts, its path in force."""
-    world = make_world(
-        circles=scene.circles,
-        bars=scene.bars,
-        walls=_walls(scene.arena),
-        fire_position=scene.fires[:, :2],
-        fire_growth=scene.fires[:, 3],
-        fire_needs=ints([_NEEDS] * len(scene.fires)),
+    layout = Layout(
+        arena=scene.arena,
         formation=scene.robots,
-        clearance=params.safety.obstacle_clearance,
-        polygons=scene.polygons,
+        obstacles=Obstacles(scene.circles, scene.bars, scene.polygons),
+        fires=tuple(Fire((x, y), radius, growth, _NEEDS) for x, y, radius, growth in scene.fires.tolist()),
+        params=params,
     )
-    start = initial_state(scene.robots, floats(scene.fires[:, 2]), world)
-    start = start._replace(intent=start.intent._replace(influenced=scene.influenced))
+    setup = make_setup(layout, scene.robots)
+    start = setup.start._replace(intent=setup.start.intent._replace(influenced=scene.influenced))
     path = sketch_path(scene.stroke, params.path.stroke_smoothing, closed=False)
-    return Setup(scene.arena, world, params, follow(start, path))
+    return setup._replace(start=follow(start, path))
 
 
 def scene_yaml(scene: Scene) -> str:
@@ -58,9 +53,3 @@ def scene_yaml(scene: Scene) -> str:
         "duration_s": TIME_LIMIT,
     }
     return yaml_text(content)
-
-
-def _walls(arena: Arena) -> Floats:
-    """The arena's four sides as walls (4, 3)."""
-    low_x, low_y, high_x, high_y = arena
-    return floats([[1.0, 0.0, low_x], [-1.0, 0.0, -high_x], [0.0, 1.0, low_y], [0.0, -1.0, -high_y]])

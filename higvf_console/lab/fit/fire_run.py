@@ -15,8 +15,8 @@ from higvf_console.core.interface import ChannelState, Interface, OperatorContex
 from higvf_console.core.state import PathKind, SimState
 from higvf_console.operator.reducer import apply_command
 from higvf_console.sim.metrics import loss_area
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import roll
+from higvf_console.world.setup import Setup
 
 _CHUNK = 64  # ticks
 

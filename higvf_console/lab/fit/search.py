@@ -29,7 +29,7 @@ from higvf_console.lab.fit.fire_run import FireRun, fight
 from higvf_console.lab.fit.space import DURATION, SPACE, Sample, distance, on_grid, world_of
 from higvf_console.lab.fit.table2 import ALONE, FIRE_LIMIT, TOTAL_LIMIT, relative_errors, summed, total
 from higvf_console.lab.reproduce.paper import COLUMNS
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 ACCEPTABLE = 1.0  # misfit
 RESTARTS = 4

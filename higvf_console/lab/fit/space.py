@@ -17,10 +17,8 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.quantity import quantities
 from higvf_console.scenario.sections import SPEED_LIMIT_FACTOR
-from higvf_console.sim.setup import Setup
-from higvf_console.sim.simulation import initial_state
-from higvf_console.world.build import make_world
 from higvf_console.world.placement import check_barriers, late_stand_off
+from higvf_console.world.setup import Setup, make_setup
 
 DURATION = 60.0  # [s]; the paper's last fire is out after some 41 s
 BAR_HALF_WIDTH = 6.0  # [m]
@@ -83,7 +81,7 @@ def sample_of(setup: Setup) -> Sample:
     Raises:
         ScenarioError: the world's obstacles are of another kind.
     """
-    bars = setup.world.bars
+    bars = setup.layout.obstacles.bars
     if len(bars) != 1 or bars[0, 0] != bars[0, 2]:
         raise ScenarioError(f"the world of the fit has one upright bar, not {len(bars)} bars {bars.tolist()}")
     x, low, _, high, _ = (float(number) for number in bars[0])
@@ -100,17 +98,13 @@ def world_of(sample: Sample, base: Setup) -> Setup:
     given = dict(zip(NAMES, sample, strict=True))
     params = params_of(given, base.params)
     bar = floats([[given["bar.x"], given["bar.y_low"], given["bar.x"], given["bar.y_high"], BAR_HALF_WIDTH]])
-    old, motion = base.world, base.start.motion
-    world = make_world(
-        old.circles, bar, old.walls, old.fire_position, old.fire_growth, old.fire_needs, old.formation,
-        params.safety.obstacle_clearance, (old.link_start, old.link_to),
-    )  # fmt: skip
-    radius = motion.fire_radius
-    check_barriers(world, radius, params, "sample")
-    late = late_stand_off(radius, world.fire_growth, DURATION, params)
+    layout = base.layout._replace(obstacles=base.layout.obstacles._replace(bars=bar), params=params)
+    setup = make_setup(layout, base.start.motion.position)
+    check_barriers(setup.world, layout.fire_radius, params, "sample")
+    late = late_stand_off(layout.fire_radius, setup.world.fire_growth, DURATION, params)
     if late:
         raise ScenarioError(f"sample: {late[0]}")
-    return base._replace(world=world, params=params, start=initial_state(motion.position, radius, world))
+    return setup
 
 
 def params_of(given: Mapping[str, float], params: Parameters) -> Parameters:

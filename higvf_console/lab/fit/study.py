@@ -22,7 +22,7 @@ from higvf_console.lab.fit.space import BAR_HALF_WIDTH, DURATION, NAMES, SPACE, 
 from higvf_console.lab.fit.table2 import Columns, as_json, open_strokes, run_columns
 from higvf_console.lab.progress import ProgressBar
 from higvf_console.scenario.scenario import Scenario, load_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 BASE = "firefighting"  # its robots, fires and circles are Table I; its gains and its bar are the project's own
 SPREAD_SAMPLES = 60

@@ -17,7 +17,7 @@ from higvf_console.core.interface import InputSpec, Interface
 from higvf_console.lab.fit.fire_run import FireRun, fight
 from higvf_console.lab.reproduce.paper import COLUMNS, Column
 from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 SCENARIO = "table2"
 FIRE_LIMIT = 0.05  # relative error of a fire of column 1

@@ -14,8 +14,8 @@ from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats
 from higvf_console.core.state import SimState
 from higvf_console.scenario.scenario import load_scenario, parse_scenario
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance, roll
+from higvf_console.world.setup import Setup, with_params
 
 _HEAD = "version: 1\narena: {x_min: -400, y_min: -400, x_max: 400, y_max: 400, walls: false}\n"
 _PAIR = _HEAD + "robots: {start_m: [[-15, 0], [15, 0]]}\nformation_m: [[0, 0], [60, 0]]\n"
@@ -38,7 +38,7 @@ _TWO_CIRCLES = (
 
 
 def _start(text: str, params: Parameters) -> Setup:
-    return parse_scenario(text, "experiment").setup()._replace(params=params)
+    return with_params(parse_scenario(text, "experiment").setup(), params)
 
 
 def formation_distance(params: Parameters) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 
 from higvf_console.channels.channels import open_interface
 from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.events import Event
 from higvf_console.core.interface import InputSpec
 from higvf_console.core.state import Path, PathKind
 from higvf_console.runtime.headless import run_headless
@@ -15,7 +16,7 @@ from higvf_console.runtime.session import Session
 from higvf_console.runtime.snapshot import Snapshot
 from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
 from higvf_console.sim.certificates import connectivity
-from higvf_console.sim.setup import Event, Setup
+from higvf_console.world.setup import Setup
 
 
 class RunSpec(NamedTuple):

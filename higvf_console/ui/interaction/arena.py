@@ -34,7 +34,7 @@ from higvf_console.ui.ui_state import (
     take_up_editing,
 )
 from higvf_console.world.editing.entities import Place, centres, entity_at, exists, how_many
-from higvf_console.world.editing.layout import Layout, layout_of
+from higvf_console.world.layout import Layout
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
@@ -219,7 +219,7 @@ class ArenaInteraction:
 
     def _run_state(self) -> tuple[Layout, Motion]:
         snapshot = self._session.snapshot
-        return layout_of(snapshot.setup), snapshot.state.motion
+        return snapshot.setup.layout, snapshot.state.motion
 
     def _reach(self, client_id: int, pixels: float) -> float:
         viewport = self._viewports.get(client_id)

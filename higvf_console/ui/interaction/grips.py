@@ -16,7 +16,7 @@ from higvf_console.core.state import NOBODY, Motion
 from higvf_console.ui.scene import shapes
 from higvf_console.world.editing.bodies import shaped
 from higvf_console.world.editing.entities import NUMBERS, Place, centres, entity_at, exists, numbers_of
-from higvf_console.world.editing.layout import Layout
+from higvf_console.world.layout import Layout
 from higvf_console.world.polygons import obstacles_of
 
 _BEYOND = 26.0  # from the edge to the disc that turns [px]

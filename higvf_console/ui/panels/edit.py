@@ -16,7 +16,7 @@ from higvf_console.ui.panels.widgets.html import block
 from higvf_console.ui.panels.widgets.typed import TYPED_S, Typed
 from higvf_console.ui.ui_state import UiStore
 from higvf_console.world.editing.entities import NUMBERS, Place, exists, name_of, numbers_of
-from higvf_console.world.editing.layout import Layout, layout_of
+from higvf_console.world.layout import Layout
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
@@ -90,7 +90,7 @@ class EditPanel:
 
     def update(self, snapshot: "Snapshot") -> None:
         """Sends what is meant; shows the numbers of what is chosen, and the arena."""
-        layout = layout_of(snapshot.setup)
+        layout = snapshot.setup.layout
         place, former = self._ui.state.selected, self._place
         self._place = place if place is not None and exists(place, layout) else None
         self._head.content = block(

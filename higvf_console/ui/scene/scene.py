@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import viser
 
 from higvf_console.core.viewport import Arena
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.scene.background import BackgroundLayer
 from higvf_console.ui.scene.edit import EditLayer
 from higvf_console.ui.scene.field import FieldLayer
@@ -25,6 +24,7 @@ from higvf_console.ui.scene.reasons import ReasonLayer, SightLayer
 from higvf_console.ui.scene.team import Team
 from higvf_console.ui.theme import Look
 from higvf_console.ui.ui_state import UiState, robot_explained
+from higvf_console.world.setup import Setup
 
 if TYPE_CHECKING:
     from higvf_console.analysis.preview import Preview

@@ -7,13 +7,13 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from higvf_console.control.parameters import controlled
-from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.edits import EntityKind
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.state import Motion
 from higvf_console.world.editing.entities import Place, how_many, name_of, numbers_of
-from higvf_console.world.editing.layout import Layout, Links
 from higvf_console.world.editing.safe_places import body_fits, diagonal, held_words, nearest_fit
+from higvf_console.world.layout import Fire, Layout, Links
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.polygons import (
     MOST_EDGES,
@@ -40,20 +40,21 @@ def fire_changed(
     """The layout after a fire's growth or need has changed; its radius is the motion's, and is checked here."""
     row = place.row
     if name == "growth":
-        growth = layout.fire_growth.copy()
-        growth[row] = value
-        return layout._replace(fire_growth=growth), text
+        return with_fire(layout, row, layout.fires[row]._replace(growth=value)), text
     if name == "needs":
         robots = len(layout.formation)
         if value != round(value) or value > robots:
             raise ScenarioError(
                 f"needs of {name_of(place)}: {value:g} is not a whole number within the team of {robots}"
             )
-        needs = layout.fire_needs.copy()
-        needs[row] = round(value)
-        return layout._replace(fire_needs=ints(needs)), text
+        return with_fire(layout, row, layout.fires[row]._replace(needs=round(value))), text
     _check_room(layout, motion, _disc(layout.fire_position[row], value), name_of(place))
     return layout, text
+
+
+def with_fire(layout: Layout, row: int, fire: Fire) -> Layout:
+    """The layout with another fire in that row."""
+    return layout._replace(fires=(*layout.fires[:row], fire, *layout.fires[row + 1 :]))
 
 
 def fire_sized(row: int, radius: float) -> Callable[[Motion], Motion]:

@@ -17,7 +17,7 @@ from higvf_console.core.edits import EntityKind
 from higvf_console.core.quantity import Quantity
 from higvf_console.core.state import Motion
 from higvf_console.sim.unicycle import body_centres
-from higvf_console.world.editing.layout import Layout
+from higvf_console.world.layout import Layout
 from higvf_console.world.polygons import obstacles_of, segment_distance, signed_distance
 
 _PLACE = {
@@ -60,7 +60,7 @@ def how_many(thing: EntityKind, layout: Layout) -> int:
         case EntityKind.ROBOT:
             return len(layout.formation)
         case EntityKind.FIRE:
-            return len(layout.fire_position)
+            return len(layout.fires)
         case EntityKind.CIRCLE:
             return len(layout.obstacles.circles)
         case EntityKind.BAR:
@@ -82,9 +82,9 @@ def numbers_of(place: Place, layout: Layout, motion: Motion) -> dict[str, float]
             x, y = centres(layout, motion)[row].tolist()
             return {"x": x, "y": y, "heading": math.degrees(math.remainder(motion.heading[row], 2.0 * math.pi))}
         case EntityKind.FIRE:
-            x, y = layout.fire_position[row].tolist()
-            growth, needs = float(layout.fire_growth[row]), float(layout.fire_needs[row])
-            return {"x": x, "y": y, "radius": float(motion.fire_radius[row]), "growth": growth, "needs": needs}
+            fire, radius = layout.fires[row], float(motion.fire_radius[row])
+            x, y = fire.position
+            return {"x": x, "y": y, "radius": radius, "growth": fire.growth, "needs": float(fire.needs)}
         case EntityKind.CIRCLE:
             x, y, radius = obstacles.circles[row].tolist()
             return {"x": x, "y": y, "radius": radius}

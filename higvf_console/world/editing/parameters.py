@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from higvf_console.control.parameters import Parameters, current_name
 from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, quantities, with_values
-from higvf_console.world.editing.layout import Layout
+from higvf_console.world.layout import Layout
 
 # What a run's clock and the robots' model rest on; a scenario file sets them.
 FIXED = ("safety.control_period", "robots.look_ahead")

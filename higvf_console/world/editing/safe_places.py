@@ -11,8 +11,8 @@ from scipy.spatial import KDTree
 from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Bools, Floats, floats
 from higvf_console.core.state import Motion
-from higvf_console.world.editing.layout import Layout
 from higvf_console.world.editing.room import obstacle_room
+from higvf_console.world.layout import Layout
 from higvf_console.world.placement import wall_gaps
 
 Fits: TypeAlias = Callable[[Floats], Bools]  # which of the points (K, 2) [m] would do

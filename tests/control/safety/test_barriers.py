@@ -20,10 +20,13 @@ from higvf_console.control.safety.barriers.linear_constraint import class_k
 from higvf_console.control.safety.barriers.obstacle import capsule_constraint, circle_constraint
 from higvf_console.control.safety.barriers.robot_pair import pair_constraint
 from higvf_console.control.safety.barriers.speed_limit import clipped
-from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import FilterError
 from higvf_console.core.state import World
-from higvf_console.world.build import make_world
+from higvf_console.core.viewport import Arena
+from higvf_console.world.build import build_world
+from higvf_console.world.layout import Fire, Layout
+from higvf_console.world.obstacles import NO_OBSTACLES
 
 SAFETY = SafetyParameters()
 POINTS = np.random.default_rng(5).uniform(-90.0, 90.0, (200, 2))
@@ -152,10 +155,14 @@ def test_robots_sense_each_other_at_35_metres_with_the_default_gains() -> None:
 
 
 def world(circles: Floats, walls: Floats, fires: int) -> World:
-    return make_world(
-        circles, np.zeros((0, 5)), walls, np.zeros((fires, 2)), np.ones(fires), ints([2] * fires), np.zeros((3, 2)),
-        SAFETY.obstacle_clearance,
-    )  # fmt: skip
+    layout = Layout(
+        arena=Arena(0.0, 0.0, 1.0, 1.0),
+        formation=np.zeros((3, 2)),
+        walls=False,
+        obstacles=NO_OBSTACLES._replace(circles=circles),
+        fires=(Fire((0.0, 0.0), 0.0, 1.0, 2),) * fires,
+    )
+    return build_world(layout)._replace(walls=walls)
 
 
 def test_the_sampling_condition_has_the_numbers_of_the_derivation() -> None:

@@ -248,7 +248,7 @@ def test_a_robot_that_is_not_there_is_refused_when_the_script_is_opened(write: W
         ("- {at_s: 1, do: set_parameters}", "parameters is missing; give {GROUP: {NAME: NUMBER}}"),
         ("- {at_s: 1, do: set_parameters, parameters: {safety: 3}}", "parameters: safety: 3 is not a mapping"),
         ("- {at_s: 1, do: set_parameters, parameters: {safety: {pair_gain: on}}}", "safety.pair_gain: True is not"),
-        ("- {at_s: 1, do: stroke, points_m: [[0, 0]], use: paint}", "use: 'paint' is not one of path, amend"),
+        ("- {at_s: 1, do: stroke, points_m: [[0, 0]], use: paint}", "use: 'paint' is not one of path, redraw"),
         ("- {at_s: 1, do: [pause]}", "entry 1: do: ['pause'] is not an action"),
         ("- pause", "entry 1: 'pause' is not an entry"),
         ("at_s: 1", "a script is a list of entries"),

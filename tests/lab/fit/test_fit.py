@@ -17,7 +17,8 @@ from higvf_console.lab.fit.table2 import ALONE, SCENARIO
 from higvf_console.lab.fit.text import summary
 from higvf_console.lab.reproduce.paper import COLUMNS
 from higvf_console.scenario.scenario import load_scenario, parse_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.obstacles import NO_OBSTACLES
+from higvf_console.world.setup import Setup
 
 LOW, HIGH = (np.array([getattr(free, end) for free in SPACE]) for end in ("low", "high"))
 CENTRE = on_grid((LOW + HIGH) / 2)
@@ -73,7 +74,7 @@ def test_gains_that_no_scenario_would_accept_are_refused(base: Setup) -> None:
 
 def test_a_world_without_its_bar_is_no_sample(base: Setup) -> None:
     with pytest.raises(ScenarioError, match="one upright bar, not 0"):
-        sample_of(base._replace(world=base.world._replace(bars=np.zeros((0, 5)))))
+        sample_of(base._replace(layout=base.layout._replace(obstacles=NO_OBSTACLES)))
 
 
 def test_the_written_scenario_is_the_world_that_was_run(base: Setup, shipped: Sample) -> None:

@@ -24,14 +24,13 @@ from higvf_console.core.commands import (
 from higvf_console.core.edits import AddEntity, ChangeEntity, DeleteEntity, EntityKind, MoveEntity, ToggleLink
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.session import Session
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.interaction.grips import Drag, gripped, handles_of, result_of, robot_near, wished
 from higvf_console.ui.interaction.tools import USES, Tool
 from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.ui_state import UiState, UiStore, keep_choice
 from higvf_console.world.editing.entities import Place
-from higvf_console.world.editing.layout import layout_of
+from higvf_console.world.setup import Setup
 from tests.teams import team
 
 TRIANGLE = floats([[100, 350], [60, 320], [60, 380]])
@@ -221,7 +220,7 @@ def bar_and_polygon() -> Setup:
 )
 def test_a_handle_changes_its_number(place: Place, handle: str, to: list[float], value: float) -> None:
     setup = bar_and_polygon()
-    layout, motion = layout_of(setup), setup.start.motion
+    layout, motion = setup.layout, setup.start.motion
     (grip,) = [found for found in handles_of(place, layout, motion, 1.0) if found.name == handle]
     drag = Drag(grip.point, floats(to), place, handle)
     assert wished(drag, layout, motion)[handle] == pytest.approx(value)
@@ -234,7 +233,7 @@ def test_a_handle_changes_its_number(place: Place, handle: str, to: list[float],
 def test_what_is_gone_when_the_hand_lets_go_is_left_alone() -> None:
     setup = burning()
     drag = Drag(floats([0.0, 0.0]), floats([9.0, 9.0]), Place(EntityKind.FIRE, 5))
-    assert result_of(drag, layout_of(setup), setup.start.motion) == []
+    assert result_of(drag, setup.layout, setup.start.motion) == []
 
 
 def test_a_drag_ends_with_the_tool_with_which_it_began() -> None:
@@ -273,9 +272,9 @@ def test_what_is_added_is_chosen_as_soon_as_it_is_there() -> None:
     assert hand.view.selected == Place(EntityKind.CIRCLE, 0)
     hand.hand.key(PAGE, "delete")
     assert [type(command) for command in hand.given] == [AddEntity], "it is not there yet"
-    hand.ui.change(keep_choice(layout_of(burning())))
+    hand.ui.change(keep_choice(burning().layout))
     added = team(robots=[(100.0, 100.0), (300.0, 100.0)], circles=[(400.0, 500.0, 20.0)])
-    hand.ui.change(keep_choice(layout_of(added)))
+    hand.ui.change(keep_choice(added.layout))
     assert hand.view.selected == Place(EntityKind.CIRCLE, 0)
 
 
@@ -283,10 +282,10 @@ def test_a_choice_ends_when_things_of_its_kind_come_or_go() -> None:
     two = team(fires=[(600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])
     hand = held(two, Tool.EDIT)
     hand.hand.click(PAGE, floats([900.0, 350.0]))
-    hand.ui.change(keep_choice(layout_of(two)))
+    hand.ui.change(keep_choice(two.layout))
     assert hand.view.selected == Place(EntityKind.FIRE, 1)
     three = team(fires=[(100.0, 350.0, 30.0), (600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])
-    hand.ui.change(keep_choice(layout_of(three)))
+    hand.ui.change(keep_choice(three.layout))
     assert hand.view.selected is None
 
 
@@ -298,7 +297,7 @@ def test_a_link_that_ends_at_no_robot_is_none() -> None:
 
 def test_the_middle_of_a_small_thing_moves_it_though_its_square_is_within_reach() -> None:
     setup = team(fires=[(600.0, 350.0, 8.0)])
-    layout, motion = layout_of(setup), setup.start.motion
+    layout, motion = setup.layout, setup.start.motion
     chosen = Place(EntityKind.FIRE, 0)
     for x, handle in ((600.0, ""), (603.0, ""), (606.0, "radius"), (608.0, "radius")):
         drag = gripped(floats([x, 350.0]), chosen, layout, motion, 10.0, 1.0)

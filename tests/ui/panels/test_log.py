@@ -6,7 +6,7 @@ from typing import Any, cast
 import pytest
 import viser
 
-from higvf_console.sim.setup import Event, Severity
+from higvf_console.core.events import Event, Severity
 from higvf_console.ui.page import page
 from higvf_console.ui.panels.log import MOST_AT_ONCE, LogPanel, Notifications
 from higvf_console.ui.ui_state import UiStore, acknowledge_alarms

@@ -31,10 +31,9 @@ from higvf_console.core.edits import (
     SetParameters,
     ToggleLink,
 )
+from higvf_console.core.events import Event
 from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import parse_scenario
-from higvf_console.sim.setup import Event
-from higvf_console.world.editing.layout import layout_of
 from higvf_console.world.placement import obstacle_gaps, wall_gaps
 
 SCENE = """
@@ -136,7 +135,7 @@ def refused(events: tuple[Event, ...]) -> bool:
 
 def shortfalls(run: Run) -> Floats:
     """(N,) by how much each robot's controlled point misses a clearance [m], negative where none is missed."""
-    layout, motion = layout_of(run.setup), run.state.motion
+    layout, motion = run.setup.layout, run.state.motion
     position, safety, robots = motion.position, layout.params.safety, layout.params.robots
     margin = robots.look_ahead + robots.position_noise
     gaps = [gap for _, gap in obstacle_gaps(position, layout.obstacles)]

@@ -15,7 +15,7 @@ from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.maps import draw_obstacles, draw_path
 from higvf_console.lab.reproduce.runs import Runs
 from higvf_console.scenario.scenario import parse_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 _CROSSED = f"""
 version: 1
@@ -46,7 +46,7 @@ class _Panels:
         side = ints([[-1]])
         self.outside = np.hypot(*away.T) > circle[2]
         self.sum = self.bump[:, None] * self.path + (1.0 - self.bump)[:, None] * self.around
-        agreed = state._replace(motion=state.motion._replace(side=side))
+        agreed = state._replace(motion=state.motion._replace(circulation=side))
         self.engine = field_at(FieldKind.COMPOSITE, self.points, agreed, world, params) / speed
 
 

@@ -20,7 +20,7 @@ from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.maps import boundary, capsule, draw_obstacles, draw_path
 from higvf_console.lab.reproduce.runs import Runs
 from higvf_console.scenario.scenario import parse_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 GAINS = Parameters()
 CORRECTED, PIXELS = Forms(), Forms(bump=PRINTED)

@@ -124,7 +124,7 @@ DOUBTS = (
         high=1e-3,
     ),
     Doubt(
-        field="fire_row",
+        field="fire_constraint",
         equation="[27] row of a growing fire",
         printed="no term for the growth",
         corrected="- (R_next² - R²)/(2 dt)",
