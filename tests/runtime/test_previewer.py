@@ -148,3 +148,10 @@ def test_a_scenario_with_the_centralised_filter_that_is_loaded_ends_the_looking_
     text = desk.session.scenario.text + "filter: centralised\n"
     assert desk.give(LoadScenario(text=text, name="other.yaml"), *DRAWING) is None
     assert not desk.previewer.available
+
+
+def test_the_rehearsal_goes_through_a_whole_preview(team: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
+    foreseen: list[object] = []
+    monkeypatch.setattr(module, "foresee", lambda *given: foreseen.append(given))
+    module.rehearse(team.setup(0))
+    assert len(foreseen) == 1
