@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from importlib.metadata import EntryPoint, entry_points
-from typing import cast
+from typing import Any, cast
 
 from higvf_console.channels.console import open_console
+from higvf_console.core.arguments import brief, instance, sequence
 from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import OperatorCommand
-from higvf_console.core.errors import HigvfError, InputError, closest
+from higvf_console.core.errors import ArgumentTypeError, HigvfError, InputError, closest
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import (
     Capabilities,
@@ -44,6 +45,7 @@ def open_interface(spec: InputSpec) -> Interface:
         InputError: no such interface is installed, it cannot be imported, or its input cannot be used.
         CrashedError: it raised something else while it opened, or offers what is no interface.
     """
+    instance("spec", spec, InputSpec)
     spec = replace(spec, channel=current_channel(spec.channel))
     if spec.channel == CONSOLE:
         return open_console(spec)
@@ -62,12 +64,24 @@ def open_interface(spec: InputSpec) -> Interface:
         raise
     except Exception as error:  # as above
         raise CrashedError(f"interface '{spec.channel}' does not open: {type(error).__name__}: {error}") from error
-    if missing := [name for name in ("name", "poll", "health", "close") if not hasattr(interface, name)]:
+    if missing := _missing(interface):
         raise CrashedError(f"interface '{spec.channel}' opens as {interface!r:.60}, without {', '.join(missing)}")
     try:
         capabilities_of(interface)
     except InputError as error:
         raise CrashedError(str(error)) from error
+    return interface
+
+
+def _missing(interface: object) -> list[str]:
+    """What an object lacks of an interface."""
+    return [name for name in ("name", "poll", "health", "close") if not hasattr(interface, name)]
+
+
+def _given(index: int, interface: Any) -> Interface:
+    if isinstance(interface, type) or (missing := _missing(interface)):
+        lacks = "is a class; expected an object of it" if isinstance(interface, type) else f"lacks {', '.join(missing)}"
+        raise ArgumentTypeError(f"interfaces[{index}], {brief(interface)}, {lacks}")
     return interface
 
 
@@ -85,8 +99,9 @@ class Channels:
 
         Raises:
             InputError: two have the same name, or one offers capabilities that cannot be.
+            ArgumentTypeError: one lacks a function of an interface.
         """
-        self._interfaces = tuple(interfaces)
+        self._interfaces = tuple(_given(k, one) for k, one in enumerate(sequence("interfaces", interfaces)))
         self._failed: dict[str, str] = {}
         self.capabilities = {interface.name: capabilities_of(interface) for interface in self._interfaces}
         names = [interface.name for interface in self._interfaces]

@@ -12,6 +12,7 @@ from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import Command, Cursor, EmergencyStop, OperatorCommand, StrokePoints
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, InputSpec, OperatorContext
+from higvf_console.core.reading.node import Node
 
 CAPACITY = 4096  # commands that wait at most; a session polls some 50 times a second
 _POINTS = 16_384  # of a stroke that waits; beyond, every second point goes
@@ -100,8 +101,7 @@ def open_console(spec: InputSpec) -> ConsoleChannel:
         raise InputError(
             f"input {spec.channel}={spec.source}: the console's channel is the browser's and reads no file"
         )
-    for key in (*spec.settings, *spec.options):
-        raise InputError(f"input {spec.channel}: unknown key '{key}'; the console's channel has no options")
+    Node({**spec.settings, **spec.options}, f"input {spec.channel}", raises=InputError).section(())
     return ConsoleChannel(spec.channel)
 
 

@@ -1,14 +1,14 @@
-"""The controller, one control period: perceive, intend, keep formation, share, blend, go round. Start reading here.
+"""The HI-GVF controller: one control period of the team, from positions to nominal velocities. Start reading here.
 
-    links, components            who talks to whom
-    perceive                     what each robot sees and wants: theta, target, v_t       [10]-[13]
-    climb                        the way out of a deadlock, a rung at a time
-    progress, guide              what the human wants of one robot: w, v_h                [2], [9]
-    share                        what the team makes of it together: v_s                  [15], [16]
-    keep_formation, blend        the formation, blended in: v_f, lambda, v                [14], [17]-[19]
-    go_round                     the way round obstacles, on one side                     [7], [8]
+    links, components        communication links and connected components
+    perceive                 observed fire values theta, targets, robot intentions v_t             [10]-[13]
+    recover                  deadlock recovery stages
+    progress, guide          path parameter w and human intention v_h of the influenced robot      [2], [9]
+    share                    shared intentions v_s                                                 [15], [16]
+    keep_formation, blend    formation velocities v_f, blending weights lambda, blended velocity   [14], [17]-[19]
+    go_round                 composite field: circulation round obstacles in one direction         [7], [8]
 
-The result is a nominal velocity for each robot; only the safety filter turns it into motion.
+The safety filter turns the nominal velocities into commanded velocities.
 """
 
 import math
@@ -47,7 +47,7 @@ from higvf_console.core.state import NOBODY, Intent, Motion, PathKind, PathStatu
 
 
 class Sight(NamedTuple):
-    """What each robot sees and wants; fields as in `Motion` and `Trace`."""
+    """Perception of all robots; fields as in `Motion` and `Trace`."""
 
     fire_value: Floats
     target: Ints
@@ -56,7 +56,7 @@ class Sight(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """What one control period decides before the safety filter; fields as in `Motion` and `Trace`."""
+    """Result of one control period before the safety filter; fields as in `Motion` and `Trace`."""
 
     nominal: Floats
     intention: Floats
@@ -83,13 +83,21 @@ class Plan(NamedTuple):
 
 @kernel
 def compute(motion: Motion, intent: Intent, world: World, params: Parameters) -> Plan:
-    """One control period of HI-GVF for the whole team, up to the nominal velocities."""
+    """Computes one control period of HI-GVF for the whole team, up to the nominal velocities.
+
+    Args:
+        motion: state of the robots, fires and path progress.
+        intent: active path, influenced robot, priorities, pause and emergency stop.
+        world: obstacles, fires, links and formation.
+        params: all tunable parameters.
+    """
     start, to = links(motion.position, world, params)
     component = components(start, to)
     sight = perceive(motion, intent.priority, world, params)
     recovery_stage, flip = recover(motion, intent.influenced if following(motion, intent) else NOBODY, params)
     status = broken_away(motion, intent, sight.fire_value, sight.target, component, params)
-    w, status, idle, gap, left = progress(motion, intent, status, recovery_stage[intent.influenced], world, params)
+    stage = recovery_stage[intent.influenced] if recovery_stage.shape[0] > 0 else 0  # a team may have no robots
+    w, status, idle, gap, left = progress(motion, intent, status, stage, world, params)
     human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
     leader = intent.influenced if human else NOBODY
     steered = has_human(component, intent.influenced, human)
@@ -152,7 +160,11 @@ def compute(motion: Motion, intent: Intent, world: World, params: Parameters) ->
 
 @kernel
 def links(position: Floats, world: World, params: Parameters) -> tuple[Ints, Ints]:
-    """Communication links as rows: the operator's where given, else all robots within the communication range."""
+    """Communication links: those of the world if it gives any, else all pairs within the communication range.
+
+    Returns:
+        start (N + 1,) and to (E,): robot i is linked to `to[start[i]:start[i + 1]]`.
+    """
     if world.link_start.shape[0] > 0:
         return world.link_start, world.link_to
     return within(position, params.formation.communication_range)
@@ -160,9 +172,16 @@ def links(position: Floats, world: World, params: Parameters) -> tuple[Ints, Int
 
 @kernel
 def perceive(motion: Motion, priority: Floats, world: World, params: Parameters) -> Sight:
-    """Each robot's observed fire values (N, M), target and intention; no targets before the start delay is over.
+    """Computes each robot's observed fire values (N, M) [rad], target and intention, [10]-[13].
 
-    What the operator gave `priority` (P, 3) to, see `Intent`, a robot values as often more, as if nothing hid it.
+    Prioritised fires are multiplied by their factor, ignoring occlusion. Robots have no target before the start delay
+    is over.
+
+    Args:
+        motion: positions, fires, and the targets so far.
+        priority: (P, 3) robot, fire and factor of each prioritised fire.
+        world: obstacles and fire positions.
+        params: perception, safety, fire and form parameters.
     """
     robots, fires = motion.position.shape[0], world.fire_position.shape[0]
     value = np.zeros((robots, fires))
@@ -170,20 +189,20 @@ def perceive(motion: Motion, priority: Floats, world: World, params: Parameters)
     target_value = np.zeros(robots)
     wanted = np.zeros((robots, 2))
     waiting = motion.tick * params.safety.control_period < params.fires.start_delay
-    hidden = interval_room(world.circles, world.bars)
+    hidden = interval_room(world.capsules)
     for i in range(robots):
         x, y = motion.position[i, 0], motion.position[i, 1]
         for j in range(fires):
             if motion.fire_burning[j]:
                 value[i, j] = fire_value(
                     x, y, world.fire_position[j, 0], world.fire_position[j, 1], float(motion.fire_radius[j]),
-                    params.perception.perception_range, world.circles, world.bars, hidden,
+                    params.perception.perception_range, world.capsules, hidden,
                 )  # fmt: skip
-        for row in range(priority.shape[0]):
-            j = int(priority[row, 1])
-            if int(priority[row, 0]) == i and motion.fire_burning[j]:
+        for entry in range(priority.shape[0]):
+            j = int(priority[entry, 1])
+            if int(priority[entry, 0]) == i and motion.fire_burning[j]:
                 distance = math.hypot(x - world.fire_position[j, 0], y - world.fire_position[j, 1])
-                value[i, j] = priority[row, 2] * 2.0 * half_angle(float(motion.fire_radius[j]), distance)
+                value[i, j] = priority[entry, 2] * 2.0 * half_angle(float(motion.fire_radius[j]), distance)
         if waiting:
             continue
         kept = motion.target[i] if motion.target[i] != NOBODY and motion.fire_burning[motion.target[i]] else NOBODY
@@ -201,7 +220,7 @@ def perceive(motion: Motion, priority: Floats, world: World, params: Parameters)
 
 @kernel
 def guide(leader: int, w: float, motion: Motion, intent: Intent, params: Parameters) -> Floats:
-    """Human intention v_h (N, 2): the guiding vector for the influenced robot, zero for all others."""
+    """Human intention v_h (N, 2), [9]: the guiding vector of the `leader` (NOBODY for none); zero for all others."""
     human = np.zeros(motion.position.shape)
     if leader != NOBODY:
         x, y = motion.position[leader, 0], motion.position[leader, 1]
@@ -211,7 +230,7 @@ def guide(leader: int, w: float, motion: Motion, intent: Intent, params: Paramet
 
 @kernel
 def is_awake(target: Ints, steered: Bools, held: Bools, component: Ints) -> Bools:
-    """(N,) whether anyone in each robot's component has a target or feels the human; else, or `held`, it is idle."""
+    """(N,) whether each robot's component is active: it is not `held`, and a member has a target or it is `steered`."""
     someone = np.zeros(target.shape[0], np.bool_)  # by component
     for i in range(target.shape[0]):
         if (target[i] != NOBODY or steered[i]) and not held[i]:
@@ -224,7 +243,19 @@ def share(
     leader: int, psi: float, awake: Bools, robot: Floats, human: Floats, motion: Motion, start: Ints, to: Ints,
     params: Parameters,
 ) -> Floats:  # fmt: skip
-    """Shared intention v_s (N, 2) after one period; zero for an idle component. The leader receives v_h with `psi`."""
+    """Shared intentions v_s (N, 2) after one control period, [15], [16].
+
+    Args:
+        leader: the influenced robot, which receives v_h with weight `psi`; or NOBODY.
+        psi: receptivity of the leader to the human intention.
+        awake: (N,) whether the robot's component is active; v_s is zero where it is not.
+        robot: (N, 2) robot intentions v_t.
+        human: (N, 2) human intentions v_h.
+        motion: holds the present v_s.
+        start: (N + 1,) neighbour lists, see `links`.
+        to: (E,) neighbours.
+        params: weights, forms and control period.
+    """
     intention, before = np.zeros(robot.shape), motion.intention
     for i in range(robot.shape[0]):
         if awake[i]:
@@ -238,7 +269,7 @@ def share(
 
 @kernel
 def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to: Ints, params: Parameters) -> Floats:
-    """Formation velocities v_f (N, 2) [m/s], each times the robot's `grip` (N,)."""
+    """Formation velocities v_f (N, 2) [m/s], [14], scaled by `grip` (N,), the formation weight of each robot."""
     formation = np.zeros(position.shape)
     for i in range(position.shape[0]):
         formation[i, 0], formation[i, 1] = formation_velocity(
@@ -252,7 +283,7 @@ def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to
 def blend(
     intention: Floats, formation: Floats, steered: Bools, pace: float, params: Parameters
 ) -> tuple[Floats, Floats]:
-    """Blended velocities (N, 2) [m/s], those of robots that are steered times `pace`, and their weights lambda (N,)."""
+    """Blended velocities (N, 2) [m/s] and weights lambda (N,), [17]-[19]; `pace` scales the steered robots."""
     blended, weight = np.zeros(intention.shape), np.zeros(intention.shape[0])
     for i in range(intention.shape[0]):
         blended[i, 0], blended[i, 1], weight[i] = blended_velocity(
@@ -268,9 +299,10 @@ def go_round(
     blended: Floats, target: Ints, steered: Bools, goal: tuple[float, float], circulation: Ints,
     boundaries: Boundaries, motion: Motion, world: World, params: Parameters,
 ) -> Floats:  # fmt: skip
-    """Velocities (N, 2) [m/s] after the composite step.
+    """Velocities (N, 2) [m/s] after the composite step, [7], [8].
 
-    A robot's own fire is no obstacle to it unless the human leads: then the path, to its `goal` [m], may pass it.
+    The fire that a robot targets is no obstacle to it, unless the human intention acts on its component: such a robot
+    heads for `goal` [m], and the path may pass the fire.
     """
     nominal = np.zeros(blended.shape)
     for i in range(blended.shape[0]):
@@ -289,7 +321,7 @@ def go_round(
 
 @kernel
 def limit_speed(velocity: Floats, params: Parameters) -> Floats:
-    """Nominal velocities (N, 2) [m/s]: clipped to the speed limit."""
+    """Scales velocities (N, 2) [m/s] down to the speed limit."""
     nominal = np.zeros(velocity.shape)
     for i in range(velocity.shape[0]):
         vx, vy = velocity[i, 0], velocity[i, 1]
@@ -301,7 +333,10 @@ def limit_speed(velocity: Floats, params: Parameters) -> Floats:
 
 @kernel
 def _fade(robot: Floats, human: Floats, formation: Floats, motion: Motion, world: World, params: Parameters) -> None:
-    """[9], [13], [14] as printed: each intention and velocity times the product of the zero-in bumps, in place."""
+    """Multiplies intentions and formation velocities by the product of the zero-in bumps, in place.
+
+    Equations [9], [13] and [14] as printed.
+    """
     for i in range(robot.shape[0]):
         x, y = motion.position[i, 0], motion.position[i, 1]
         product = zero_in_product(x, y, motion, world, params.boundaries, params.forms)

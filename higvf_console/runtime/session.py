@@ -13,12 +13,13 @@ from threading import Thread
 from time import perf_counter
 from typing import Any, NamedTuple, cast
 
-from higvf_console.analysis.baseline import Baseline, compute_baseline
+from higvf_console.analysis.baseline import Baseline
 from higvf_console.channels.channel_state import Limits
 from higvf_console.channels.channels import Channels
 from higvf_console.channels.input_reports import InputReports, Reporter, calibration_event
 from higvf_console.channels.marker_outlet import MarkerOutlet
 from higvf_console.channels.supervision import Said, Supervisor
+from higvf_console.core.arguments import instance, whole
 from higvf_console.core.command import SESSION
 from higvf_console.core.commands import (
     Cursor,
@@ -34,23 +35,21 @@ from higvf_console.core.commands import (
 from higvf_console.core.edits import Edit
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
-from higvf_console.core.reports import Calibrated
+from higvf_console.core.reports import Calibrated, Warned
 from higvf_console.core.viewport import Viewport
+from higvf_console.runtime.baseline_thread import keep_baseline
 from higvf_console.runtime.failsafe import failure_event, halted
 from higvf_console.runtime.history import rows_before
 from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.run import Run
-from higvf_console.runtime.scheduling import stand_back
 from higvf_console.runtime.snapshot import Snapshot
 from higvf_console.scenario.scenario import Scenario
-from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.metrics import loss_area
 from higvf_console.world.setup import Setup
 
 SLOWEST, FASTEST = 0.25, 8.0  # speed factors
 CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time
 EVENTS_KEPT = 2000
-_LOOK = 0.1  # [s] between two looks whether the world is another one
 _WATCH_EVERY = 5  # ticks from one look after the channels to the next
 
 _log = logging.getLogger(__name__)
@@ -96,14 +95,17 @@ class Session:
         Raises:
             ScenarioError: the start is not safe with this seed.
             InputError: two interfaces have the same name, or one offers capabilities that cannot be.
+            ArgumentError: an argument is of another type, or an interface lacks one of its functions.
         """
-        self.seed = seed
+        instance("scenario", scenario, Scenario)
+        self.seed = whole("seed", seed, 0)
         self.baseline: Baseline | None = None
         self.viewport: Viewport | None = None
         self.commands: list[AppliedCommand] = []
         self.error: Exception | None = None
         self.answered = Signal()
         self._run = Run(scenario.setup(seed), scenario.filter, scenario)
+        interfaces = tuple(interfaces)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
@@ -111,6 +113,12 @@ class Session:
         self._frozen, self._speed = False, 1.0
         self._steps_due, self._heartbeats = 0, 0
         self._events = tuple(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings)
+        self._events += tuple(
+            Event(0.0, Severity.WARNING, "input", text)
+            for interface in interfaces
+            if isinstance(interface, Warned)
+            for text in interface.warnings
+        )
         self._publish(perf_counter())
 
     @property
@@ -172,7 +180,7 @@ class Session:
 
     def run(self, stopping: Signal) -> None:
         """Ticks at the pace of the clock until `stopping` is set; an engine that fails halts the team, not the loop."""
-        Thread(target=self._keep_baseline, args=(stopping,), name="baseline", daemon=True).start()
+        Thread(target=keep_baseline, args=(self, stopping), name="baseline", daemon=True).start()
         due, credit = perf_counter(), 0.0
         while not stopping.is_set():
             credit += min(self._speed, 1.0)
@@ -334,16 +342,3 @@ class Session:
             events=self._events,
             inputs=inputs,
         )
-
-    def _keep_baseline(self, stopping: Signal) -> None:
-        """Runs every world that is edited or loaded without an operator, on a thread of its own."""
-        stand_back()
-        known: Setup | None = None
-        while not stopping.wait(_LOOK):
-            setup, scenario = self.setup, self.scenario
-            if setup is known:
-                continue
-            known, self.baseline = setup, None
-            if scenario.filter is FilterKind.DISTRIBUTED:  # the centralised filter has no fast roll
-                found = compute_baseline(setup, scenario.duration, stopping)
-                self.baseline = found if self.setup is setup else None

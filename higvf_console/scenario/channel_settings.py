@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from higvf_console.channels.channel_state import GivenLimits, OnLost
 from higvf_console.core.interface import current_channel, renamed_channel
 from higvf_console.core.quantity import Quantity
-from higvf_console.scenario.reading import Node
+from higvf_console.core.reading.node import Node
 
 _KEYS = ("stale", "lost", "on_lost")
 _SILENCE = Quantity("s", 0.05, 3600.0, "", "Silence of a channel.")
@@ -18,30 +18,22 @@ _SILENCE = Quantity("s", 0.05, 3600.0, "", "Silence of a channel.")
 def read_inputs(node: Node) -> tuple[dict[str, dict[str, object]], dict[str, GivenLimits]]:
     """Settings by interface, as the interface wants them, and what is said of when each of these channels is lost.
 
-    A channel's name from before is read as that of today; `renamed_inputs` has the warnings.
+    A channel's former name is read with a warning.
 
     Raises:
         ScenarioError: not sections of settings, limits that cannot be used, or a channel under both its names.
     """
-    if not isinstance(node.value, dict):
-        raise node.wrong("a section with one entry an interface")
     settings: dict[str, dict[str, object]] = {}
     limits: dict[str, GivenLimits] = {}
-    for given, value in node.value.items():
-        name, section = current_channel(given), Node(value, node.source, f"{node.place}.{given}")
+    for given, section in node.mapping().items():
+        name, entries = current_channel(given), section.mapping()
         if name in settings:
-            raise section.error(f"channel '{name}' has two sections, one under a name from before")
-        if not isinstance(value, dict):
-            raise section.wrong("a section of settings")
-        settings[name] = {key: setting for key, setting in value.items() if key not in _KEYS}
-        limits[name] = _limits(section, value)
+            raise section.error(f"channel '{name}' is given twice, also under its former name; remove one")
+        if warning := renamed_channel(given):
+            node.warnings.append(f"{section.where}: {warning}")
+        settings[name] = {key: entry.value for key, entry in entries.items() if key not in _KEYS}
+        limits[name] = _limits(section, entries)
     return settings, limits
-
-
-def renamed_inputs(node: Node) -> tuple[str, ...]:
-    """A warning for each channel that has its name from before."""
-    names = node.value if isinstance(node.value, dict) else {}
-    return tuple(f"{node.place}: {warning}" for name in names if (warning := renamed_channel(name)))
 
 
 def written_inputs(
@@ -56,8 +48,7 @@ def _said(limits: GivenLimits) -> dict[str, object]:
     return {key: value for key, value in said.items() if value is not None and value != OnLost.AUTONOMY.value}
 
 
-def _limits(section: Node, values: Mapping[str, object]) -> GivenLimits:
-    given = {key: Node(values[key], section.source, f"{section.place}.{key}") for key in _KEYS if key in values}
+def _limits(section: Node, given: Mapping[str, Node]) -> GivenLimits:
     stale = given["stale"].number(_SILENCE) if "stale" in given else None
     lost = given["lost"].number(_SILENCE) if "lost" in given else None
     if stale is not None and lost is not None and lost <= stale:

@@ -10,7 +10,7 @@
     fires: [{at_m: [500, 250], radius_m: 20, growth_m_per_s: 1, robots_needed: 2}, ...]
     obstacles:
       circles: [{at_m: ..., radius_m: 20}]
-      bars: [{from_m: ..., to_m: ..., half_width_m: 6}]
+      bars: [{from_m: ..., to_m: ..., half_width_m: 6}]              # or capsules
       polygons: [{points_m: [[0, 0], [90, 0], [0, 60]]}]               # of any shape that does not cross itself;
           # free_m: [[...], ...], outlines of the free areas in it
       masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2}]    # dark pixels; at_m is its lower left corner;
@@ -38,14 +38,16 @@ from higvf_console.channels.channel_state import GivenLimits
 from higvf_console.channels.channels import unknown_settings
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.parameters import Parameters
+from higvf_console.core.arguments import instance, whole
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, shown
+from higvf_console.core.reading.document import read_text, read_yaml
+from higvf_console.core.reading.node import Node
 from higvf_console.core.state import NO_PATH, Path
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import follow
-from higvf_console.scenario.channel_settings import read_inputs, renamed_inputs
-from higvf_console.scenario.reading import Node, read_yaml
+from higvf_console.scenario.channel_settings import read_inputs
 from higvf_console.scenario.sections import (
     FilterKind,
     Robots,
@@ -144,8 +146,10 @@ class Scenario:
         """What a run starts from; the same seed gives the same bytes.
 
         Raises:
+            ArgumentError: the seed is no whole number from 0.
             ScenarioError: the seed's jitter puts a robot where it would violate a safety barrier.
         """
+        seed = whole("seed", seed, 0)
         position = self.robots.controlled(seed, self.params.robots.look_ahead)
         setup = make_setup(self._layout(position, seed), position)
         fire_radius = setup.layout.fire_radius
@@ -158,7 +162,7 @@ class Scenario:
 
     def with_forms(self, forms: Forms) -> "Scenario":
         """The same scenario with other forms of the equations, and weights with which they converge."""
-        params = self.params._replace(forms=forms)
+        params = self.params._replace(forms=instance("forms", forms, Forms))
         params, warnings = convergent(params, self.robots.points, self.links, self.influenced)
         return replace(self, params=params, warnings=self.warnings + warnings)
 
@@ -195,7 +199,7 @@ def load_scenario(name_or_path: str | FilePath) -> Scenario:
     Raises:
         ScenarioError: there is no such scenario, or its file cannot be used.
     """
-    given = str(name_or_path)
+    given = str(instance("name_or_path", name_or_path, str, FilePath))
     file = FilePath(given)
     if file.suffix not in (".yaml", ".yml"):
         names = scenario_names()
@@ -204,12 +208,7 @@ def load_scenario(name_or_path: str | FilePath) -> Scenario:
                 f"no scenario '{given}'{closest(given, names)}; known scenarios: {', '.join(names)}, or a .yaml file"
             )
         file = data_folder() / "scenarios" / f"{given}.yaml"
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise ScenarioError(f"{file}: {reason}") from error
-    return parse_scenario(text, str(file))
+    return parse_scenario(read_text(file), str(file))
 
 
 def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None = None) -> Scenario:
@@ -233,12 +232,12 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         )
 
     def entry(key: str, default: object) -> Node:
-        return entries.get(key, Node(default, source, key))
+        return entries.get(key, root.entry(key, default))
 
     arena, walls = read_arena(entries["arena"])
     robots = read_robots(entries["robots"], arena)
     count = len(robots.points)
-    params, renamed = read_parameters(entry("parameters", {}))
+    params = read_parameters(entry("parameters", {}))
     params = params._replace(forms=read_forms(entry("forms", "corrected")))
     inputs, limits = read_inputs(entry("inputs", {}))
     links = read_links(entries["links"], count) if "links" in entries else None
@@ -270,9 +269,8 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         demo=tuple(item.text() for item in entry("demo", []).items()),
         duration=entry("duration_s", 120.0).number(_DURATION),
         warnings=(
-            *renamed,
+            *root.warnings,
             *_network_warnings(network, links is not None),
-            *renamed_inputs(entry("inputs", {})),
             *unknown_settings(inputs),
             *robot_warnings(params),
         ),

@@ -17,11 +17,11 @@ from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.quantity import quantities
+from higvf_console.core.reading.document import yaml_text
 from higvf_console.core.state import Motion, Path, PathEnding, PathKind, PathStatus, SimState
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import ending_word
 from higvf_console.scenario.channel_settings import written_inputs
-from higvf_console.scenario.reading import yaml_text
 from higvf_console.scenario.scenario import VERSION, Scenario, parse_scenario
 from higvf_console.scenario.sections import Robots
 from higvf_console.world.editing.entities import centres

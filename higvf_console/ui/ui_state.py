@@ -22,7 +22,7 @@ from higvf_console.operator.path_commands import terms_of
 from higvf_console.ui.interaction.grips import Drag
 from higvf_console.ui.scene.background import Background
 from higvf_console.ui.theme import USUAL_LOOK, Look
-from higvf_console.world.editing.entities import Place, exists, how_many
+from higvf_console.world.editing.entities import EntityRef, exists, how_many
 from higvf_console.world.layout import Layout
 from higvf_console.world.masks import MaskPlace
 
@@ -79,7 +79,7 @@ class UiState:
     horizon: float = USUAL
     drawn_for: StrokeUse = StrokeUse.PATH
     editing: bool = False
-    selected: Place | None = None
+    selected: EntityRef | None = None
     among: int = 0
     drag: Drag | None = None
 
@@ -161,9 +161,9 @@ def end_of_stroke(state: UiState, use: StrokeUse = StrokeUse.PATH, robot: int | 
     return stroke_end(state.terms, use, robot, preview=waits)
 
 
-def choose(place: Place | None, layout: Layout) -> Change:
+def choose(place: EntityRef | None, layout: Layout) -> Change:
     """Something is chosen for editing, perhaps what is about to be the last of its kind; None = nothing."""
-    among = 0 if place is None else max(how_many(place.thing, layout), place.row + 1)
+    among = 0 if place is None else max(how_many(place.kind, layout), place.row + 1)
     return lambda state: replace(state, selected=place, among=among)
 
 
@@ -172,7 +172,7 @@ def keep_choice(layout: Layout) -> Change:
 
     def change(state: UiState) -> UiState:
         place = state.selected
-        stays = place is None or not exists(place, layout) or how_many(place.thing, layout) == state.among
+        stays = place is None or not exists(place, layout) or how_many(place.kind, layout) == state.among
         return state if stays else replace(state, selected=None)
 
     return change

@@ -147,7 +147,7 @@ def test_a_fault_for_a_channel_by_its_name_from_before_is_injected_with_a_warnin
 
 def test_a_scenarios_section_of_a_channel_may_have_its_name_from_before(team: Scenario) -> None:
     scenario = parse_scenario(f"{team.text}\ninputs: {{mouse: {{stale: 30, lost: 60}}}}\n", "team.yaml")
-    assert "inputs: channel 'mouse' is renamed; write 'console'" in scenario.warnings
+    assert scenario.warnings == ("team.yaml: inputs.mouse: channel 'mouse' is renamed; write 'console'",)
     assert Session(scenario, [FakeConsole()]).pointer_limits.lost == 60.0
 
 

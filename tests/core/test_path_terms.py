@@ -61,10 +61,10 @@ def test_a_change_leaves_the_other_terms_as_they_are(terms: PathTerms, change: d
 @pytest.mark.parametrize(
     ("terms", "said"),
     [
-        (PathTerms(ending="stop"), "'stop' is no ending of a path; endings: release, hold, loop"),
-        (PathTerms(pace=0.1), "a pace of 0.1 is not within 0.2 to 1.5"),
-        (PathTerms(duration=-1.0), "a duration of -1 s is not from 0 s"),
-        (PathTerms(duration=math.nan), "a duration of nan s is not from 0 s"),
+        (PathTerms(ending="stop"), "unknown path ending 'stop'; choose release, hold, loop"),
+        (PathTerms(pace=0.1), "pace 0.1 is outside 0.2 to 1.5"),
+        (PathTerms(duration=-1.0), "duration -1 s is not at least 0 s"),
+        (PathTerms(duration=math.nan), "duration nan s is not at least 0 s"),
     ],
 )
 def test_terms_that_cannot_be_are_refused(terms: PathTerms, said: str) -> None:

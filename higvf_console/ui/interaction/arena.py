@@ -33,7 +33,7 @@ from higvf_console.ui.ui_state import (
     show_next_field,
     take_up_editing,
 )
-from higvf_console.world.editing.entities import Place, centres, entity_at, exists, how_many
+from higvf_console.world.editing.entities import EntityRef, centres, entity_at, exists, how_many
 from higvf_console.world.layout import Layout
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ class ArenaInteraction:
         layout, _ = self._run_state()
         self._push(AddEntity(ADDS[tool], floats(point)))
         self.tool(client_id, Tool.EDIT)
-        self._ui.change(choose(Place(ADDS[tool], how_many(ADDS[tool], layout)), layout))
+        self._ui.change(choose(EntityRef(ADDS[tool], how_many(ADDS[tool], layout)), layout))
 
     def _pick(self, client_id: int, point: Floats) -> None:
         """Picks a robot; a second click shows or hides why it moves."""
@@ -215,7 +215,7 @@ class ArenaInteraction:
         place, (layout, _) = self._ui.state.selected, self._run_state()
         if place is not None and exists(place, layout):
             self._ui.change(choose(None, layout))
-            self._push(DeleteEntity(place.thing, place.row))
+            self._push(DeleteEntity(place.kind, place.row))
 
     def _run_state(self) -> tuple[Layout, Motion]:
         snapshot = self._session.snapshot

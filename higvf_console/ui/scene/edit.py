@@ -10,7 +10,7 @@ from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.ground import joined
 from higvf_console.ui.scene.parts import Canvas, Layer
 from higvf_console.ui.scene.path import path_outline
-from higvf_console.world.editing.entities import Place, centres, exists, numbers_of
+from higvf_console.world.editing.entities import EntityRef, centres, exists, numbers_of
 from higvf_console.world.setup import Setup
 
 _SQUARE, _DISC = 5.0, 6.0  # half a side, radius [px]
@@ -31,7 +31,7 @@ class EditLayer:
         self._square = canvas.marks(Layer.CURSOR, "/edit/square", square, count=1, colour=ink.operator)
         self._disc = canvas.marks(Layer.CURSOR, "/edit/disc", disc, count=1, colour=ink.operator)
 
-    def update(self, state: SimState, selected: Place | None, drag: Drag | None) -> None:
+    def update(self, state: SimState, selected: EntityRef | None, drag: Drag | None) -> None:
         """Shows the choice, and what the hand would do."""
         self._ghost.draw(_NOTHING if drag is None else self._ghost_of(drag, state))
         motion, layout, px = state.motion, self._layout, self._canvas.px

@@ -32,7 +32,7 @@ from higvf_console.core.viewport import Arena
 from higvf_console.world.editing import bodies
 from higvf_console.world.editing.carry import NEW, carried, led_on, same_rows, waiting_on
 from higvf_console.world.editing.checks import Stand, check_edit, check_fires, check_walls
-from higvf_console.world.editing.entities import NUMBERS, Place, centres, how_many, name_of, numbers_of
+from higvf_console.world.editing.entities import NUMBERS, EntityRef, centres, how_many, name_of, numbers_of
 from higvf_console.world.editing.parameters import with_parameters
 from higvf_console.world.editing.safe_places import diagonal, held_words, nearest_fit, placed, resettled, robot_fits
 from higvf_console.world.layout import Fire, Layout, with_radii
@@ -123,16 +123,16 @@ def _shifted_formation(layout: Layout, draft: _Draft, before: Motion, after: Mot
 def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: PLR0911
     motion = state.motion
     match command:
-        case AddEntity(thing=thing, point=point):
-            return _add(layout, motion, _kind(thing), _on_ground(point)[0])
+        case AddEntity(kind=kind, point=point):
+            return _add(layout, motion, _kind(kind), _on_ground(point)[0])
         case AddOutlines(outlines=outlines):
             return _plain(layout, *bodies.with_outlines(layout, motion, [_on_ground(outline) for outline in outlines]))
-        case MoveEntity(thing=thing, index=index, point=point):
-            return _move(layout, motion, _place(layout, thing, index), _on_ground(point)[0])
-        case ChangeEntity(thing=thing, index=index, name=name, value=value):
-            return _change(layout, motion, _place(layout, thing, index), name, value)
-        case DeleteEntity(thing=thing, index=index):
-            return _delete(layout, _place(layout, thing, index))
+        case MoveEntity(kind=kind, index=index, point=point):
+            return _move(layout, motion, _entity(layout, kind, index), _on_ground(point)[0])
+        case ChangeEntity(kind=kind, index=index, name=name, value=value):
+            return _change(layout, motion, _entity(layout, kind, index), name, value)
+        case DeleteEntity(kind=kind, index=index):
+            return _delete(layout, _entity(layout, kind, index))
         case ToggleLink(first=first, second=second):
             return _plain(layout, *_toggle(layout, motion, first, second))
         case LinkByRange():
@@ -181,13 +181,13 @@ def _kind(word: str) -> EntityKind:
         raise ScenarioError(f"'{word}' is nothing that can be edited; choose {', '.join(EntityKind)}") from None
 
 
-def _place(layout: Layout, word: str, row: int) -> Place:
+def _entity(layout: Layout, word: str, row: int) -> EntityRef:
     kind = _kind(word)
     count = how_many(kind, layout)
     if not 0 <= row < count:
         known = f"there are {kind.value}s 1 to {count}" if count else f"there is no {kind.value}"
         raise ScenarioError(f"there is no {kind.value} {row + 1}: {known}")
-    return Place(kind, int(row))
+    return EntityRef(kind, int(row))
 
 
 def _add(layout: Layout, motion: Motion, kind: EntityKind, point: Floats) -> _Draft:
@@ -225,38 +225,38 @@ def _robot_put(layout: Layout, robot: int, centre: Floats) -> Callable[[Motion],
     return finish
 
 
-def _move(layout: Layout, motion: Motion, place: Place, point: Floats) -> _Draft:
-    if place.thing is EntityKind.ROBOT:
-        put = _robot_put(layout, place.row, point)
-        held = held_words(centres(layout, put(motion))[place.row], point)
-        return _plain(layout, layout, f"Robot {place.row + 1} is moved{held}.")._replace(finish=put)
-    if place.thing is EntityKind.FIRE:
-        at, held = bodies.fire_place(layout, motion, point, float(motion.fire_radius[place.row]))
-        moved = bodies.with_fire(layout, place.row, layout.fires[place.row]._replace(position=_pair(at)))
-        return _plain(layout, moved, f"Fire {place.row + 1} is moved{held}.")
-    return _plain(layout, *bodies.moved(layout, motion, place, point))
+def _move(layout: Layout, motion: Motion, entity: EntityRef, point: Floats) -> _Draft:
+    if entity.kind is EntityKind.ROBOT:
+        put = _robot_put(layout, entity.row, point)
+        held = held_words(centres(layout, put(motion))[entity.row], point)
+        return _plain(layout, layout, f"Robot {entity.row + 1} is moved{held}.")._replace(finish=put)
+    if entity.kind is EntityKind.FIRE:
+        at, held = bodies.fire_place(layout, motion, point, float(motion.fire_radius[entity.row]))
+        moved = bodies.with_fire(layout, entity.row, layout.fires[entity.row]._replace(position=_pair(at)))
+        return _plain(layout, moved, f"Fire {entity.row + 1} is moved{held}.")
+    return _plain(layout, *bodies.moved(layout, motion, entity, point))
 
 
-def _change(layout: Layout, motion: Motion, place: Place, name: str, value: float) -> _Draft:
-    known = NUMBERS[place.thing]
+def _change(layout: Layout, motion: Motion, entity: EntityRef, name: str, value: float) -> _Draft:
+    known = NUMBERS[entity.kind]
     if name not in known:
-        raise ScenarioError(f"{name_of(place)} has no number '{name}'; it has {', '.join(known)}")
+        raise ScenarioError(f"{name_of(entity)} has no number '{name}'; it has {', '.join(known)}")
     low, high, unit = known[name].low, known[name].high, known[name].unit
     if not low <= value <= high:
-        raise ScenarioError(f"{name} of {name_of(place)}: {value:g} is not from {low:g} to {high:g} {unit}".rstrip())
-    numbers = {**numbers_of(place, layout, motion), name: float(value)}
+        raise ScenarioError(f"{name} of {name_of(entity)}: {value:g} is not from {low:g} to {high:g} {unit}".rstrip())
+    numbers = {**numbers_of(entity, layout, motion), name: float(value)}
     if name in ("x", "y"):
-        return _move(layout, motion, place, floats([numbers["x"], numbers["y"]]))
-    text = f"{name_of(place).capitalize()} has {name} {value:g} {unit}".rstrip() + "."
-    if place.thing is EntityKind.ROBOT:
+        return _move(layout, motion, entity, floats([numbers["x"], numbers["y"]]))
+    text = f"{name_of(entity).capitalize()} has {name} {value:g} {unit}".rstrip() + "."
+    if entity.kind is EntityKind.ROBOT:
         if layout.params.robots.look_ahead == 0.0:
             raise ScenarioError("the robots have no heading: they are no unicycles")
-        return _plain(layout, layout, text)._replace(finish=_turned(layout, place.row, value))
-    if place.thing is EntityKind.FIRE:
-        return _plain(layout, *bodies.fire_changed(layout, motion, place, name, value, text))._replace(
-            finish=bodies.fire_sized(place.row, numbers["radius"])
+        return _plain(layout, layout, text)._replace(finish=_turned(layout, entity.row, value))
+    if entity.kind is EntityKind.FIRE:
+        return _plain(layout, *bodies.fire_changed(layout, motion, entity, name, value, text))._replace(
+            finish=bodies.fire_sized(entity.row, numbers["radius"])
         )
-    return _plain(layout, bodies.reshaped(layout, motion, place, numbers), text)
+    return _plain(layout, bodies.reshaped(layout, motion, entity, numbers), text)
 
 
 def _turned(layout: Layout, robot: int, degrees: float) -> Callable[[Motion], Motion]:
@@ -270,19 +270,19 @@ def _turned(layout: Layout, robot: int, degrees: float) -> Callable[[Motion], Mo
     return finish
 
 
-def _delete(layout: Layout, place: Place) -> _Draft:
+def _delete(layout: Layout, entity: EntityRef) -> _Draft:
     robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fires))
-    text = f"{name_of(place).capitalize()} is deleted."
-    if place.thing is EntityKind.ROBOT:
+    text = f"{name_of(entity).capitalize()} is deleted."
+    if entity.kind is EntityKind.ROBOT:
         if len(robots) == 1:
             raise ScenarioError("robot 1 is the last one; a team has at least one robot")
-        kept = np.delete(robots, place.row)
-        return _plain(layout, _without_robot(layout, place.row), text)._replace(robots=kept)
-    if place.thing is EntityKind.FIRE:
-        kept = np.delete(fires, place.row)
+        kept = np.delete(robots, entity.row)
+        return _plain(layout, _without_robot(layout, entity.row), text)._replace(robots=kept)
+    if entity.kind is EntityKind.FIRE:
+        kept = np.delete(fires, entity.row)
         new = layout._replace(fires=tuple(layout.fires[row] for row in kept.tolist()))
         return _plain(layout, new, text)._replace(fires=kept)
-    return _plain(layout, bodies.without(layout, place), text)
+    return _plain(layout, bodies.without(layout, entity), text)
 
 
 def _without_robot(layout: Layout, robot: int) -> Layout:
@@ -299,7 +299,7 @@ def _without_robot(layout: Layout, robot: int) -> Layout:
 
 
 def _toggle(layout: Layout, motion: Motion, first: int, second: int) -> tuple[Layout, str]:
-    low, high = sorted((_place(layout, "robot", first).row, _place(layout, "robot", second).row))
+    low, high = sorted((_entity(layout, "robot", first).row, _entity(layout, "robot", second).row))
     if low == high:
         raise ScenarioError(f"robot {low + 1} cannot be linked to itself")
     links = set(bodies.links_now(layout, motion))

@@ -25,13 +25,13 @@ from higvf_console.runtime.history import History
 from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import load_scenario
 from higvf_console.world.build import build_world
-from higvf_console.world.editing.entities import NUMBERS, Place, centres, entity_at, how_many, numbers_of
+from higvf_console.world.editing.entities import NUMBERS, EntityRef, centres, entity_at, how_many, numbers_of
 from tests.teams import stroke
 from tests.world.editing.actions import HAIR, assert_same, edited_run, give, refused, shortfalls
 
 
 def numbers(run: Run, thing: EntityKind, row: int) -> dict[str, float]:
-    return numbers_of(Place(thing, row), run.setup.layout, run.state.motion)
+    return numbers_of(EntityRef(thing, row), run.setup.layout, run.state.motion)
 
 
 def at(x: float, y: float) -> Floats:
@@ -217,7 +217,7 @@ REFUSALS = [
     (SetArena(floats([5.0, 0.0, 5.0, 9.0]), walls=True), "an arena of 0 m x 9 m has no inside"),
     (SetArena(floats([690.0, 0.0, 1200.0, 700.0]), walls=True), "robot 4 would be outside the walls; move it first"),
     (SetParameters({"safety.robot_clearence": 3.0}), "(did you mean 'safety.robot_clearance'?)"),
-    (SetParameters({"safety.robot_clearance": 0.0}), "robot_clearance: 0.0 is out of range; give a number from 0.1"),
+    (SetParameters({"safety.robot_clearance": 0.0}), "robot_clearance: 0.0 is not a number from 0.1"),
     (SetParameters({"safety.control_period": 0.05}), "safety.control_period is fixed for a run"),
     (SetParameters({"safety.pair_gain": 900.0}), "pair_gain"),
     (SetParameters({"safety.robot_clearance": 90.0}), "robots 1 and 2 start 58.31 m apart; robot_clearance is 90 m"),
@@ -293,11 +293,11 @@ def test_a_stroke_becomes_an_obstacle_by_its_outline() -> None:
 def test_a_thing_is_found_under_a_point_robots_before_fires_before_obstacles() -> None:
     run = edited_run()
     layout, motion = run.setup.layout, run.state.motion
-    assert entity_at(at(701.0, 300.0), layout, motion, 10.0) == Place(EntityKind.ROBOT, 0)
-    assert entity_at(at(510.0, 250.0), layout, motion, 5.0) == Place(EntityKind.FIRE, 0)
-    assert entity_at(at(290.0, 195.0), layout, motion, 5.0) == Place(EntityKind.CIRCLE, 0)
-    assert entity_at(at(905.0, 300.0), layout, motion, 5.0) == Place(EntityKind.BAR, 0)
-    assert entity_at(at(510.0, 560.0), layout, motion, 5.0) == Place(EntityKind.POLYGON, 1)
+    assert entity_at(at(701.0, 300.0), layout, motion, 10.0) == EntityRef(EntityKind.ROBOT, 0)
+    assert entity_at(at(510.0, 250.0), layout, motion, 5.0) == EntityRef(EntityKind.FIRE, 0)
+    assert entity_at(at(290.0, 195.0), layout, motion, 5.0) == EntityRef(EntityKind.CIRCLE, 0)
+    assert entity_at(at(905.0, 300.0), layout, motion, 5.0) == EntityRef(EntityKind.BAR, 0)
+    assert entity_at(at(510.0, 560.0), layout, motion, 5.0) == EntityRef(EntityKind.POLYGON, 1)
     assert entity_at(at(200.0, 200.0), layout, motion, 5.0) is None
 
 
