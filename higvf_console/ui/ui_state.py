@@ -85,7 +85,7 @@ class UiState:
 
 
 Change: TypeAlias = Callable[[UiState], UiState]
-Listener: TypeAlias = Callable[[UiState, UiState], None]
+Listener: TypeAlias = Callable[[UiState, UiState], object]
 
 
 class UiStore:

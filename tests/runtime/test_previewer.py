@@ -152,6 +152,10 @@ def test_a_scenario_with_the_centralised_filter_that_is_loaded_ends_the_looking_
 
 def test_the_rehearsal_goes_through_a_whole_preview(team: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
     foreseen: list[object] = []
-    monkeypatch.setattr(module, "foresee", lambda *given: foreseen.append(given))
+
+    def note(*given: object) -> None:
+        foreseen.append(given)
+
+    monkeypatch.setattr(module, "foresee", note)
     module.rehearse(team.setup(0))
     assert len(foreseen) == 1

@@ -36,11 +36,19 @@ def ui() -> UiStore:
 
 @pytest.fixture
 def panel(monkeypatch: pytest.MonkeyPatch, notes: list[Note], ui: UiStore) -> LogPanel:
+    def nothing(*_: object) -> None:
+        pass
+
+    def widget(*_: object, **__: object) -> SimpleNamespace:
+        return SimpleNamespace(on_click=nothing)
+
+    def notify(_title: str, text: str, **_: object) -> Note:
+        return Note(text, notes)
+
     for name in ("listen", "install"):
-        monkeypatch.setattr(page, name, lambda *_: None)
-    widget = SimpleNamespace(on_click=lambda _: None)
-    gui = SimpleNamespace(add_button=lambda *_, **__: widget, add_html=lambda *_: SimpleNamespace())
-    client = SimpleNamespace(add_notification=lambda _title, text, **_: Note(text, notes))
+        monkeypatch.setattr(page, name, nothing)
+    gui = SimpleNamespace(add_button=widget, add_html=widget)
+    client = SimpleNamespace(add_notification=notify)
     server = SimpleNamespace(gui=gui, get_clients=lambda: {0: client})
     return LogPanel(cast(viser.ViserServer, server), ui)
 
