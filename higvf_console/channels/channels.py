@@ -39,7 +39,7 @@ def open_interface(spec: InputSpec) -> Interface:
     """Opens the console's own channel, or the interface that the entry point `spec.channel` names.
 
     Args:
-        spec: what to open, and with what; a channel's name from before is read as that of today.
+        spec: what to open, and with what; a channel's former name is read as its present one.
 
     Raises:
         InputError: no such interface is installed, it cannot be imported, or its input cannot be used.
@@ -79,9 +79,11 @@ def _missing(interface: object) -> list[str]:
 
 
 def _given(index: int, interface: Any) -> Interface:
-    if isinstance(interface, type) or (missing := _missing(interface)):
-        lacks = "is a class; expected an object of it" if isinstance(interface, type) else f"lacks {', '.join(missing)}"
-        raise ArgumentTypeError(f"interfaces[{index}], {brief(interface)}, {lacks}")
+    place = f"interfaces[{index}], {brief(interface)},"
+    if isinstance(interface, type):
+        raise ArgumentTypeError(f"{place} is a class; expected an object of it")
+    if missing := _missing(interface):
+        raise ArgumentTypeError(f"{place} lacks {', '.join(missing)}")
     return interface
 
 

@@ -13,7 +13,7 @@ from higvf_console.core.commands import OperatorCommand
 from higvf_console.core.errors import InputError
 from higvf_console.core.viewport import Arena, Viewport
 
-# Channels by the names that they had before: still read in command lines, scenarios, scripts and recordings.
+# Present names of channels by their former ones, which are still read in command lines, scenarios, scripts, recordings.
 RENAMED_CHANNELS: Mapping[str, str] = MappingProxyType({"mouse": CONSOLE})
 
 
@@ -186,10 +186,10 @@ def capabilities_of(interface: Interface) -> Capabilities:
 
 
 def current_channel(name: str) -> str:
-    """The name that a channel has today, of one that may be from before."""
+    """The present name of a channel, of one that may be its former name."""
     return RENAMED_CHANNELS.get(name, name)
 
 
 def renamed_channel(name: str) -> str:
-    """A warning that names the channel's name of today; empty where it is the name given."""
+    """A warning that gives the present name of a channel; empty where that is the name given."""
     return f"channel '{name}' is renamed; write '{RENAMED_CHANNELS[name]}'" if name in RENAMED_CHANNELS else ""

@@ -20,8 +20,8 @@ def input_spec(text: str, scenario: Scenario, folder: Path | None = None) -> Inp
     one that options follow: so `C:\\run 1\\gaze.tsv:frame=screen` and `run 12:30.csv` mean what they should.
 
     Args:
-        text: `gaze=FILE:frame=screen`, `bci=:stream=Decoder` or just `console`; a channel's name from
-            before is read as that of today.
+        text: `gaze=FILE:frame=screen`, `bci=:stream=Decoder` or just `console`; a channel's former
+            name is read as its present one.
         scenario: with the arena and the interface's settings.
         folder: what a relative file is relative to; None = the working directory.
 
@@ -38,7 +38,7 @@ def input_spec(text: str, scenario: Scenario, folder: Path | None = None) -> Inp
 
 
 def renamed_specs(texts: Iterable[str]) -> tuple[str, ...]:
-    """A warning for each `--input` that names a channel as it was called before."""
+    """A warning for each `--input` that names a channel by its former name."""
     warnings = [(text, renamed_channel(text.partition("=")[0])) for text in texts]
     return tuple(f"--input {text}: {warning}" for text, warning in warnings if warning)
 

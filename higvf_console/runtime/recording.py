@@ -257,7 +257,7 @@ def read_recording(file: str | Path) -> Recording:
 
 
 def _rename(entry: dict[str, Any]) -> dict[str, str]:
-    """Gives the channels of a command their names of today; the warnings, by the name from before."""
+    """Gives the channels of a command their present names; the warnings, by the former name."""
     given = {field: entry[field] for field in ("source", "channel") if isinstance(entry.get(field), str)}
     entry |= {field: current_channel(name) for field, name in given.items()}
     return {name: warning for name in given.values() if (warning := renamed_channel(name))}
@@ -285,7 +285,8 @@ def _command(entry: dict[str, Any], place: str) -> OperatorCommand:
 
 def _current(entry: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """A command's name and fields, by their present names."""
-    name = _RENAMED.get(entry["command"], entry["command"])
+    command: str = entry["command"]
+    name = _RENAMED.get(command, command)
     fields = {key: _given(key, value) for key, value in entry.items() if key not in ("tick", "command")}
     if name in _OF_ENTITIES and "thing" in fields:
         fields["kind"] = fields.pop("thing")
