@@ -61,8 +61,8 @@ class Running(NamedTuple):
 
 @contextmanager
 def console_at_work(scenario: str, *interfaces: Interface) -> Generator[Running]:
-    """A scenario, live, with the mouse and what else there is."""
-    session = Session(load_scenario(scenario), [open_interface(InputSpec("mouse")), *interfaces])
+    """A scenario, live, with the console's channel and what else there is."""
+    session = Session(load_scenario(scenario), [open_interface(InputSpec("console")), *interfaces])
     warm_up(session.setup.start, session.setup.world, session.setup.params)
     token = guard.new_token()
     server = guard.open_server("127.0.0.1", 0, token, "Console")

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from higvf_console.core.commands import OperatorCommand
-from higvf_console.core.interface import ChannelHealth, ChannelState, OperatorContext
+from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, OperatorContext
 
 
 class FakeInterface:
@@ -29,6 +29,19 @@ class FakeInterface:
 
     def close(self) -> None:
         self.closed += 1
+
+
+class FakeConsole(FakeInterface):
+    """A channel with the capabilities of the console's own, by that name or another."""
+
+    capabilities = Capabilities(takes_pointer=True, self_acknowledging=True, draws_previewed=True, stale_after=2.0)
+
+    def __init__(self, *plan: tuple[float, OperatorCommand], name: str = "console") -> None:
+        super().__init__(name, *plan)
+        self.heartbeats = 0
+
+    def heartbeat(self) -> None:
+        self.heartbeats += 1
 
 
 class BrokenInterface(FakeInterface):

@@ -13,7 +13,7 @@ from tests.consoles import Running
 def patient_scenario(folder: Path) -> str:
     """The firefighting scenario, with patience for a machine whose pages are slow."""
     file = folder / "patient.yaml"
-    text = load_scenario("firefighting").text.replace("inputs:", "inputs:\n  mouse: {stale: 30, lost: 60}", 1)
+    text = load_scenario("firefighting").text.replace("inputs:", "inputs:\n  console: {stale: 30, lost: 60}", 1)
     file.write_text(text, encoding="utf-8")
     return str(file)
 

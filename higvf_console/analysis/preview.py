@@ -8,6 +8,7 @@ else is done, what is foreseen is bit for bit what happens.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -89,7 +90,8 @@ def wish(state: SimState, setup: Setup, end: StrokeEnd | None = None) -> SimStat
     """
     command: OperatorCommand
     if state.pointer_state.stroke_source:
-        command = StrokeEnd() if end is None else end
+        # Only the interface that draws a stroke may end it.
+        command = replace(StrokeEnd() if end is None else end, source=state.pointer_state.stroke_source)
         if command.use == StrokeUse.OBSTACLE:
             return None
     elif waiting(state.pointer_state, state.motion.tick * setup.params.safety.control_period):

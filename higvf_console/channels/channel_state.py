@@ -21,6 +21,20 @@ class OnLost(StrEnum):
     KEEP = "keep"  # the path in force stays
 
 
+class GivenLimits(NamedTuple):
+    """What a scenario says of a channel; None = nothing.
+
+    Attributes:
+        stale: silence after which it is stale [s].
+        lost: silence after which it is lost [s].
+        on_lost: what becomes of the human intention then.
+    """
+
+    stale: float | None = None
+    lost: float | None = None
+    on_lost: OnLost = OnLost.AUTONOMY
+
+
 class Limits(NamedTuple):
     """When silence matters.
 
@@ -36,15 +50,27 @@ class Limits(NamedTuple):
 
 
 LOST_BY_STALE = 4.0  # a channel is lost after so many times the silence that makes it stale
-STALE_AFTER = {"gaze": 0.5, "emg": 1.0, "bci": 1.0, "mouse": 2.0}  # [s]
-STALE_AFTER_ELSE = 1.0  # [s]
 OUT_OF_SERVICE = frozenset({ChannelState.LOST, ChannelState.RECOVERED})
 
 
-def default_limits(channel: str) -> Limits:
-    """The limits of a channel of which the scenario says nothing."""
-    stale = STALE_AFTER.get(channel, STALE_AFTER_ELSE)
-    return Limits(stale, LOST_BY_STALE * stale)
+def limits_of(given: GivenLimits, stale_after: float) -> Limits:
+    """The limits of a channel.
+
+    Args:
+        given: by the scenario.
+        stale_after: silence after which the channel is stale by its own `Capabilities` [s].
+
+    Returns:
+        A channel is lost after `LOST_BY_STALE` times the silence that makes it stale. Where the scenario says only when
+        it is lost, and that is before its own `stale_after`, it is stale after the corresponding part of that.
+    """
+    own_lost = LOST_BY_STALE * stale_after
+    if given.stale is not None:
+        stale = given.stale
+    else:
+        stale = stale_after if given.lost is None or stale_after < given.lost else given.lost / LOST_BY_STALE
+    lost = max(own_lost, LOST_BY_STALE * stale) if given.lost is None else given.lost
+    return Limits(stale, lost, given.on_lost)
 
 
 def judged(health: ChannelHealth, now: float, limits: Limits) -> ChannelState:

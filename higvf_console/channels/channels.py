@@ -1,14 +1,27 @@
-"""The operator's interfaces: found by entry point, polled each tick, set aside when they fail."""
+"""The operator's interfaces: found by entry point or built in, polled each tick, set aside when they fail."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import Any, cast
 
+from higvf_console.channels.console import open_console
 from higvf_console.core.arguments import brief, instance, sequence
+from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import OperatorCommand
 from higvf_console.core.errors import ArgumentTypeError, HigvfError, InputError, closest
 from higvf_console.core.events import Event, Severity
-from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
+from higvf_console.core.interface import (
+    Capabilities,
+    ChannelHealth,
+    ChannelState,
+    InputSpec,
+    Interface,
+    OperatorContext,
+    PointerSink,
+    capabilities_of,
+    current_channel,
+)
 
 GROUP = "higvf_console.interfaces"
 
@@ -18,24 +31,30 @@ class CrashedError(InputError):
 
 
 def interface_names() -> tuple[str, ...]:
-    """Names of the installed interfaces."""
-    return tuple(sorted({point.name for point in entry_points(group=GROUP)}))
+    """Names of the interfaces: the built-in one and those that are installed."""
+    return tuple(sorted({CONSOLE, *(point.name for point in entry_points(group=GROUP))}))
 
 
 def open_interface(spec: InputSpec) -> Interface:
-    """Opens the interface that the entry point `spec.channel` names.
+    """Opens the console's own channel, or the interface that the entry point `spec.channel` names.
+
+    Args:
+        spec: what to open, and with what; a channel's former name is read as its present one.
 
     Args:
         spec: channel, file or stream, options and settings.
 
     Raises:
         InputError: no such interface is installed, it cannot be imported, or its input cannot be used.
-        CrashedError: it raised something else while it opened.
+        CrashedError: it raised something else while it opened, or offers what is no interface.
     """
     instance("spec", spec, InputSpec)
+    spec = replace(spec, channel=current_channel(spec.channel))
+    if spec.channel == CONSOLE:
+        return open_console(spec)
     points: Mapping[str, EntryPoint] = {point.name: point for point in entry_points(group=GROUP)}
     if spec.channel not in points:
-        names = sorted(points)
+        names = interface_names()
         hint = closest(spec.channel, names)
         raise InputError(f"no interface '{spec.channel}'{hint}; installed interfaces: {', '.join(names) or 'none'}")
     try:
@@ -50,6 +69,10 @@ def open_interface(spec: InputSpec) -> Interface:
         raise CrashedError(f"interface '{spec.channel}' does not open: {type(error).__name__}: {error}") from error
     if missing := _missing(interface):
         raise CrashedError(f"interface '{spec.channel}' opens as {interface!r:.60}, without {', '.join(missing)}")
+    try:
+        capabilities_of(interface)
+    except InputError as error:
+        raise CrashedError(str(error)) from error
     return interface
 
 
@@ -59,24 +82,33 @@ def _missing(interface: object) -> list[str]:
 
 
 def _given(index: int, interface: Any) -> Interface:
-    if isinstance(interface, type) or (missing := _missing(interface)):
-        lacks = "is a class; expected an object of it" if isinstance(interface, type) else f"lacks {', '.join(missing)}"
-        raise ArgumentTypeError(f"interfaces[{index}], {brief(interface)}, {lacks}")
+    place = f"interfaces[{index}], {brief(interface)},"
+    if isinstance(interface, type):
+        raise ArgumentTypeError(f"{place} is a class; expected an object of it")
+    if missing := _missing(interface):
+        raise ArgumentTypeError(f"{place} lacks {', '.join(missing)}")
     return interface
 
 
 class Channels:
-    """Interfaces in use; one that raises is polled no more."""
+    """Interfaces in use; one that raises is polled no more.
+
+    Attributes:
+        capabilities: of each, by name.
+    """
+
+    capabilities: Mapping[str, Capabilities]
 
     def __init__(self, interfaces: Iterable[Interface]) -> None:
         """Takes them in the order in which they are to be polled.
 
         Raises:
-            InputError: two have the same name.
+            InputError: two have the same name, or one offers capabilities that cannot be.
             ArgumentTypeError: one lacks a function of an interface.
         """
         self._interfaces = tuple(_given(k, one) for k, one in enumerate(sequence("interfaces", interfaces)))
         self._failed: dict[str, str] = {}
+        self.capabilities = {interface.name: capabilities_of(interface) for interface in self._interfaces}
         names = [interface.name for interface in self._interfaces]
         for name in names:
             if names.count(name) > 1:
@@ -86,6 +118,28 @@ class Channels:
     def names(self) -> tuple[str, ...]:
         """Names of the interfaces, in the order given."""
         return tuple(interface.name for interface in self._interfaces)
+
+    @property
+    def pointer_name(self) -> str:
+        """Name of the first interface that takes what the console's pages give.
+
+        Raises:
+            InputError: there is none.
+        """
+        name = next((name for name, capabilities in self.capabilities.items() if capabilities.takes_pointer), None)
+        if name is None:
+            given = ", ".join(self.names) or "none"
+            raise InputError(f"no input takes what the console's pages give; inputs: {given}; add '{CONSOLE}'")
+        return name
+
+    @property
+    def pointer(self) -> PointerSink:
+        """The interface of that name.
+
+        Raises:
+            InputError: there is none.
+        """
+        return cast(PointerSink, self.named(self.pointer_name))
 
     def named(self, name: str) -> Interface | None:
         """The interface of that name."""

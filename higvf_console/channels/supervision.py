@@ -9,16 +9,18 @@ hold, stands from the next control period on.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 from higvf_console.channels.attribution import Attribution, attributed
 from higvf_console.channels.channel_state import (
     OUT_OF_SERVICE,
+    GivenLimits,
     Limits,
     OnLost,
     acknowledged,
-    default_limits,
     judged,
+    limits_of,
     observed,
 )
 from higvf_console.channels.channels import Channels
@@ -42,10 +44,9 @@ from higvf_console.core.commands import (
     StrokeCancel,
 )
 from higvf_console.core.events import Event, Severity
-from higvf_console.core.interface import ChannelHealth, ChannelState, OperatorContext
+from higvf_console.core.interface import ChannelHealth, ChannelState, OperatorContext, current_channel, renamed_channel
 from higvf_console.core.state import ACTING, SimState
 
-_CONSOLE = "mouse"  # a person's hand at the console: any command but a cursor acknowledges itself
 _OUTCOME = {
     OnLost.AUTONOMY: "The team goes on with its own task.",
     OnLost.HOLD: "The team holds.",
@@ -65,23 +66,27 @@ class Supervisor:
 
     Attributes:
         health: how each channel is, as last watched.
+        limits: of each channel, by name; replaced as a whole.
     """
 
-    def __init__(self, channels: Channels, limits: Mapping[str, Limits]) -> None:
+    limits: Mapping[str, Limits]
+
+    def __init__(self, channels: Channels, limits: Mapping[str, GivenLimits]) -> None:
         """Starts with every channel as it says itself.
 
         Args:
             channels: the interfaces.
-            limits: of the channels that the scenario names; the others have their defaults.
+            limits: what the scenario says of the channels that it names; the others have their own.
         """
         self._channels = channels
         self.limit(limits)
         self._forget()
         self.watch(0.0, None)
 
-    def limit(self, limits: Mapping[str, Limits]) -> None:
-        """Another scenario has other limits; the channels that it does not name have their defaults."""
-        self._limits = {name: limits.get(name, default_limits(name)) for name in self._channels.names}
+    def limit(self, limits: Mapping[str, GivenLimits]) -> None:
+        """Another scenario has other limits; the channels that it does not name have their own."""
+        offered = self._channels.capabilities
+        self.limits = {name: limits_of(limits.get(name, GivenLimits()), offered[name].stale_after) for name in offered}
 
     def poll(self, context: OperatorContext) -> tuple[list[Said], tuple[Event, ...]]:
         """The commands that count now, and what there is to say of the rest."""
@@ -126,7 +131,8 @@ class Supervisor:
                 self._deserted = channel
             case _:
                 pass
-        if channel == _CONSOLE and not isinstance(command, Cursor | EmergencyStop | Pause | HandOver):
+        by_hand = self._by_hand(channel) and not isinstance(command, Cursor | EmergencyStop | Pause | HandOver)
+        if by_hand:
             return self._take_back([channel], time)
         return ()
 
@@ -138,7 +144,7 @@ class Supervisor:
         for name, own in self._channels.health(now):
             seen = self._lines[name].seen(own, now)
             was = self._states.get(name)
-            here = judged(seen, now, self._limits[name])
+            here = judged(seen, now, self.limits[name])
             self._states[name] = become = here if was is None else observed(was, here)
             health.append((name, seen._replace(state=become, detail=self._detail(name, seen, now))))
             lost = was is not None and was is not become and become is ChannelState.LOST
@@ -161,12 +167,17 @@ class Supervisor:
 
     def _replays(self, name: str) -> bool:
         """Whether a channel follows the session clock."""
-        return name != _CONSOLE and all(health.last_seen is None for channel, health in self.health if channel == name)
+        live = self._channels.capabilities[name].takes_pointer
+        return not live and all(health.last_seen is None for channel, health in self.health if channel == name)
+
+    def _by_hand(self, name: str) -> bool:
+        """Whether a channel's own commands acknowledge that it is back; the session's own have no channel."""
+        return name in self._channels.capabilities and self._channels.capabilities[name].self_acknowledging
 
     def _may(self, name: str, command: OperatorCommand) -> bool:
         if self._states.get(name) not in OUT_OF_SERVICE:
             return True
-        by_hand = name == _CONSOLE and self._states[name] is ChannelState.RECOVERED
+        by_hand = self._by_hand(name) and self._states[name] is ChannelState.RECOVERED
         return by_hand or isinstance(command, EmergencyStop | Pause | Cursor | Acknowledge | InjectFault | HandOver)
 
     def _end_steering(self, name: str, now: float, state: SimState) -> list[OperatorCommand]:
@@ -180,7 +191,7 @@ class Supervisor:
         following = state.motion.path_status in ACTING
         on_path = self._attribution.path == name and following
         favoured = self._attribution.robots(name)
-        on_lost = self._limits[name].on_lost
+        on_lost = self.limits[name].on_lost
         if on_lost is OnLost.AUTONOMY:
             done += [NextTask(time=now, source=SESSION)] if on_path else []
             done += [Prioritise(robot=robot, time=now, source=SESSION) for robot in favoured]
@@ -188,7 +199,8 @@ class Supervisor:
             done.append(Pause(time=now, source=SESSION))
         return done
 
-    def _acknowledge(self, name: str, time: float) -> tuple[Event, ...]:
+    def _acknowledge(self, given: str, time: float) -> tuple[Event, ...]:
+        name = current_channel(given)
         names = [name] if name else list(self._states)
         events = self._take_back(names, time)
         if events:
@@ -208,13 +220,15 @@ class Supervisor:
         return tuple(events)
 
     def _inject(self, fault: InjectFault, time: float) -> tuple[Event, ...]:
-        wrong = problem(fault)
+        wrong, renamed = problem(fault), renamed_channel(fault.channel)
+        fault = replace(fault, channel=current_channel(fault.channel))
         if fault.channel not in self._lines:
             wrong = f"there is no input '{fault.channel}'; inputs: {', '.join(self._lines) or 'none'}"
         if wrong:
             return (Event(time, Severity.WARNING, "refused", f"No fault injected: {wrong}."),)
         self._lines[fault.channel].inject(fault, time)
         text = f"Fault injected: {fault.kind} of input '{fault.channel}' for {fault.seconds:g} s."
+        text += f" The {renamed}." if renamed else ""
         return (Event(time, Severity.WARNING, "channel", text),)
 
     def _detail(self, name: str, seen: ChannelHealth, now: float) -> str:
@@ -232,7 +246,7 @@ class Supervisor:
             case ChannelState.LOST if self._channels.failed(name):
                 return ()  # told when it failed
             case ChannelState.LOST:
-                outcome = f" {_OUTCOME[self._limits[name].on_lost]}" if ended else ""
+                outcome = f" {_OUTCOME[self.limits[name].on_lost]}" if ended else ""
                 severity, text = Severity.ALARM, f"Input '{name}' is lost: {quiet}.{outcome}"
             case ChannelState.RECOVERED:
                 severity, text = Severity.WARNING, f"Input '{name}' is back; acknowledge it before it counts again."

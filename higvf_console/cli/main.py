@@ -146,11 +146,14 @@ def _compile(_: argparse.Namespace) -> int:
 
 def _check_interface(given: argparse.Namespace) -> int:
     from higvf_console.channels.interface_check import check_interface
-    from higvf_console.runtime.inputs import input_spec
+    from higvf_console.core.interface import current_channel
+    from higvf_console.runtime.inputs import input_spec, renamed_specs
     from higvf_console.scenario.scenario import load_scenario
 
+    for warning in renamed_specs([given.input or given.name]):
+        _log(f"Warning: {warning}")
     spec = input_spec(given.input or given.name, load_scenario(given.scenario))
-    if spec.channel != given.name:
+    if spec.channel != current_channel(given.name):
         raise HigvfError(f"--input {given.input}: the input is for the interface '{spec.channel}', not '{given.name}'")
     findings = check_interface(spec, given.seconds)
     for finding in findings:
@@ -168,7 +171,10 @@ def _warm_up(setup: "Setup") -> float:
 def _replay(given: argparse.Namespace) -> int:
     from higvf_console.runtime.recording import read_recording, replay
 
-    result = replay(read_recording(given.file))
+    recording = read_recording(given.file)
+    for warning in recording.warnings:
+        _log(f"Warning: {warning}")
+    result = replay(recording)
     if not result.complete:
         _log(f"{given.file}: the recording is truncated after {result.ticks} ticks")
     if result.agrees:
@@ -198,7 +204,6 @@ def _run(given: argparse.Namespace) -> int:
 
 
 def _open_session(given: argparse.Namespace) -> "Session":
-    from higvf_console.channels.channels import open_interface
     from higvf_console.channels.input_reports import calibrations_of
     from higvf_console.channels.marker_outlet import MarkerOutlet
     from higvf_console.control.forms import forms_named
@@ -211,7 +216,7 @@ def _open_session(given: argparse.Namespace) -> "Session":
     scenario = load_scenario(given.scenario)
     if given.forms is not None:
         scenario = scenario.with_forms(forms_named(given.forms))
-    interfaces = [open_interface(spec) for spec in _input_specs(given, scenario)]
+    interfaces = _open_interfaces(given, scenario)
     measured = calibrations_of(interfaces)
     recorder = Recorder(given.record, scenario, given.seed, measured) if given.record else None
     _warm_up(scenario.setup(given.seed))
@@ -221,18 +226,31 @@ def _open_session(given: argparse.Namespace) -> "Session":
     return session
 
 
+def _open_interfaces(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
+    """The inputs that were asked for; a console has one that takes what its pages give."""
+    from higvf_console.channels.channels import open_interface
+    from higvf_console.core.command import CONSOLE
+    from higvf_console.core.interface import capabilities_of
+    from higvf_console.runtime.inputs import input_spec
+
+    interfaces = [open_interface(spec) for spec in _input_specs(given, scenario)]
+    if not given.headless and not any(capabilities_of(interface).takes_pointer for interface in interfaces):
+        interfaces.insert(0, open_interface(input_spec(CONSOLE, scenario)))
+    return interfaces
+
+
 def _input_specs(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
     from higvf_console.core.interface import InputSpec
-    from higvf_console.runtime.inputs import demo_specs, input_spec
+    from higvf_console.runtime.inputs import demo_specs, input_spec, renamed_specs
 
+    for warning in renamed_specs(given.input):
+        _log(f"Warning: {warning}")
     specs = [input_spec(text, scenario) for text in given.input]
     if given.demo:
         specs += demo_specs(scenario)
     if given.script is not None:
         settings, robots = scenario.inputs.get("script", {}), len(scenario.robots.points)
         specs.append(InputSpec("script", given.script, {}, settings, scenario.arena, robots))
-    if not given.headless and all(spec.channel != "mouse" for spec in specs):
-        specs.insert(0, input_spec("mouse", scenario))
     return specs
 
 

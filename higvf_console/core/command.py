@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 SESSION = "session"  # source of the commands that the session itself gives
+CONSOLE = "console"  # name of the built-in channel, which carries what the browser's pages give
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,7 +19,7 @@ class Command:
     """
 
     time: float = 0.0
-    source: str = "mouse"
+    source: str = CONSOLE
     operator: str = "operator"
     sequence: int = 0
     confidence: float | None = None

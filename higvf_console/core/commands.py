@@ -54,7 +54,7 @@ class StrokeEnd(Command):
         robot: index of the robot that shall feel it; None = the one that is influenced now.
         preview: the path, new or redrawn, waits for a Confirm; nothing moves along it before.
         use: a `StrokeUse`, or its word.
-        ending: of a new path, see `ShapePath`.
+        ending: of a new path, see `path_terms.PathTerms`.
         pace: likewise.
         duration: likewise [s].
     """
@@ -163,8 +163,8 @@ class ShapePath(Command):
     """The path, the one that waits if one does, is followed in another way; None leaves a thing as it is.
 
     Attributes:
-        ending: what happens at its end: release, hold or loop.
-        pace: share of their velocity that those who are led take.
+        ending: see `path_terms.PathTerms`.
+        pace: likewise.
         duration: how long it is followed from now on [s]; 0 = as long as it takes.
         closed: whether its end is joined to its start.
     """

@@ -1,13 +1,20 @@
 """The contracts that every operator interface stands on: what it is opened with, asked, and told."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import OperatorCommand
+from higvf_console.core.errors import InputError
 from higvf_console.core.viewport import Arena, Viewport
+
+# Present names of channels by their former ones, which are still read in command lines, scenarios, scripts, recordings.
+RENAMED_CHANNELS: Mapping[str, str] = MappingProxyType({"mouse": CONSOLE})
 
 
 class Targets(NamedTuple):
@@ -100,8 +107,33 @@ class InputSpec:
     robots: int | None = None
 
 
+@dataclass(frozen=True)
+class Capabilities:
+    """What a channel is to the session and to the console's pages, beside its commands.
+
+    The defaults are those of a device or a replay that is only polled.
+
+    Attributes:
+        takes_pointer: whether it is a `PointerSink`: the pages' commands are pushed to the first channel that is one.
+            Such a channel is live, never a replay.
+        self_acknowledging: whether any of its commands but a cursor acknowledges that it is back after a loss, because
+            a person gives them by hand.
+        draws_previewed: whether the console ends its strokes, so that they are previewed with the path terms chosen
+            there; the strokes of other channels are previewed as ordinary paths.
+        stale_after: silence after which it is stale where the scenario gives no other [s].
+    """
+
+    takes_pointer: bool = False
+    self_acknowledging: bool = False
+    draws_previewed: bool = False
+    stale_after: float = 1.0
+
+
 class Interface(Protocol):
-    """An operator's device, live or replayed. An entry point is a callable `(InputSpec) -> Interface`."""
+    """An operator's device, live or replayed. An entry point is a callable `(InputSpec) -> Interface`.
+
+    It may also have an attribute `capabilities`, see `Capabilities`; without it, it has the defaults.
+    """
 
     @property
     def name(self) -> str:
@@ -131,3 +163,33 @@ class PointerSink(Protocol):
     def heartbeat(self) -> None:
         """A page has told that it is there; callable from any thread."""
         ...
+
+
+def capabilities_of(interface: Interface) -> Capabilities:
+    """The capabilities that an interface offers; the defaults where it offers none.
+
+    Raises:
+        InputError: what it offers is no `Capabilities`, or cannot be.
+    """
+    offered: object = getattr(interface, "capabilities", None)
+    if offered is None:
+        return Capabilities()
+    place = f"interface '{interface.name}'"
+    if not isinstance(offered, Capabilities):
+        raise InputError(f"{place}: its capabilities are {offered!r:.60}, not a Capabilities of core.interface")
+    missing = [method for method in ("push", "heartbeat") if not callable(getattr(interface, method, None))]
+    if offered.takes_pointer and missing:
+        raise InputError(f"{place}: takes_pointer, but it has no method {' and no method '.join(missing)}")
+    if not 0.0 < offered.stale_after < math.inf:
+        raise InputError(f"{place}: stale_after: {offered.stale_after!r} is not a time above 0 s")
+    return offered
+
+
+def current_channel(name: str) -> str:
+    """The present name of a channel, of one that may be its former name."""
+    return RENAMED_CHANNELS.get(name, name)
+
+
+def renamed_channel(name: str) -> str:
+    """A warning that gives the present name of a channel; empty where that is the name given."""
+    return f"channel '{name}' is renamed; write '{RENAMED_CHANNELS[name]}'" if name in RENAMED_CHANNELS else ""

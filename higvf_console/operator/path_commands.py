@@ -10,15 +10,14 @@ import numpy as np
 
 from higvf_console.control.guidance.paths import EVERYWHERE, nearest, path_points, start_parameter
 from higvf_console.core.arrays import floats
-from higvf_console.core.commands import ShapePath, StrokeEnd
+from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
 from higvf_console.core.events import Event
+from higvf_console.core.path_terms import ENDINGS, FASTEST, SLOWEST, PathTerms, changed_terms
 from higvf_console.core.state import ACTING, Path, PathEnding, PathKind, PathStatus, SimState
 from higvf_console.operator.outcome import Outcome, path_dropped, refuse, report, with_pointer_state
 from higvf_console.operator.path_edits import reclosed
 
-ENDINGS = {ending.name.lower(): ending for ending in PathEnding}
-SLOWEST, FASTEST = 0.2, 1.5  # pace along a path
 PATHS_KEPT = 20
 
 
@@ -37,27 +36,38 @@ def follow(state: SimState, path: Path) -> SimState:
     return state._replace(motion=motion, intent=intent._replace(path=path))
 
 
-def shaped(path: Path, command: ShapePath | StrokeEnd) -> Path:
+def terms_of(path: Path, smoothing: float | None = None) -> PathTerms:
+    """The terms on which a path is followed; what its stroke was smoothed by [m] is not known of it, but given."""
+    duration = float(path.duration) if math.isfinite(path.duration) else 0.0
+    return PathTerms(ending_word(path), float(path.pace), duration, smoothing)
+
+
+def with_terms(path: Path, terms: PathTerms) -> Path:
+    """The path, followed on these terms.
+
+    Raises:
+        PathError: a value is outside its range.
+    """
+    if terms.ending not in ENDINGS:
+        raise PathError(f"unknown path ending '{terms.ending}'; choose {', '.join(ENDINGS)}")
+    if not SLOWEST <= terms.pace <= FASTEST:
+        raise PathError(f"pace {terms.pace:g} is outside {SLOWEST:g} to {FASTEST:g}")
+    if not terms.duration >= 0.0:
+        raise PathError(f"duration {terms.duration:g} s is not at least 0 s (0 means no limit)")
+    return path._replace(
+        ending=int(ENDINGS[terms.ending]), pace=float(terms.pace), duration=float(terms.duration) or math.inf
+    )
+
+
+def shaped(path: Path, command: ShapePath) -> Path:
     """The path with the ending, pace, duration and closure that a command gives; fields of None keep the present value.
 
     Raises:
         PathError: a value is outside its range, or the path cannot be closed or opened.
     """
-    if isinstance(command, ShapePath) and command.closed is not None:
+    if command.closed is not None:
         path = reclosed(path, command.closed)
-    if command.ending is not None:
-        if command.ending not in ENDINGS:
-            raise PathError(f"unknown path ending '{command.ending}'; choose {', '.join(ENDINGS)}")
-        path = path._replace(ending=int(ENDINGS[command.ending]))
-    if command.pace is not None:
-        if not SLOWEST <= command.pace <= FASTEST:
-            raise PathError(f"pace {command.pace:g} is outside {SLOWEST:g} to {FASTEST:g}")
-        path = path._replace(pace=float(command.pace))
-    if command.duration is not None:
-        if not command.duration >= 0.0:
-            raise PathError(f"duration {command.duration:g} s is not at least 0 s (0 means no limit)")
-        path = path._replace(duration=float(command.duration) or math.inf)
-    return path
+    return with_terms(path, changed_terms(terms_of(path), command))
 
 
 def in_hand(state: SimState) -> Path:

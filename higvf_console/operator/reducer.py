@@ -54,6 +54,7 @@ from higvf_console.core.commands import (
 from higvf_console.core.edits import Edit
 from higvf_console.core.errors import PathError
 from higvf_console.core.events import Event, Severity
+from higvf_console.core.path_terms import terms_of_stroke
 from higvf_console.core.state import NO_PATH, NOBODY, Path, PathKind, PointerState, SimState
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.outcome import (
@@ -74,6 +75,7 @@ from higvf_console.operator.path_commands import (
     repaired,
     shaped,
     take_up,
+    with_terms,
 )
 from higvf_console.operator.path_edits import bent, redrawn
 from higvf_console.operator.priority import prioritise, prioritise_inside
@@ -193,7 +195,7 @@ def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) 
     if command.use == StrokeUse.REDRAW:
         return repaired(state, time, lambda path: redrawn(path, points, smoothing), preview=command.preview)
     try:
-        path = shaped(sketch_path(points, smoothing), command)
+        path = with_terms(sketch_path(points, smoothing), terms_of_stroke(command))
     except PathError as error:
         return state, refuse(time, f"No path: {error}.")
     robot = NOBODY if command.robot is None else int(command.robot)

@@ -1,13 +1,13 @@
 """`--input CHANNEL=FILE:option=value,option=value`, as words of the command line and of a scenario's `demo`."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from higvf_console.channels.channels import Channels
 from higvf_console.core.errors import InputError
 from higvf_console.core.events import Event, Severity
-from higvf_console.core.interface import InputSpec
+from higvf_console.core.interface import InputSpec, current_channel, renamed_channel
 from higvf_console.core.reports import Warned
 from higvf_console.scenario.scenario import Scenario, data_folder
 
@@ -23,7 +23,8 @@ def input_spec(text: str, scenario: Scenario, folder: Path | None = None) -> Inp
     one that options follow: so `C:\\run 1\\gaze.tsv:frame=screen` and `run 12:30.csv` mean what they should.
 
     Args:
-        text: `gaze=FILE:frame=screen`, `bci=:stream=Decoder` or just `mouse`.
+        text: `gaze=FILE:frame=screen`, `bci=:stream=Decoder` or just `console`; a channel's former
+            name is read as its present one.
         scenario: with the arena and the interface's settings.
         folder: what a relative file is relative to; None = the working directory.
 
@@ -33,9 +34,16 @@ def input_spec(text: str, scenario: Scenario, folder: Path | None = None) -> Inp
     channel, _, rest = text.partition("=")
     if not _CHANNEL.fullmatch(channel):
         raise InputError(f"--input {text}: give CHANNEL=FILE or CHANNEL=FILE:option=value,option=value")
+    channel = current_channel(channel)
     source, options = _split(rest, folder or Path())
     settings = scenario.inputs.get(channel, {})
     return InputSpec(channel, source, _options(options, text), settings, scenario.arena, len(scenario.robots.points))
+
+
+def renamed_specs(texts: Iterable[str]) -> tuple[str, ...]:
+    """A warning for each `--input` that names a channel by its former name."""
+    warnings = [(text, renamed_channel(text.partition("=")[0])) for text in texts]
+    return tuple(f"--input {text}: {warning}" for text, warning in warnings if warning)
 
 
 def demo_specs(scenario: Scenario) -> list[InputSpec]:

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 from higvf_console.analysis.preview import USUAL, Preview, foresee, wish
 from higvf_console.core.arrays import floats
-from higvf_console.core.commands import StrokeEnd, StrokeUse
+from higvf_console.core.commands import StrokeUse
+from higvf_console.core.path_terms import USUAL_TERMS, PathTerms, stroke_end
 from higvf_console.core.state import SimState
 from higvf_console.runtime.scheduling import stand_back
 from higvf_console.runtime.session import Session
@@ -26,19 +27,13 @@ class Choice(NamedTuple):
 
     Attributes:
         horizon: how far to look ahead [s].
-        smoothing: of a stroke that the pointer draws, as all that follows [m]; None = the scenario's.
-        use: what it is drawn for, a `StrokeUse` or its word.
-        ending: see `StrokeEnd`.
-        pace: likewise.
-        duration: likewise [s].
+        use: what a stroke is for that is drawn at the console.
+        terms: on which the path is followed that it becomes.
     """
 
     horizon: float = USUAL
-    smoothing: float | None = None
-    use: str = StrokeUse.PATH
-    ending: str = "release"
-    pace: float = 1.0
-    duration: float = 0.0
+    use: StrokeUse = StrokeUse.PATH
+    terms: PathTerms = USUAL_TERMS
 
 
 class Previewer:
@@ -105,7 +100,8 @@ class Previewer:
             return
         self._known, self._chosen, self._tick = matter, choice, state.motion.tick
         self._started = time.perf_counter()
-        wished = wish(state, setup, _end(choice) if state.pointer_state.stroke_source == "mouse" else None)
+        drawn_here = self._session.draws_previewed(state.pointer_state.stroke_source)
+        wished = wish(state, setup, stroke_end(choice.terms, choice.use) if drawn_here else None)
         if wished is None:
             self.latest = None
             return
@@ -133,12 +129,6 @@ def rehearse(setup: Setup) -> None:
     wished = wish(state, setup)
     if wished is not None:
         foresee(state, wished, setup, 0.0)
-
-
-def _end(choice: Choice) -> StrokeEnd:
-    return StrokeEnd(
-        smoothing=choice.smoothing, use=choice.use, ending=choice.ending, pace=choice.pace, duration=choice.duration
-    )
 
 
 def _matter(setup: Setup, state: SimState) -> tuple[Any, ...]:

@@ -28,6 +28,7 @@ from higvf_console.core.arguments import instance
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import Command, LoadScenario, OperatorCommand
 from higvf_console.core.errors import InputError
+from higvf_console.core.interface import current_channel, renamed_channel
 from higvf_console.core.reading.node import Node
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.state import Motion
@@ -185,6 +186,7 @@ class Recording(NamedTuple):
         commands: by the tick before which they were applied.
         marks: digests on the way.
         complete: whether the recording has its end.
+        warnings: what was read otherwise than it is written.
     """
 
     scenario: Scenario
@@ -193,6 +195,7 @@ class Recording(NamedTuple):
     commands: dict[int, list[OperatorCommand]]
     marks: list[Mark]
     complete: bool
+    warnings: tuple[str, ...] = ()
 
 
 class Replay(NamedTuple):
@@ -247,6 +250,7 @@ def read_recording(file: str | Path) -> Recording:
     if "forms" in header:
         scenario = scenario.with_forms(read_forms(Node(header["forms"], str(file), "forms", InputError)))
     recording = Recording(scenario, header["seed"], header["versions"], {}, [], False)
+    renamed: dict[str, str] = {}  # warnings by the name that they are about
     for number, line in enumerate(lines[1:-1], 2):
         entry = _parsed(line)
         if entry is None or not (_marks(entry) or isinstance(entry.get("tick"), int)):
@@ -255,8 +259,16 @@ def read_recording(file: str | Path) -> Recording:
             recording.marks.append(Mark(entry["mark"], entry["digest"]))
             recording = recording._replace(complete="end" in entry)
         elif "calibration" not in entry:
+            renamed |= _rename(entry)
             recording.commands.setdefault(entry["tick"], []).append(_command(entry, f"{file}: line {number}"))
-    return recording
+    return recording._replace(warnings=tuple(f"{file}: {warning}" for warning in renamed.values()))
+
+
+def _rename(entry: dict[str, Any]) -> dict[str, str]:
+    """Gives the channels of a command their present names; the warnings, by the former name."""
+    given = {field: entry[field] for field in ("source", "channel") if isinstance(entry.get(field), str)}
+    entry |= {field: current_channel(name) for field, name in given.items()}
+    return {name: warning for name in given.values() if (warning := renamed_channel(name))}
 
 
 def _marks(entry: dict[str, Any]) -> bool:

@@ -12,7 +12,8 @@ from threading import Thread
 from time import perf_counter
 from typing import Any, NamedTuple, cast
 
-from higvf_console.analysis.baseline import Baseline, compute_baseline
+from higvf_console.analysis.baseline import Baseline
+from higvf_console.channels.channel_state import Limits
 from higvf_console.channels.channels import Channels
 from higvf_console.channels.input_reports import InputReports, Reporter, calibration_event
 from higvf_console.channels.marker_outlet import MarkerOutlet
@@ -31,28 +32,25 @@ from higvf_console.core.commands import (
     Undo,
 )
 from higvf_console.core.edits import Edit
-from higvf_console.core.errors import InputError
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
 from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
+from higvf_console.runtime.baseline_thread import keep_baseline
 from higvf_console.runtime.compiling import TICK, announce
 from higvf_console.runtime.failsafe import failure_event, halted
 from higvf_console.runtime.history import rows_before
 from higvf_console.runtime.inputs import opening_warnings
 from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.run import Run
-from higvf_console.runtime.scheduling import stand_back
 from higvf_console.runtime.snapshot import Snapshot
 from higvf_console.scenario.scenario import Scenario
-from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.metrics import loss_area
 from higvf_console.world.setup import Setup
 
 SLOWEST, FASTEST = 0.25, 8.0  # speed factors
 CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time
 EVENTS_KEPT = 2000
-_LOOK = 0.1  # [s] between two looks whether the world is another one
 _WATCH_EVERY = 5  # ticks from one look after the channels to the next
 
 _log = logging.getLogger(__name__)
@@ -75,7 +73,7 @@ class Session:
         viewport: how the operator's screen lies over the arena; set by the view.
         commands: applied so far, without cursors and stroke points, which come by the thousand.
         error: what halted the engine; None while all is well.
-        answered: set when the snapshot has come to show what one of `commands` did; cleared by who shows it.
+        answered: set when there is an answer to the operator to show, such as what a command did; the view clears it.
     """
 
     def __init__(
@@ -97,7 +95,7 @@ class Session:
 
         Raises:
             ScenarioError: the start is not safe with this seed.
-            InputError: two interfaces have the same name.
+            InputError: two interfaces have the same name, or one offers capabilities that cannot be.
             ArgumentError: an argument is of another type, or an interface lacks one of its functions.
         """
         instance("scenario", scenario, Scenario)
@@ -120,15 +118,17 @@ class Session:
 
     @property
     def pointer(self) -> PointerSink:
-        """Where the view leaves the browser's commands: the interface named "mouse".
+        """Where the view leaves its pages' commands: the first interface that takes them; InputError without one."""
+        return self._channels.pointer
 
-        Raises:
-            InputError: the session has none, or it takes no pushed commands.
-        """
-        mouse = self._channels.named("mouse")
-        if not hasattr(mouse, "push"):
-            raise InputError("the session has no interface 'mouse' that commands can be pushed to")
-        return cast(PointerSink, mouse)
+    @property
+    def pointer_limits(self) -> Limits:
+        """When silence of that interface matters."""
+        return self._supervisor.limits[self._channels.pointer_name]
+
+    def draws_previewed(self, source: str) -> bool:
+        """Whether strokes of a source are previewed with what is chosen at the console, see `Capabilities`."""
+        return source in self._channels.names and self._channels.capabilities[source].draws_previewed
 
     @property
     def scenario(self) -> Scenario:
@@ -175,7 +175,7 @@ class Session:
 
     def run(self, stopping: Signal) -> None:
         """Ticks at the pace of the clock until `stopping` is set; an engine that fails halts the team, not the loop."""
-        Thread(target=self._keep_baseline, args=(stopping,), name="baseline", daemon=True).start()
+        Thread(target=keep_baseline, args=(self, stopping), name="baseline", daemon=True).start()
         due, credit = perf_counter(), 0.0
         while not stopping.is_set():
             credit += min(self._speed, 1.0)
@@ -337,16 +337,3 @@ class Session:
             events=self._events,
             inputs=inputs,
         )
-
-    def _keep_baseline(self, stopping: Signal) -> None:
-        """Runs every world that is edited or loaded without an operator, on a thread of its own."""
-        stand_back()
-        known: Setup | None = None
-        while not stopping.wait(_LOOK):
-            setup, scenario = self.setup, self.scenario
-            if setup is known:
-                continue
-            known, self.baseline = setup, None
-            if scenario.filter is FilterKind.DISTRIBUTED:  # the centralised filter has no fast roll
-                found = compute_baseline(setup, scenario.duration, stopping)
-                self.baseline = found if self.setup is setup else None

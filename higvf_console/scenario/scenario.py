@@ -34,7 +34,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
-from higvf_console.channels.channel_state import Limits
+from higvf_console.channels.channel_state import GivenLimits
 from higvf_console.channels.channels import unknown_settings
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.parameters import Parameters
@@ -137,7 +137,7 @@ class Scenario:
     params: Parameters
     filter: FilterKind
     inputs: Mapping[str, Mapping[str, object]]
-    limits: Mapping[str, Limits]
+    limits: Mapping[str, GivenLimits]
     demo: tuple[str, ...]
     duration: float
     warnings: tuple[str, ...]

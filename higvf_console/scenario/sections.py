@@ -13,13 +13,13 @@ from higvf_console.control.forms import FORMS, WORDS, Forms
 from higvf_console.control.guidance.paths import circle_path, ellipse_path, line_path, sketch_path
 from higvf_console.control.parameters import RENAMED, Parameters, PathParameters
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
+from higvf_console.core.path_terms import ENDINGS, FASTEST, SLOWEST, USUAL_TERMS, PathTerms
 from higvf_console.core.quantity import COORDINATE, Quantity, quantities, with_values
 from higvf_console.core.reading.node import Node
 from higvf_console.core.state import Path
 from higvf_console.core.viewport import Arena
-from higvf_console.operator.path_commands import ENDINGS, FASTEST, SLOWEST, shaped
+from higvf_console.operator.path_commands import with_terms
 from higvf_console.scenario.irregular import check_edges, read_masks, read_polygons
 from higvf_console.world.layout import Fire, Links
 from higvf_console.world.obstacles import Obstacles
@@ -235,12 +235,12 @@ def read_path(node: Node, smoothing: float) -> Path:
         path = _PATHS[given[0]](shape, direction, smoothing)
     except PathError as error:
         raise shape.error(str(error)) from error
-    way = ShapePath(
-        ending=entries["ending"].choice(tuple(ENDINGS)) if "ending" in entries else None,
-        pace=entries["pace"].number(_PACE) if "pace" in entries else None,
-        duration=entries["duration_s"].number(_DURATION) if "duration_s" in entries else None,
+    terms = PathTerms(
+        ending=entries["ending"].choice(tuple(ENDINGS)) if "ending" in entries else USUAL_TERMS.ending,
+        pace=entries["pace"].number(_PACE) if "pace" in entries else USUAL_TERMS.pace,
+        duration=entries["duration_s"].number(_DURATION) if "duration_s" in entries else USUAL_TERMS.duration,
     )
-    return shaped(path, way)
+    return with_terms(path, terms)
 
 
 def _line(node: Node, direction: float, _: float) -> Path:

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.channels.channel_state import default_limits
+from higvf_console.core.state import NO_PATH, Path
+from higvf_console.operator.path_commands import in_hand
 from higvf_console.runtime.history import History
 from higvf_console.runtime.previewer import Choice, Previewer
 from higvf_console.ui import theme
@@ -38,7 +39,8 @@ from higvf_console.ui.panels.tune import TunePanel
 from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.panels.why import WhyPanel
 from higvf_console.ui.panels.widgets.html import SPACER, style_html
-from higvf_console.ui.scene.scene import Scene, View
+from higvf_console.ui.scene.scene import Scene
+from higvf_console.ui.ui_state import UiState, UiStore, begin_scenario, follow_path, keep_choice
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
@@ -72,14 +74,20 @@ def _trigger(hand: ArenaInteraction, name: str) -> Callable[[viser.CommandEvent]
 
 
 class Console:
-    """Scene and panels of one session, on one viser server."""
+    """Scene and panels of one session, on one viser server.
+
+    Attributes:
+        ui: what is chosen to be seen, drawn and edited.
+    """
 
     def __init__(self, session: "Session", server: viser.ViserServer) -> None:
         """Builds everything; nothing moves before `run` or `start`."""
         self._session, self._server = session, server
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
-        self._view = View()
+        self.ui = UiStore(begin_scenario(_smoothing(session.scenario))(UiState()))
+        self.ui.subscribe(self._wake)
+        self._path: Path = NO_PATH
         self._previewer = Previewer(session, self._choice)
         self._stopped: bool | None = None
         self._history: History | None = None
@@ -88,11 +96,11 @@ class Console:
         self._failures: set[str] = set()
         theme.dress(server, session.scenario.title)
         page.install(server, "frames", {})
-        self._scene = Scene(server, session.setup, self._view)
-        self._roles = Roles(server, session.pointer, _timeout(session.scenario))
+        self._scene = Scene(server, session.setup, self.ui.state.look)
+        self._roles = Roles(server, session.pointer, session.pointer_limits.lost)
         self._build_panels()
         camera.install(server, self._scene.camera_arena)
-        self._hand = hand = ArenaInteraction(session, self._view, self._steer, self._roles, self._show_tool)
+        hand = ArenaInteraction(session, self.ui, self._roles, self._show_tool)
         pointer.install(server, hand, theme.CSS.stroke)
         self._calibration = Calibration(server, session.calibrated)  # ahead of the keys: Esc is its own at times
         keys.install(server, hand.key)
@@ -103,39 +111,44 @@ class Console:
         self._roles.install(hand.hand_over)
 
     def _build_panels(self) -> None:
-        gui, session, sink = self._server.gui, self._session, self._roles
-        self._style = gui.add_html(style_html(self._view.look))
-        status = StatusPanel(gui, session.setup.params.safety.control_period, sink, self._view)
+        gui, session, sink, ui = self._server.gui, self._session, self._roles, self.ui
+        self._style = gui.add_html(style_html(self.ui.state.look))
+        status = StatusPanel(gui, session.setup.params.safety.control_period, sink, ui)
         run = RunPanel(gui, sink)
         gui.add_html(SPACER)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Steer"):
             preview = PreviewPanel(gui, self._previewer, sink)
-            self._steer = SteerPanel(gui, session.scenario, len(session.setup.start.motion.position), sink, self._view)
+            steer = SteerPanel(gui, session.scenario, len(session.setup.start.motion.position), sink, ui)
         with tabs.add_tab("Fires"):
             fires = FiresPanel(gui, session)
         with tabs.add_tab("Why"):
-            why = WhyPanel(gui, session, self._view)
+            why = WhyPanel(gui, session, ui)
         with tabs.add_tab("Edit"):
-            edit = EditPanel(gui, sink, self._view)
+            edit = EditPanel(gui, sink, ui)
             history = HistoryPanel(gui, sink)
-            file = FilesPanel(self._server, session, sink, self._view)
+            file = FilesPanel(self._server, session, sink, ui)
         with tabs.add_tab("Tune"):
             tune = TunePanel(gui, session, sink)
         with tabs.add_tab("Inputs"):
             inputs = InputsPanel(gui, session, sink)
         with tabs.add_tab("View"):
-            view = ViewPanel(gui, self._view)
+            view = ViewPanel(gui, ui)
         with tabs.add_tab("Log"):
-            log = LogPanel(self._server, self._view)
-        self._panels = (status, run, self._steer, preview, fires, why, edit, history, file, tune, inputs, view, log)
+            log = LogPanel(self._server, ui)
+        self._panels = (status, run, steer, preview, fires, why, edit, history, file, tune, inputs, view, log)
 
     def _show_tool(self, tool: tools.Tool, client_id: int) -> None:
         tools.show(self._server, tool, client_id)
 
     def _choice(self) -> Choice:
-        end = self._steer.stroke_end(self._hand.use)
-        return Choice(self._view.horizon, end.smoothing, end.use, end.ending, end.pace, end.duration)
+        state = self.ui.state
+        return Choice(state.horizon, state.drawn_for, state.terms)
+
+    def _wake(self, before: UiState, now: UiState) -> None:
+        """What was chosen is shown at once; what is dragged, which comes by the hundred, with the next frame."""
+        if now.drag is before.drag:
+            self._session.answered.set()
 
     def start(self) -> None:
         """Runs the view on a thread of its own, and the look ahead on another."""
@@ -160,6 +173,10 @@ class Console:
         """Shows one snapshot. A part that fails is logged once and does not keep the others from showing."""
         if snapshot.scenario is not self._scenario:
             self._take(snapshot.scenario)
+        path = in_hand(snapshot.state)
+        if path is not self._path:
+            self._path = path
+            self.ui.change(follow_path(path))
         with self._server.atomic():
             self._try("scene", lambda: self._show_scene(snapshot))
             self._try("calibration", lambda: self._calibration.update(snapshot.inputs.capture))
@@ -182,24 +199,25 @@ class Console:
     def _take(self, scenario: "Scenario") -> None:
         """Another scenario is in force: what was chosen, and the picture on the ground, were of the last one."""
         self._scenario = scenario
-        self._view.selected = self._view.background = None
-        self._roles.timeout = _timeout(scenario)
+        self.ui.change(begin_scenario(_smoothing(scenario)))
+        self._roles.timeout = self._session.pointer_limits.lost
         self._server.gui.set_panel_label(scenario.title)
 
     def _show_scene(self, snapshot: "Snapshot") -> None:
-        look = self._view.look
         if self._scene.setup is not snapshot.setup:
-            self._view.keep_choice(snapshot.setup.layout)
+            self.ui.change(keep_choice(snapshot.setup.layout))
+        state = self.ui.state
+        look = state.look
         if self._scene.setup is not snapshot.setup or self._scene.look != look:
             if self._scene.look != look:
                 theme.wear(self._server, look.palette)
                 self._style.content = style_html(look)
             arena = self._scene.camera_arena
             self._scene.clear()
-            self._scene = Scene(self._server, snapshot.setup, self._view)
+            self._scene = Scene(self._server, snapshot.setup, look)
             if self._scene.camera_arena != arena:
                 camera.install(self._server, self._scene.camera_arena)
-        self._scene.update(snapshot, self._previewer.latest)
+        self._scene.update(snapshot, state, self._previewer.latest)
 
     def _try(self, part: str, update: Callable[[], None]) -> None:
         try:
@@ -218,6 +236,6 @@ class Console:
             self._thread = None
 
 
-def _timeout(scenario: "Scenario") -> float:
-    """Silence after which the page that steers is lost [s]."""
-    return scenario.limits.get("mouse", default_limits("mouse")).lost
+def _smoothing(scenario: "Scenario") -> float:
+    """By how much a scenario smooths a stroke [m]."""
+    return scenario.params.path.stroke_smoothing

@@ -11,13 +11,14 @@ speed and polling rate. Delivery preserves order.
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from higvf_console.core.arrays import Bools, Floats, bools, floats
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd
-from higvf_console.core.interface import ChannelHealth, Interface, OperatorContext
+from higvf_console.core.interface import Capabilities, ChannelHealth, Interface, OperatorContext, capabilities_of
 from higvf_console.core.reports import Warned
 from higvf_interfaces.decisions.feeds import DecisionFeed, Due
 from higvf_interfaces.fields import Fields, is_number, shown
@@ -155,6 +156,11 @@ class EmulatedInterface:
     def name(self) -> str:
         """Channel name, shown in the status line."""
         return self._interface.name
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """Those of the interface; nothing can be pushed through the link."""
+        return replace(capabilities_of(self._interface), takes_pointer=False)
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -53,14 +53,14 @@ def told(run: Run, *said: tuple[str, list[OperatorCommand] | OperatorCommand]) -
         ([("gaze", stroke(WAY))], "gaze"),
         ([("gaze", WAITS)], ""),
         ([("gaze", WAITS), ("emg", Confirm())], "gaze"),
-        ([("gaze", stroke(WAY)), ("mouse", WAITS), ("mouse", Confirm())], "mouse"),
-        ([("gaze", stroke(WAY)), ("mouse", ClearPath())], ""),
-        ([("gaze", stroke(WAY)), ("mouse", ClearPath()), ("mouse", Undo())], "mouse"),
-        ([("gaze", stroke(WAY)), ("mouse", NextTask()), ("mouse", TakeUpPath(0))], "mouse"),
-        ([("gaze", stroke(WAY)), ("mouse", MovePathPoint(floats([500, 450]), floats([500, 500])))], "mouse"),
-        ([("gaze", stroke(WAY)), ("mouse", Pick(2))], "gaze"),
-        ([("mouse", LoadScenario(text=WITH_PATH, name="path.yaml"))], ""),
-        ([("gaze", stroke(WAY)), ("mouse", LoadScenario(text="version: 9", name="refused.yaml"))], "gaze"),
+        ([("gaze", stroke(WAY)), ("console", WAITS), ("console", Confirm())], "console"),
+        ([("gaze", stroke(WAY)), ("console", ClearPath())], ""),
+        ([("gaze", stroke(WAY)), ("console", ClearPath()), ("console", Undo())], "console"),
+        ([("gaze", stroke(WAY)), ("console", NextTask()), ("console", TakeUpPath(0))], "console"),
+        ([("gaze", stroke(WAY)), ("console", MovePathPoint(floats([500, 450]), floats([500, 500])))], "console"),
+        ([("gaze", stroke(WAY)), ("console", Pick(2))], "gaze"),
+        ([("console", LoadScenario(text=WITH_PATH, name="path.yaml"))], ""),
+        ([("gaze", stroke(WAY)), ("console", LoadScenario(text="version: 9", name="refused.yaml"))], "gaze"),
     ],
 )
 def test_a_path_is_the_channel_s_that_gave_it_its_course(
@@ -78,11 +78,11 @@ def test_a_clutch_is_the_channel_s_that_closed_it() -> None:
 def test_priorities_stay_those_of_their_channel_when_rows_are_renumbered_and_come_back() -> None:
     run = edited_run()
     attribution = told(
-        run, ("gaze", Prioritise(fires=(1,), robot=2)), ("mouse", DeleteEntity("fire", 0)),
-        ("mouse", DeleteEntity("robot", 0)), ("mouse", Undo()),
+        run, ("gaze", Prioritise(fires=(1,), robot=2)), ("console", DeleteEntity("fire", 0)),
+        ("console", DeleteEntity("robot", 0)), ("console", Undo()),
     )  # fmt: skip
     assert attribution.priorities == {(2.0, 0.0, 8.0): "gaze"}
-    assert (attribution.robots("gaze"), attribution.robots("mouse")) == ([2], [])
+    assert (attribution.robots("gaze"), attribution.robots("console")) == ([2], [])
 
 
 def test_a_priority_that_another_channel_gives_again_is_that_channel_s() -> None:
@@ -91,5 +91,5 @@ def test_a_priority_that_another_channel_gives_again_is_that_channel_s() -> None
     assert (again.robots("gaze"), again.robots("bci")) == ([], [1])
     run = edited_run()
     circled: list[OperatorCommand] = [StrokeBegin(), StrokePoints(CIRCLE), StrokeEnd(use=StrokeUse.PRIORITY)]
-    mixed = told(run, ("gaze", Prioritise((0,), 0)), ("gaze", Prioritise((0,), 1)), ("mouse", circled))
-    assert (mixed.robots("gaze"), mixed.robots("mouse")) == ([1], [0])
+    mixed = told(run, ("gaze", Prioritise((0,), 0)), ("gaze", Prioritise((0,), 1)), ("console", circled))
+    assert (mixed.robots("gaze"), mixed.robots("console")) == ([1], [0])

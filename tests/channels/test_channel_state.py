@@ -6,11 +6,12 @@ from hypothesis import strategies as st
 
 from higvf_console.channels.channel_state import (
     OUT_OF_SERVICE,
+    GivenLimits,
     Limits,
     OnLost,
     acknowledged,
-    default_limits,
     judged,
+    limits_of,
     observed,
 )
 from higvf_console.core.errors import ScenarioError
@@ -66,10 +67,20 @@ def test_the_limits_of_a_scenario_go_over_the_defaults_and_do_not_reach_the_inte
     text = "{gaze: {stale: 0.3, clutch: held}, emg: {lost: 9, on_lost: hold}, bci: {stale: 6}}"
     settings, limits = read_inputs(read_yaml(text, "s.yaml"))
     assert settings == {"gaze": {"clutch": "held"}, "emg": {}, "bci": {}}
-    assert limits["gaze"] == (0.3, 2.0, OnLost.AUTONOMY)
-    assert limits["emg"] == (1.0, 9.0, OnLost.HOLD)
-    assert limits["bci"].lost > limits["bci"].stale == 6.0
-    assert [default_limits(name).stale for name in ("gaze", "emg", "bci", "mouse")] == [0.5, 1.0, 1.0, 2.0]
+    assert limits_of(limits["gaze"], 0.5) == (0.3, 2.0, OnLost.AUTONOMY)
+    assert limits_of(limits["emg"], 1.0) == (1.0, 9.0, OnLost.HOLD)
+    bci = limits_of(limits["bci"], 1.0)
+    assert bci.lost > bci.stale == 6.0
+
+
+def test_a_channel_has_its_own_limits_where_the_scenario_says_nothing() -> None:
+    assert limits_of(GivenLimits(), 0.5) == (0.5, 2.0, OnLost.AUTONOMY)
+    assert limits_of(GivenLimits(on_lost=OnLost.KEEP), 3.0) == (3.0, 12.0, OnLost.KEEP)
+
+
+def test_a_channel_that_is_to_be_lost_sooner_than_it_would_be_stale_is_stale_sooner() -> None:
+    assert limits_of(GivenLimits(lost=0.4), 0.5) == (0.1, 0.4, OnLost.AUTONOMY)
+    assert limits_of(GivenLimits(lost=0.6), 0.5) == (0.5, 0.6, OnLost.AUTONOMY)
 
 
 @pytest.mark.parametrize(

@@ -15,12 +15,12 @@ from higvf_console.core.interface import InputSpec
 
 
 def test_the_shipped_interfaces_are_installed() -> None:
-    assert {"mouse", "gaze", "emg", "bci", "script"} <= set(interface_names())
+    assert {"console", "gaze", "emg", "bci", "script"} <= set(interface_names())
 
 
 def test_an_interface_is_opened_by_its_name() -> None:
-    interface = open_interface(InputSpec("mouse"))
-    assert interface.name == "mouse"
+    interface = open_interface(InputSpec("console"))
+    assert interface.name == "console"
     interface.close()
 
 
@@ -58,7 +58,7 @@ def test_an_interface_that_crashes_while_it_opens_is_one_clear_line_and_breaks_t
     assert main(["run", "empty", "--headless", "--input", "glove=left"]) == 2
     assert capsys.readouterr().err == f"higvf: {crash}\n"
     assert main(["check-interface", "glove", "--input", "glove=left"]) == 1
-    assert capsys.readouterr().out == f"BROKEN opens, or refuses its input with InputError: {crash}\n"
+    assert capsys.readouterr().out == f"FAILED opens, or refuses its input with InputError: {crash}\n"
 
 
 def test_an_interface_that_does_not_import_says_where_it_should_be(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -129,7 +129,7 @@ def test_a_good_interface_breaks_no_rule(monkeypatch: pytest.MonkeyPatch) -> Non
         (Giving("pause"), "gives only known commands", "first: 'pause'"),
         (Giving(Pause(), time=1e9), "gives commands in order of time, none from the future", "Pause at 1e+09 s"),
         (Giving(Pause(), time=float("nan")), "gives commands in order of time, none from the future", "nan"),
-        (Giving(Pause(), source="mouse"), "signs commands with source, operator and a running number", "'mouse'"),
+        (Giving(Pause(), source="console"), "signs commands with source, operator and a running number", "'console'"),
         (Giving(Pause(), sequence=0), "signs commands with source, operator and a running number", "sequence 0"),
         (Giving(Pause(), confidence=87.0), "gives a confidence of 0 to 1, or none", "confidence 87.0"),
         (Giving(Pick(7)), "gives points (n, 2) and robots that are there", "robot index 7 of 3"),
@@ -169,11 +169,11 @@ def test_the_command_tells_each_rule_and_its_exit_status(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def opened(_: InputSpec) -> Any:
-        return ClosedOnce("mouse")
+        return ClosedOnce("console")
 
-    assert main(["check-interface", "mouse", "--seconds", "1"]) == 0
+    assert main(["check-interface", "console", "--seconds", "1"]) == 0
     monkeypatch.setattr(interface_check, "open_interface", opened)
-    assert main(["check-interface", "mouse", "--seconds", "1"]) == 1
-    assert "BROKEN close may be called twice: OSError: already closed" in capsys.readouterr().out
-    assert main(["check-interface", "mouse", "--input", "gaze=a.tsv"]) == 2
-    assert "is not for the interface 'mouse'" in capsys.readouterr().err
+    assert main(["check-interface", "console", "--seconds", "1"]) == 1
+    assert "FAILED close may be called twice: OSError: already closed" in capsys.readouterr().out
+    assert main(["check-interface", "console", "--input", "gaze=a.tsv"]) == 2
+    assert "is not for the interface 'console'" in capsys.readouterr().err

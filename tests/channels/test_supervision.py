@@ -29,12 +29,12 @@ from higvf_console.core.commands import (
     StrokePoints,
     Undo,
 )
-from higvf_console.core.interface import ChannelHealth, ChannelState, OperatorContext
+from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, OperatorContext
 from higvf_console.core.state import PathKind, PathStatus
 from higvf_console.runtime.recording import Recorder, read_recording, replay
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario, parse_scenario
-from tests.fake_interfaces import FakeInterface
+from tests.fake_interfaces import FakeConsole, FakeInterface
 
 STROKE = np.array([[600.0, 350.0], [500.0, 400.0], [400.0, 400.0], [300.0, 300.0]])
 BEGIN = [StrokeBegin(source="gaze"), StrokePoints(STROKE, source="gaze")]
@@ -43,6 +43,8 @@ DRAWN: list[OperatorCommand] = [*BEGIN, StrokeEnd(source="gaze")]
 
 class Device(FakeInterface):
     """Live until it falls silent, and again from another time on."""
+
+    capabilities = Capabilities(stale_after=0.5)
 
     def __init__(self, *plan: tuple[float, OperatorCommand], silent: float = 1.0, back: float = np.inf) -> None:
         super().__init__("gaze", *plan)
@@ -126,7 +128,7 @@ def test_the_path_ends_with_the_page_that_steered_though_another_keeps_the_chann
     team: Scenario, how: ControlChange, ends: bool
 ) -> None:
     plan = [*at_once(StrokeBegin(), StrokePoints(STROKE), StrokeEnd()), (1.0, HandOver("Browser 2", how))]
-    session = run_to(Session(team, [FakeInterface("mouse", *plan)]), 0.9)
+    session = run_to(Session(team, [FakeConsole(*plan)]), 0.9)
     assert session.snapshot.state.motion.path_status == PathStatus.FOLLOWING
     run_to(session, 2.0)
     assert (session.snapshot.state.motion.path_status == PathStatus.FINISHED) is ends
@@ -163,8 +165,8 @@ def test_the_human_intention_fades_within_a_few_time_constants_and_without_a_jum
 
 
 def test_a_stroke_that_was_growing_is_dropped_and_the_path_of_another_stays(team: Scenario) -> None:
-    mouse = FakeInterface("mouse", *at_once(StrokeBegin(), StrokePoints(STROKE), StrokeEnd()))
-    session = run_to(Session(team, [Device(*at_once(*BEGIN, time=0.5)), mouse]), 3.3)
+    console = FakeConsole(*at_once(StrokeBegin(), StrokePoints(STROKE), StrokeEnd()))
+    session = run_to(Session(team, [Device(*at_once(*BEGIN, time=0.5)), console]), 3.3)
     assert session.snapshot.state.pointer_state.stroke_source == ""
     assert session.snapshot.state.intent.path.kind != PathKind.NONE
     assert session.snapshot.state.motion.path_status == PathStatus.FOLLOWING
@@ -184,7 +186,7 @@ def test_a_clutch_that_a_lost_channel_held_opens(team: Scenario) -> None:
 
 def test_what_is_back_commands_nothing_but_stop_and_pause_before_it_is_acknowledged(team: Scenario) -> None:
     plan = [(3.8, Pick(2, source="gaze")), (3.9, Pause(source="gaze")), (4.6, Pick(1, source="gaze"))]
-    console = FakeInterface("mouse", (4.4, Acknowledge()))
+    console = FakeConsole((4.4, Acknowledge()))
     session = run_to(Session(team, [Device(*plan, back=3.5), console]), 4.2)
     assert state_of(session) is ChannelState.RECOVERED
     assert session.snapshot.state.intent.influenced == 0
@@ -239,10 +241,10 @@ def test_a_short_freeze_only_makes_commands_late(team: Scenario) -> None:
 
 
 def test_a_stop_passes_every_fault(team: Scenario) -> None:
-    faults = [(0.0, InjectFault(channel="mouse", kind=kind, seconds=60.0)) for kind in FaultKind]
+    faults = [(0.0, InjectFault(channel="console", kind=kind, seconds=60.0)) for kind in FaultKind]
     for fault in faults:
-        mouse = FakeInterface("mouse", (1.0, EmergencyStop()))
-        session = run_to(Session(team, [mouse, FakeInterface("script", fault)]), 1.1)
+        console = FakeConsole((1.0, EmergencyStop()))
+        session = run_to(Session(team, [console, FakeInterface("script", fault)]), 1.1)
         assert session.snapshot.state.intent.stopped
 
 
@@ -306,7 +308,7 @@ def test_a_recorded_loss_replays_to_the_same_digest(team: Scenario, tmp_path: Pa
 
 def test_a_path_that_waited_and_was_confirmed_ends_with_the_page_that_drew_it(team: Scenario) -> None:
     drawn = at_once(StrokeBegin(), StrokePoints(STROKE), StrokeEnd(preview=True), Confirm())
-    page = FakeInterface("mouse", *drawn, (1.0, HandOver("Browser 2", ControlChange.LOST)))
+    page = FakeConsole(*drawn, (1.0, HandOver("Browser 2", ControlChange.LOST)))
     session = run_to(Session(team, [page]), 2.0)
     assert session.snapshot.state.motion.path_status == PathStatus.FINISHED
 
@@ -324,27 +326,27 @@ def test_a_replay_does_not_repeat_itself_when_the_reset_of_a_run_is_undone(team:
             self.now = context.time
             return list(due)
 
-    mouse = FakeInterface("mouse")
-    session = run_to(Session(team, [Replay("bci"), mouse]), 3.5)
+    console = FakeConsole()
+    session = run_to(Session(team, [Replay("bci"), console]), 3.5)
     for command in (ResetRun(), Undo()):
-        mouse.push(command)
+        console.push(command)
         session.tick()
     assert session.snapshot.time > 3.4
     run_to(session, 3.8)
-    assert given(session, Pick, "mouse") == 3  # as fakes sign
+    assert given(session, Pick, "console") == 3  # as fakes sign
 
 
 def test_the_limits_of_a_scenario_that_is_loaded_hold_and_its_settings_of_open_inputs_are_said_not_to(
     team: Scenario,
 ) -> None:
     strict = team.text + "inputs: {gaze: {stale: 0.1, lost: 0.3, clutch: held}}\n"
-    mouse = FakeInterface("mouse", (0.5, LoadScenario(text=strict, name="strict.yaml")))
-    session = Session(team, [Device(silent=0.0), mouse])
+    console = FakeConsole((0.5, LoadScenario(text=strict, name="strict.yaml")))
+    session = Session(team, [Device(silent=0.0), console])
     while session.snapshot.scenario is team:
         session.tick()
     (said,) = [event.text for event in session.snapshot.events if event.kind == "channel"]
     assert said == "Input 'gaze' keeps its settings; those of 'team' count when the console starts."
     assert state_of(run_to(session, 0.5)) is ChannelState.LOST
-    mouse.push(Undo())
+    console.push(Undo())
     session.tick()
     assert state_of(run_to(session, 0.9)) is ChannelState.RECOVERED  # by the limits that hold again

@@ -10,9 +10,14 @@ from pathlib import Path
 import pytest
 
 import higvf_console
+from higvf_console.channels import channels
+from higvf_console.cli import main as main_module
+from higvf_console.cli.arguments import parser
 from higvf_console.cli.main import main
+from higvf_console.core.interface import InputSpec, Interface
 from higvf_console.runtime.recording import read_recording
-from higvf_console.scenario.scenario import scenario_names
+from higvf_console.scenario.scenario import load_scenario, scenario_names
+from tests.fake_interfaces import FakeConsole, FakeInterface
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -176,6 +181,35 @@ def test_a_live_run_ends_after_its_duration() -> None:
 def test_an_address_that_cannot_be_served_is_one_line_and_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "empty", "--host", "203.0.113.7"]) == 2
     assert "higvf: host 203.0.113.7 is no address of this machine" in capsys.readouterr().err
+
+
+def test_a_channel_may_be_given_by_its_name_from_before(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "empty", "--headless", "--duration", "0.2", "--input", "mouse"]) == 0
+    said = capsys.readouterr()
+    assert said.err == "Warning: --input mouse: channel 'mouse' is renamed; write 'console'\n"
+    assert list(json.loads(said.out)["channels"]) == ["console"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "opened"),
+    [
+        ([], ["console"]),
+        (["--headless"], []),
+        (["--input", "gamepad"], ["console", "gamepad"]),
+        (["--input", "gamepad", "--input", "console"], ["gamepad", "console"]),
+        (["--input", "table"], ["table"]),
+    ],
+)
+def test_a_console_opens_its_own_channel_unless_another_takes_the_pointer(
+    monkeypatch: pytest.MonkeyPatch, arguments: list[str], opened: list[str]
+) -> None:
+    def fake(spec: InputSpec) -> Interface:
+        return FakeInterface(spec.channel) if spec.channel == "gamepad" else FakeConsole(name=spec.channel)
+
+    monkeypatch.setattr(channels, "open_interface", fake)
+    given = parser().parse_args(["run", "empty", *arguments])
+    interfaces = main_module._open_interfaces(given, load_scenario("empty"))  # pyright: ignore[reportPrivateUsage]
+    assert [interface.name for interface in interfaces] == opened
 
 
 def test_compile_reports_its_duration(capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,11 +5,10 @@ from importlib.metadata import entry_points
 
 import pytest
 
-from higvf_console.core.interface import ChannelHealth, InputSpec, Interface, OperatorContext, PointerSink
+from higvf_console.core.interface import ChannelHealth, InputSpec, Interface, OperatorContext
 
 GROUP = "higvf_console.interfaces"
 SOURCES = {
-    "mouse": "",
     "gaze": "time,x [m],y [m]\n0,1,2\n0.01,1,2\n",
     "emg": "time,label\n0,fist\n",
     "bci": "time,label\n0,robot1\n",
@@ -33,9 +32,3 @@ def test_an_adapter_opened_by_name_polls_tells_its_health_and_closes_twice(
     assert isinstance(interface.health(1.0), ChannelHealth)
     interface.close()
     interface.close()
-
-
-def test_the_mouse_is_a_pointer_sink() -> None:
-    (point,) = entry_points(group=GROUP, name="mouse")
-    mouse: PointerSink = point.load()(InputSpec("mouse"))
-    assert callable(mouse.push)

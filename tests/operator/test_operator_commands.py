@@ -73,7 +73,7 @@ def test_a_growing_stroke_is_visible_and_influences_no_robot(setup: Setup) -> No
 
 
 def test_points_of_another_source_do_not_enter_a_stroke(setup: Setup) -> None:
-    state, _ = after(setup, [StrokeBegin(source="gaze"), StrokePoints(floats(LINE), source="mouse")])
+    state, _ = after(setup, [StrokeBegin(source="gaze"), StrokePoints(floats(LINE), source="console")])
     assert len(state.pointer_state.stroke) == 0
 
 
@@ -327,6 +327,6 @@ def test_only_the_drawing_interface_and_the_session_may_end_a_stroke(
     drawn, _ = after(setup, [StrokeBegin(source="gaze"), begin, points])
     state, events = after(setup, [end(source="gaze")], drawn)
     assert state is drawn and events == []
-    for source in ("mouse", "session"):
+    for source in ("console", "session"):
         state, _ = after(setup, [end(source=source)], drawn)
         assert len(state.pointer_state.stroke) == 0

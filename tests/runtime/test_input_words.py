@@ -12,7 +12,7 @@ from higvf_console.scenario.scenario import Scenario, data_folder, parse_scenari
 @pytest.mark.parametrize(
     ("text", "channel", "source", "options"),
     [
-        ("mouse", "mouse", "", {}),
+        ("console", "console", "", {}),
         ("gaze=run.tsv", "gaze", "run.tsv", {}),
         ("gaze=run.tsv:frame=screen", "gaze", "run.tsv", {"frame": "screen"}),
         ("gaze=run.tsv:frame=screen,stream=Gaze 1", "gaze", "run.tsv", {"frame": "screen", "stream": "Gaze 1"}),

@@ -18,13 +18,15 @@ from higvf_console.core.commands import (
     StrokeCancel,
     StrokeEnd,
     StrokePoints,
+    StrokeUse,
 )
+from higvf_console.core.path_terms import PathTerms
 from higvf_console.runtime import previewer as module
 from higvf_console.runtime.previewer import Choice, Previewer
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
-from tests.fake_interfaces import FakeInterface
+from tests.fake_interfaces import FakeConsole
 
 LINE = floats([[700.0, 300.0], [500.0, 320.0], [300.0, 250.0], [200.0, 300.0]])
 DRAWING: list[OperatorCommand] = [StrokeBegin(), StrokePoints(LINE[:3])]
@@ -34,7 +36,7 @@ class Desk:
     """A session whose ticks are given by hand, and its previewer."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self.hand = FakeInterface("mouse")
+        self.hand = FakeConsole()
         self.session = Session(scenario, [self.hand], seed=1)
         self.choice = Choice(horizon=4.0)
         self.previewer = Previewer(self.session, lambda: self.choice)
@@ -130,14 +132,14 @@ def test_with_the_centralised_filter_nothing_is_foreseen(team: Scenario) -> None
 
 def test_the_stroke_is_foreseen_as_the_operator_chose_to_end_it(desk: Desk) -> None:
     plain = desk.give(*DRAWING)
-    desk.choice = Choice(horizon=4.0, ending="hold", pace=0.5, duration=2.0)
+    desk.choice = Choice(horizon=4.0, terms=PathTerms(ending="hold", pace=0.5, duration=2.0))
     chosen = desk.give()
     assert plain is not None
     assert chosen is not None
     path = chosen.start.intent.path
     assert (path.pace, path.duration) == (0.5, 2.0)
     assert path.ending != plain.start.intent.path.ending
-    desk.choice = Choice(horizon=4.0, use="obstacle")
+    desk.choice = Choice(horizon=4.0, use=StrokeUse.OBSTACLE)
     assert desk.give() is None
 
 
@@ -146,3 +148,14 @@ def test_a_scenario_with_the_centralised_filter_that_is_loaded_ends_the_looking_
     text = desk.session.scenario.text + "filter: centralised\n"
     assert desk.give(LoadScenario(text=text, name="other.yaml"), *DRAWING) is None
     assert not desk.previewer.available
+
+
+def test_the_rehearsal_goes_through_a_whole_preview(team: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
+    foreseen: list[object] = []
+
+    def note(*given: object) -> None:
+        foreseen.append(given)
+
+    monkeypatch.setattr(module, "foresee", note)
+    module.rehearse(team.setup(0))
+    assert len(foreseen) == 1

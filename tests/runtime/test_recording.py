@@ -53,7 +53,7 @@ from higvf_console.runtime.recording import Recorder, read_recording, replay
 from higvf_console.runtime.run import Run
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario, parse_scenario
-from tests.fake_interfaces import FakeInterface
+from tests.fake_interfaces import FakeConsole, FakeInterface
 from tests.teams import stroke
 
 STROKE = np.array([[650.1, 250.0], [500.0, 400.0], [400.0, 1.0 / 3.0], [300.0, 300.0]])
@@ -115,12 +115,12 @@ def test_every_command_is_read_back_as_it_was_given(team: Scenario, tmp_path: Pa
 
 def test_a_reset_and_a_frozen_clock_replay_too(team: Scenario, tmp_path: Path) -> None:
     plan: list[tuple[float, OperatorCommand]] = [(1.0, ResetRun()), (0.6, Pick(1)), (0.4, Freeze(frozen=True))]
-    session = Session(team, mouse := [FakeInterface("mouse", *plan)], 5, Recorder(tmp_path / "run.jsonl", team, 5))
+    session = Session(team, console := [FakeConsole(*plan)], 5, Recorder(tmp_path / "run.jsonl", team, 5))
     for tick in range(200):
         if tick in (30, 40):
-            mouse[0].push(Step())
+            console[0].push(Step())
         if tick == 50:
-            mouse[0].push(Freeze(frozen=False))
+            console[0].push(Freeze(frozen=False))
         session.tick()
     session.close()
     result = replay(read_recording(tmp_path / "run.jsonl"))
@@ -369,3 +369,14 @@ def test_a_command_that_cannot_be_written_ends_the_recording_and_not_the_run(tea
     assert len(session.snapshot.state.intent.priority) == 1
     assert any("The recording ends here" in event.text for event in session.snapshot.events)
     assert session.snapshot.time == pytest.approx(0.4)
+
+
+def test_a_recording_with_a_channels_name_from_before_is_read_with_one_warning(team: Scenario, tmp_path: Path) -> None:
+    file = tmp_path / "run.jsonl"
+    drawn = stroke([(700.0, 300.0), (500.0, 450.0), (200.0, 500.0)])
+    digest = recorded(team, file, *((0.2, command) for command in drawn))
+    file.write_text(file.read_text().replace('"source": "console"', '"source": "mouse"'))
+    recording = read_recording(file)
+    assert recording.warnings == (f"{file}: channel 'mouse' is renamed; write 'console'",)
+    assert {command.source for given in recording.commands.values() for command in given} == {"console"}
+    assert (replay(recording).digest, replay(recording).agrees) == (digest, True)

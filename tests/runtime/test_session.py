@@ -32,7 +32,7 @@ from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.session import EVENTS_KEPT, Session
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario
 from higvf_console.sim.simulation import advance
-from tests.fake_interfaces import BrokenInterface, FakeInterface
+from tests.fake_interfaces import BrokenInterface, FakeConsole, FakeInterface
 
 STROKE = np.array([[600.0, 350.0], [500.0, 400.0], [400.0, 400.0], [300.0, 300.0]])
 
@@ -42,11 +42,11 @@ def kinds(session: Session) -> list[str]:
 
 
 def test_there_is_a_snapshot_before_the_first_tick(team: Scenario) -> None:
-    session = Session(team, [FakeInterface("mouse")])
+    session = Session(team, [FakeConsole()])
     now = session.snapshot
     assert (now.time, now.frozen, now.speed, now.extinguished, now.infeasible_ticks) == (0.0, False, 1.0, (), 0)
     assert now.trace.nominal.shape == (3, 2)
-    assert [name for name, _ in now.channels] == ["mouse"]
+    assert [name for name, _ in now.channels] == ["console"]
     np.testing.assert_allclose(now.loss_area, [np.pi * 20**2])
 
 
@@ -90,12 +90,12 @@ def test_the_centralised_filter_runs_where_the_scenario_asks_for_it(team: Scenar
 
 
 def test_interfaces_are_told_what_they_may_know(team: Scenario) -> None:
-    mouse = FakeInterface("mouse", (0.0, Pick(1)), (0.0, Pause()), (0.0, Clutch(closed=True)))
-    session = Session(team, [mouse])
+    console = FakeConsole((0.0, Pick(1)), (0.0, Pause()), (0.0, Clutch(closed=True)))
+    session = Session(team, [console])
     session.viewport = Viewport(800.0, 600.0, 0.0, 0.0, 1.0)
     session.tick()
     session.tick()
-    first, second = mouse.contexts
+    first, second = console.contexts
     assert (first.time, first.paused, first.influenced, first.clutch, first.robots) == (0.0, False, 0, False, 3)
     assert (second.time, second.paused, second.influenced, second.clutch) == (pytest.approx(0.02), True, 1, True)
     assert second.viewport is session.viewport
@@ -112,17 +112,17 @@ def test_commands_of_all_interfaces_steer_the_same_tick_in_order(team: Scenario)
     assert [type(command).__name__ for _, command in session.commands] == ["StrokeBegin", "StrokeEnd", "Pick"]
 
 
-def test_a_view_pushes_through_the_interface_named_mouse(team: Scenario) -> None:
-    session = Session(team, [FakeInterface("emg"), FakeInterface("mouse")])
+def test_a_view_pushes_through_the_interface_that_takes_the_pointer(team: Scenario) -> None:
+    session = Session(team, [FakeInterface("emg"), FakeConsole()])
     session.pointer.push(EmergencyStop())
     session.tick()
     assert session.snapshot.state.intent.stopped
     assert not session.snapshot.state.motion.velocity.any()
 
 
-def test_a_session_without_a_mouse_says_so_when_asked_for_it(team: Scenario) -> None:
-    with pytest.raises(InputError, match="no interface 'mouse'"):
-        _ = Session(team, []).pointer
+def test_a_session_without_such_an_interface_says_so_when_asked_for_it(team: Scenario) -> None:
+    with pytest.raises(InputError, match="no input takes what the console's pages give; inputs: emg"):
+        _ = Session(team, [FakeInterface("emg")]).pointer
 
 
 def test_two_interfaces_of_one_name_are_refused(team: Scenario) -> None:
@@ -131,8 +131,8 @@ def test_two_interfaces_of_one_name_are_refused(team: Scenario) -> None:
 
 
 def test_an_interface_that_raises_is_set_aside_and_the_run_goes_on(team: Scenario) -> None:
-    broken, mouse = BrokenInterface("emg"), FakeInterface("mouse", (0.1, Pick(1)))
-    session = Session(team, [broken, mouse])
+    broken, console = BrokenInterface("emg"), FakeConsole((0.1, Pick(1)))
+    session = Session(team, [broken, console])
     for _ in range(40):
         session.tick()
     assert session.ticks == 40
@@ -140,7 +140,7 @@ def test_an_interface_that_raises_is_set_aside_and_the_run_goes_on(team: Scenari
     event = next(event for event in session.snapshot.events if event.kind == "channel")
     assert event.text == "Input 'emg' failed and is off: RuntimeError: cable pulled"
     assert dict(session.snapshot.channels)["emg"].state is ChannelState.LOST
-    assert dict(session.snapshot.channels)["mouse"].state is ChannelState.LIVE
+    assert dict(session.snapshot.channels)["console"].state is ChannelState.LIVE
     assert len(broken.contexts) == 2
     assert session.snapshot.state.intent.influenced == 1
 
@@ -183,35 +183,35 @@ def test_a_command_that_makes_no_sense_is_refused_and_changes_nothing(
 
 
 def test_a_frozen_clock_stands_while_commands_still_apply(team: Scenario) -> None:
-    mouse = FakeInterface("mouse")
-    session = Session(team, [mouse])
+    console = FakeConsole()
+    session = Session(team, [console])
     session.tick()
-    mouse.push(Freeze(frozen=True))
-    mouse.push(Pick(2))
+    console.push(Freeze(frozen=True))
+    console.push(Pick(2))
     for _ in range(3):
         session.tick()
     assert session.snapshot.frozen
     assert session.snapshot.time == pytest.approx(0.02)
     assert session.snapshot.state.intent.influenced == 2
-    mouse.push(Freeze(frozen=False))
+    console.push(Freeze(frozen=False))
     session.tick()
     assert session.snapshot.time == pytest.approx(0.04)
 
 
 def test_each_step_advances_a_frozen_clock_by_one_tick(team: Scenario) -> None:
-    mouse = FakeInterface("mouse", (0.0, Freeze(frozen=True)))
-    session = Session(team, [mouse])
+    console = FakeConsole((0.0, Freeze(frozen=True)))
+    session = Session(team, [console])
     session.tick()
-    mouse.push(Step())
-    mouse.push(Step())
+    console.push(Step())
+    console.push(Step())
     for _ in range(5):
         session.tick()
     assert session.ticks == 2
 
 
 def test_a_step_of_a_running_clock_is_not_saved_up(team: Scenario) -> None:
-    mouse = FakeInterface("mouse", (0.0, Step()), (0.02, Freeze(frozen=True)))
-    session = Session(team, [mouse])
+    console = FakeConsole((0.0, Step()), (0.02, Freeze(frozen=True)))
+    session = Session(team, [console])
     for _ in range(5):
         session.tick()
     assert session.ticks == 1
@@ -219,20 +219,20 @@ def test_a_step_of_a_running_clock_is_not_saved_up(team: Scenario) -> None:
 
 @pytest.mark.parametrize(("factor", "speed"), [(0.25, 0.25), (8.0, 8.0), (0.2, 1.0), (9.0, 1.0), (float("nan"), 1.0)])
 def test_the_speed_stays_within_a_quarter_and_eight(team: Scenario, factor: float, speed: float) -> None:
-    session = Session(team, [FakeInterface("mouse", (0.0, SetSpeed(factor)))])
+    session = Session(team, [FakeConsole((0.0, SetSpeed(factor)))])
     session.tick()
     assert session.snapshot.speed == speed
     assert ("refused" in kinds(session)) is (speed != factor)
 
 
 def test_a_reset_starts_the_run_and_its_tally_again(team: Scenario) -> None:
-    mouse = FakeInterface("mouse", (0.0, Pick(1)))
+    console = FakeConsole((0.0, Pick(1)))
     close = parse_scenario(team.text.replace("[670, 350]", "[665, 300]"), "close.yaml")
-    session = Session(close, [mouse])
+    session = Session(close, [console])
     for _ in range(10):
         session.tick()
     assert np.isfinite(session.snapshot.min_clearance)
-    mouse.push(ResetRun())
+    console.push(ResetRun())
     session.tick(advance=False)
     assert session.snapshot.time == 0.0
     assert session.snapshot.state.motion.position.tobytes() == session.setup.start.motion.position.tobytes()
@@ -259,7 +259,7 @@ fires:
 
 def test_events_do_not_pile_up_for_ever(team: Scenario) -> None:
     toggles: list[OperatorCommand] = [Pick(number % 3) for number in range(1, EVENTS_KEPT + 50)]
-    session = Session(team, [FakeInterface("mouse", *((0.0, command) for command in toggles))])
+    session = Session(team, [FakeConsole(*((0.0, command) for command in toggles))])
     session.tick()
     assert len(session.snapshot.events) == EVENTS_KEPT
 
@@ -313,7 +313,7 @@ def _looped() -> Any:
 
 
 def test_the_loop_runs_until_it_is_stopped_and_computes_the_baseline(team: Scenario, looped: Any) -> None:
-    session = looped(Session(team, [FakeInterface("mouse")]))
+    session = looped(Session(team, [FakeConsole()]))
     wait_until(lambda: session.ticks > 5 and session.baseline is not None)
     assert session.baseline.time[0] == pytest.approx(0.02)
     assert session.baseline.loss_area[0] == pytest.approx(np.pi * 20.02**2)
@@ -321,17 +321,17 @@ def test_the_loop_runs_until_it_is_stopped_and_computes_the_baseline(team: Scena
 
 
 def test_a_slow_clock_still_listens_at_full_rate(team: Scenario, looped: Any) -> None:
-    mouse = FakeInterface("mouse", (0.0, SetSpeed(0.25)))
-    session = looped(Session(team, [mouse]))
+    console = FakeConsole((0.0, SetSpeed(0.25)))
+    session = looped(Session(team, [console]))
     wait_until(lambda: session.ticks >= 10)
-    assert len(mouse.contexts) > 3 * session.ticks
+    assert len(console.contexts) > 3 * session.ticks
 
 
 def test_an_engine_that_fails_stops_the_team_and_tells_the_operator(
     team: Scenario, looped: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    mouse = FakeInterface("mouse")
-    session = Session(team, [mouse])
+    console = FakeConsole()
+    session = Session(team, [console])
     for _ in range(50):
         session.tick()
     assert session.snapshot.state.motion.velocity.any()
@@ -351,8 +351,8 @@ def test_an_engine_that_fails_stops_the_team_and_tells_the_operator(
     )
     assert "the engine failed at 1.00 s" in caplog.text
     monkeypatch.undo()
-    mouse.push(ResetRun())
-    mouse.push(Freeze(frozen=False))
+    console.push(ResetRun())
+    console.push(Freeze(frozen=False))
     wait_until(lambda: session.ticks > 55)
 
 

@@ -59,7 +59,7 @@ def page(chromium: Browser, running: Running) -> Iterator[Page]:
 def _from_the_start(running: Running, page: Page) -> None:
     """Each test begins with a run of its own, frozen at its start."""
     running.session.commands.clear()
-    running.console._view.field = None  # pyright: ignore[reportPrivateUsage]
+    running.console.ui.update(field=None)
     running.start_again()
     wait_until(lambda: running.given(Pick) and running.state.motion.tick == 0)
     running.session.commands.clear()
@@ -331,9 +331,9 @@ def test_a_panel_that_fails_does_not_stop_the_scene(
     wait_until(lambda: [record for record in caplog.records if "StatusPanel" in record.getMessage()])
 
 
-def test_an_open_page_keeps_the_mouse_alive(running: Running, page: Page) -> None:  # noqa: ARG001 - it must be open
+def test_an_open_page_keeps_the_channel_alive(running: Running, page: Page) -> None:  # noqa: ARG001 - it must be open
     def last_seen() -> bool:
-        mouse = dict(running.session.snapshot.channels)["mouse"]
-        return mouse.state is ChannelState.LIVE and mouse.last_seen is not None
+        console = dict(running.session.snapshot.channels)["console"]
+        return console.state is ChannelState.LIVE and console.last_seen is not None
 
     wait_until(last_seen)

@@ -15,8 +15,9 @@ import numpy as np
 
 from higvf_console.analysis.preview import USUAL, foresee, wish
 from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
-from higvf_console.core.interface import ChannelHealth, ChannelState, OperatorContext
+from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, OperatorContext
 from higvf_console.core.state import SimState
 from higvf_console.lab.bench.timing import take_turns
 from higvf_console.operator.reducer import apply_command
@@ -87,10 +88,11 @@ class PreviewBench(NamedTuple):
     with_preview: Lateness
 
 
-class ArenaInteraction:
+class Sketcher:
     """An interface that draws one point per control period and never ends a stroke, so that no robot is influenced."""
 
-    name = "mouse"
+    name = CONSOLE  # as which its commands are signed
+    capabilities = Capabilities(draws_previewed=True)
 
     def __init__(self, outline: Floats) -> None:
         """Draws along `outline` (n, 2) [m] repeatedly."""
@@ -120,7 +122,7 @@ def run(seconds: float = 30.0) -> PreviewBench:
     outline = _outline(round(_STROKE_LASTS / setup.params.safety.control_period))
     drawn = _drawn(setup, outline)
     spent = take_turns({"preview": lambda _: _preview(drawn, setup)})["preview"]
-    late = [_lateness(Session(scenario, [ArenaInteraction(outline)]), ahead, seconds) for ahead in (False, True)]
+    late = [_lateness(Session(scenario, [Sketcher(outline)]), ahead, seconds) for ahead in (False, True)]
     return PreviewBench(factor, 1e3 / spent, 1e3 * setup.params.safety.control_period, *late)
 
 

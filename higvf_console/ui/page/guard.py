@@ -4,89 +4,36 @@ viser itself serves everyone who can reach its port, lets a page of any site dri
 page set any attribute of a widget. So the server is started here, behind four checks:
 
     address   the socket is bound before viser starts: a busy port or an unassignable host is an error, not a surprise
-    login     the printed link carries a token and leaves a cookie; without one, every request is answered 401
-    origin    a WebSocket is opened for our own page only, and for so many pages at once
-    filter    a message that no honest page sends is dropped and logged; the operator's connection stays open
+    login     the printed link carries a token and leaves a cookie; without one, every request is answered 401 (`door`)
+    origin    a WebSocket is opened for our own page only, and for so many pages at once (`door`)
+    filter    a message that no honest page sends is dropped and logged, and the page stays open (`message_filter`)
 
 This module alone knows how viser starts its web server.
 """
 
 import contextlib
 import errno
-import hashlib
-import hmac
 import io
-import logging
 import secrets
 import socket
 import threading
-from collections.abc import Awaitable, Callable, Generator
-from dataclasses import dataclass
-from http import HTTPStatus
+from collections.abc import Awaitable, Generator
 from typing import Any
-from urllib.parse import parse_qsl, urlencode, urlsplit
+from urllib.parse import urlencode
 
 import viser
 import websockets.asyncio.server
-from viser import _messages
-from websockets import Headers
 from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from higvf_console.core.errors import ConsoleError
-from higvf_console.ui.page.page import PageMessage
+from higvf_console.ui.page.door import Door, Handler, RequestHandler, own_origins
+from higvf_console.ui.page.message_filter import FilteredConnection
 
 VISER_VERSION = "1.1.1"
 MAX_FRAME_BYTES = 2 * 1024 * 1024
-MAX_REFUSALS_LOGGED = 10  # of one page, so that a hostile one cannot fill the disk
 
-# What an honest page sends. File uploads and the public share tunnel are not part of the console.
-ALLOWED_MESSAGES = frozenset(
-    {
-        PageMessage,
-        _messages.CommandTriggerMessage,
-        _messages.GetRenderResponseMessage,
-        _messages.GuiButtonHoldMessage,
-        _messages.GuiFormDirtyMessage,
-        _messages.GuiFormSubmitMessage,
-        _messages.GuiUpdateMessage,
-        _messages.LocalStorageGetItemResponseMessage,
-        _messages.SceneNodeClickMessage,
-        _messages.SceneNodeDragMessage,
-        _messages.ScenePointerMessage,
-        _messages.TransformControlsDragEndMessage,
-        _messages.TransformControlsDragStartMessage,
-        _messages.TransformControlsUpdateMessage,
-        _messages.ViewerCameraMessage,
-    }
-)
-
-SECURITY_HEADERS = {
-    # viser's page needs inline scripts, its decoder and workers; nothing in it may come from, or go to, another site.
-    "Content-Security-Policy": (
-        "default-src 'self' 'unsafe-inline' 'unsafe-eval' data: blob:; frame-ancestors 'self'; form-action 'self'"
-    ),
-    "Cache-Control": "no-store",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "Referrer-Policy": "no-referrer",
-    "X-Content-Type-Options": "nosniff",
-    "X-Frame-Options": "SAMEORIGIN",
-}
-
-LOGIN_PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Console: login needed</title>
-<style>body{background:#14171c;color:#d7dce3;font:17px/1.6 system-ui,sans-serif;max-width:34em;margin:18vh auto;
-padding:0 1.5em}h1{font-size:1.3em;color:#fff}
-code{background:#242a33;border-radius:4px;padding:.1em .4em;white-space:nowrap}</style>
-<h1>This console opens by its link</h1>
-<p>Whoever started the console was shown a link that ends in <code>?token=&hellip;</code>: please open that link in this
-browser. It stays logged in until the browser is closed.</p>
-<p>If the console was started again since then, it has printed a new link.</p></html>"""
-
-_log = logging.getLogger(__name__)
 _starting = threading.Lock()
-
-Handler = Callable[[ServerConnection], Awaitable[None]]
-RequestHandler = Callable[[ServerConnection, Request], Response | None]
 
 
 def new_token() -> str:
@@ -127,11 +74,11 @@ def open_server(
         raise ConsoleError("token: '' would let anyone in; give a secret, e.g. from `guard.new_token()`")
     listener = _bind(host, port)
     bound_port: int = listener.getsockname()[1]
-    door = _Door(
+    door = Door(
         port=bound_port,
         token=token,
         max_clients=max_clients,
-        origins=_own_origins(host, bound_port) | set(origins),
+        origins=own_origins(host, bound_port) | set(origins),
         any_host=host in ("", "0.0.0.0", "::"),
     )
     try:
@@ -177,102 +124,8 @@ def _cannot_bind(host: str, port: int, error: OSError) -> str:
             return f"cannot serve at {host}:{port} ({error}): choose another address with --host and --port"
 
 
-def _own_origins(host: str, port: int) -> set[str]:
-    """The origins of a page that this console itself serves."""
-    names = {"localhost", "127.0.0.1", "[::1]", f"[{host}]" if ":" in host else host}
-    return {f"{scheme}://{name}:{port}" for scheme in ("http", "https") for name in names}
-
-
-@dataclass
-class _Door:
-    """Lets pages in: login, origin, number."""
-
-    port: int
-    token: str
-    max_clients: int
-    origins: set[str]
-    any_host: bool
-    pages: int = 0
-
-    def __post_init__(self) -> None:
-        # A token may hold characters that a cookie may not.
-        self.secret = hashlib.sha256(self.token.encode()).hexdigest()
-        # Cookies ignore ports: a shared name would let a second console log the first one out.
-        self.cookie = f"higvf_{self.port}"
-
-    def answer(self, connection: ServerConnection, request: Request, static: RequestHandler) -> Response | None:
-        """The response to a request; None lets a WebSocket through."""
-        query = dict(parse_qsl(urlsplit(request.path).query))
-        if _same(query.pop("token", ""), self.token):
-            return self._log_in(query)
-        if not _same(self._cookie_of(request), self.secret):
-            return _respond(HTTPStatus.UNAUTHORIZED, LOGIN_PAGE, "text/html; charset=utf-8")
-        if request.headers.get("Upgrade", "").lower() == "websocket":
-            return self._refuse_page(request)
-        response = static(connection, request)
-        if response is not None:
-            response.headers.update(SECURITY_HEADERS)
-        return response
-
-    async def admit(self, connection: ServerConnection, handler: Handler) -> None:
-        """Serves one page, and counts it while it is open."""
-        self.pages += 1
-        try:
-            await handler(connection)
-        finally:
-            self.pages -= 1
-
-    def _log_in(self, query: dict[str, str]) -> Response:
-        # Relative, so that it also holds behind a proxy that serves the console under a path.
-        response = _respond(HTTPStatus.FOUND, "", "text/plain")
-        response.headers["Location"] = f"./?{urlencode(query)}" if query else "./"
-        response.headers["Set-Cookie"] = f"{self.cookie}={self.secret}; HttpOnly; SameSite=Lax; Path=/"
-        return response
-
-    def _cookie_of(self, request: Request) -> str:
-        pairs = (part.strip().partition("=") for line in request.headers.get_all("Cookie") for part in line.split(";"))
-        return next((value for name, _, value in pairs if name == self.cookie), "")
-
-    def _refuse_page(self, request: Request) -> Response | None:
-        origin, host = request.headers.get("Origin", ""), request.headers.get("Host", "")
-        own = origin in self.origins or (self.any_host and origin in (f"http://{host}", f"https://{host}"))
-        if not own:
-            _log.warning("refused a page of origin %r; this console's own: %s", origin, ", ".join(sorted(self.origins)))
-            return _respond(HTTPStatus.FORBIDDEN, f"origin {origin!r} may not open this console\n", "text/plain")
-        if self.pages >= self.max_clients:
-            text = f"{self.max_clients} pages of this console are open already: close one\n"
-            return _respond(HTTPStatus.SERVICE_UNAVAILABLE, text, "text/plain")
-        return None
-
-
-def _same(given: str, expected: str) -> bool:
-    return hmac.compare_digest(given.encode(errors="replace"), expected.encode())
-
-
-def _respond(status: HTTPStatus, body: str, content_type: str) -> Response:
-    payload = body.encode()
-    headers = {"Content-Type": content_type, "Content-Length": str(len(payload))}
-    return Response(status.value, status.phrase, Headers({**headers, **SECURITY_HEADERS}), payload)
-
-
-class _FilteredConnection(ServerConnection):
-    """A WebSocket that passes on only what an honest page sends."""
-
-    refused = 0
-
-    async def recv(self, decode: bool | None = None) -> str | bytes:  # pyright: ignore[reportIncompatibleMethodOverride]
-        while True:
-            frame = await super().recv(decode)
-            reason = refusal(frame)
-            if reason is None:
-                return frame
-            self.refused += 1
-            if self.refused <= MAX_REFUSALS_LOGGED:
-                _log.warning("dropped a message of the page at %s: %s", self.remote_address, reason)
-
-
 @contextlib.contextmanager
-def _guarded(listener: socket.socket, door: _Door) -> Generator[None]:
+def _guarded(listener: socket.socket, door: Door) -> Generator[None]:
     """While viser starts, its web server is started on our socket and behind our door."""
     original = websockets.asyncio.server.serve
 
@@ -285,7 +138,7 @@ def _guarded(listener: socket.socket, door: _Door) -> Generator[None]:
         def admit(connection: ServerConnection) -> Awaitable[None]:
             return door.admit(connection, handler)
 
-        options |= {"process_request": answer, "max_size": MAX_FRAME_BYTES, "create_connection": _FilteredConnection}
+        options |= {"process_request": answer, "max_size": MAX_FRAME_BYTES, "create_connection": FilteredConnection}
         return original(admit, sock=listener, **options)
 
     # viser prints an address of its own, which lacks the token.
@@ -295,18 +148,3 @@ def _guarded(listener: socket.socket, door: _Door) -> Generator[None]:
             yield
         finally:
             websockets.asyncio.server.serve = original
-
-
-def refusal(frame: bytes | str) -> str | None:
-    """Why a page may not send this frame; None when it may."""
-    if isinstance(frame, str):
-        return "a text frame"
-    try:
-        message = _messages.Message.deserialize(frame)
-    except Exception as error:  # viser's decoder raises whatever the content makes it raise
-        return f"not a message of viser {VISER_VERSION} ({type(error).__name__}: {error})"
-    if type(message) not in ALLOWED_MESSAGES:
-        return f"{type(message).__name__} is for the server to send"
-    if isinstance(message, _messages.GuiUpdateMessage) and list(message.updates) != ["value"]:
-        return f"a widget's {str(message.updates)[:80]} are for the server to set; a page may set 'value'"
-    return None

@@ -14,7 +14,7 @@ from higvf_console.core.viewport import Arena
 from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, reaction, truth
 from higvf_console.ui.panels.widgets.html import block
 from higvf_console.ui.panels.widgets.typed import TYPED_S, Typed
-from higvf_console.ui.scene.scene import View
+from higvf_console.ui.ui_state import UiStore
 from higvf_console.world.editing.entities import NUMBERS, EntityRef, exists, name_of, numbers_of
 from higvf_console.world.layout import Layout
 
@@ -34,9 +34,9 @@ _HELP = (
 class EditPanel:
     """Number fields whose names follow what is chosen."""
 
-    def __init__(self, gui: viser.GuiApi, sink: PointerSink, view: View) -> None:
+    def __init__(self, gui: viser.GuiApi, sink: PointerSink, ui: UiStore) -> None:
         """Builds the widgets; none has a meaning before `update`."""
-        self._sink, self._view = sink, view
+        self._sink, self._ui = sink, ui
         self._place: EntityRef | None = None
         self._typed = Typed[tuple[EntityRef, str], float]()
         self._typed_sides = Typed[str, float]()
@@ -85,13 +85,13 @@ class EditPanel:
 
     def _remove(self) -> None:
         if self._place is not None:
-            self._view.selected = None
+            self._ui.update(selected=None)
             self._sink.push(DeleteEntity(self._place.kind, self._place.row))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Sends what is meant; shows the numbers of what is chosen, and the arena."""
         layout = snapshot.setup.layout
-        place, former = self._view.selected, self._place
+        place, former = self._ui.state.selected, self._place
         self._place = place if place is not None and exists(place, layout) else None
         self._head.content = block(
             f'<span class="dim">{_HELP}</span>'

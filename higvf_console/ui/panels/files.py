@@ -15,7 +15,7 @@ from higvf_console.ui.page import files
 from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reaction
 from higvf_console.ui.panels.widgets.html import block, text
 from higvf_console.ui.scene.background import Background
-from higvf_console.ui.scene.scene import View
+from higvf_console.ui.ui_state import UiStore, move_background
 from higvf_console.world.editing.overhead import outlines_in, read_picture
 from higvf_console.world.masks import MaskPlace
 
@@ -30,9 +30,9 @@ _log = logging.getLogger(__name__)
 class FilesPanel:
     """Buttons, and fields that place the image; what cannot be used is said below them."""
 
-    def __init__(self, server: viser.ViserServer, session: "Session", sink: PointerSink, view: View) -> None:
+    def __init__(self, server: viser.ViserServer, session: "Session", sink: PointerSink, ui: UiStore) -> None:
         """Builds the widgets, and lets pages send files."""
-        self._session, self._sink, self._view = session, sink, view
+        self._session, self._sink, self._ui = session, sink, ui
         self._said = ""
         kinds = {
             _SCENARIO: files.FileKind(".yaml,.yml", self._load),
@@ -69,7 +69,7 @@ class FilesPanel:
         self._threshold = gui.add_slider("Threshold", 0, 255, 1, 128, visible=False, hint="Parts dark from bright")
         self._remove = gui.add_button("Remove image", color="gray", visible=False)
         self._shade.on_click(reaction(self._trace))
-        self._remove.on_click(reaction(lambda _: setattr(self._view, "background", None)))
+        self._remove.on_click(reaction(lambda _: self._ui.update(background=None)))
         return [self._scale, self._left, self._bottom, self._shade, self._threshold, self._remove]
 
     async def _save(self, event: viser.GuiEvent[Any]) -> None:
@@ -99,19 +99,17 @@ class FilesPanel:
             raise ValueError(str(error)) from error
         arena = self._session.setup.arena
         scale = arena.width / picture.shape[1]
-        self._view.background = Background(picture, MaskPlace((arena.x_min, arena.y_min), scale))
+        self._ui.update(background=Background(picture, MaskPlace((arena.x_min, arena.y_min), scale)))
         self._scale.value, self._left.value, self._bottom.value = round(scale, 4), arena.x_min, arena.y_min
         self._said = ""
 
     def _place(self) -> None:
-        background = self._view.background
-        if background is not None:
-            scale = number_in(self._scale.value, 1e-4, 1e4)
-            corner = (number_in(self._left.value, -1e6, 1e6), number_in(self._bottom.value, -1e6, 1e6))
-            self._view.background = background._replace(place=MaskPlace(corner, scale))
+        scale = number_in(self._scale.value, 1e-4, 1e4)
+        corner = (number_in(self._left.value, -1e6, 1e6), number_in(self._bottom.value, -1e6, 1e6))
+        self._ui.change(move_background(MaskPlace(corner, scale)))
 
     def _trace(self, shade: object) -> None:
-        background = self._view.background
+        background = self._ui.state.background
         bright = one_of(shade, {_DARK: False, _BRIGHT: True})
         if background is None:
             return
@@ -131,7 +129,7 @@ class FilesPanel:
     def update(self, _snapshot: "Snapshot") -> None:
         """Shows the fields while there is an image, and what could not be used."""
         for widget in self._fields:
-            widget.visible = self._view.background is not None
+            widget.visible = self._ui.state.background is not None
         self._note.visible = bool(self._said)
         self._note.content = block(f'<span class="warn">{text(self._said)}</span>')
 

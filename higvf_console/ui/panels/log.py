@@ -11,15 +11,14 @@ from higvf_console.ui.page import page
 from higvf_console.ui.panels.widgets.callbacks import reaction
 from higvf_console.ui.panels.widgets.html import block, severity_colour, text
 from higvf_console.ui.panels.widgets.html import clock as session_clock
-from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import hex_rgb
+from higvf_console.ui.ui_state import UiStore, acknowledge_alarms, add_alarms
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
 MOST_SHOWN = 30
-MOST_ALARMS = 99  # that wait to be acknowledged; older ones are let go
-MOST_AT_ONCE = 2  # notifications of one update
+MOST_AT_ONCE = 2  # notifications of one update, besides its alarms
 REFUSED = "refused"
 TITLES = {
     "extinguished": "Fire out",
@@ -44,13 +43,13 @@ class LogPanel:
     To acknowledge is a matter of the view: it says that somebody has read the alarm, and commands nothing.
     """
 
-    def __init__(self, server: viser.ViserServer, view: View) -> None:
+    def __init__(self, server: viser.ViserServer, ui: UiStore) -> None:
         """Starts empty."""
-        self._server, self._view = server, view
+        self._server, self._ui = server, ui
         self._button = server.gui.add_button(
             "Acknowledge", icon=viser.Icon.CHECK, visible=False, hint="The alarms have been read"
         )
-        self._button.on_click(reaction(lambda _: self._view.alarms.clear()))
+        self._button.on_click(reaction(lambda _: self._ui.change(acknowledge_alarms())))
         self._html = server.gui.add_html(_NOTHING)
         self._newest: Event | None = None
         self._shown: tuple[Event, ...] = ()
@@ -62,27 +61,24 @@ class LogPanel:
 
     def _read(self, _client_id: int, body: page.Body) -> None:
         """A page has put a notification away: the alarm that it told is acknowledged."""
-        told = body.get("text")
-        for alarm in [alarm for alarm in self._view.alarms if alarm.text == told]:
-            self._view.alarms.remove(alarm)
+        self._ui.change(acknowledge_alarms(str(body.get("text"))))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Lists and notifies what is new, and takes back what has been acknowledged."""
         fresh = newer(snapshot.events, self._newest)
         if fresh:
             self._newest = fresh[-1]
-            self._view.alarms += [event for event in fresh if event.severity == Severity.ALARM]
-            del self._view.alarms[:-MOST_ALARMS]
-            for event in self._notifications.chosen(fresh, clock.monotonic(), self._told()):
-                self._notify(event)
-        unread = tuple(self._view.alarms)
+            self._ui.change(add_alarms(fresh))
+        unread = self._ui.state.alarms
+        self._take_back(unread)  # first: one that has just been acknowledged must not keep back the next of its kind
+        for event in self._notifications.chosen(fresh, clock.monotonic(), self._told()):
+            self._notify(event)
         if fresh or unread != self._shown:
             self._shown = unread
             self._html.content = log_html(snapshot.events, unread)
             self._button.visible = bool(unread)
-            self._button.color = hex_rgb(severity_colour(Severity.ALARM, self._view.look.palette))
+            self._button.color = hex_rgb(severity_colour(Severity.ALARM, self._ui.state.look.palette))
             self._button.label = f"Acknowledge {alarms_text(len(unread))}"
-            self._take_back(unread)
 
     def _told(self) -> set[str]:
         return {event.kind for event, _ in self._standing}
@@ -96,7 +92,7 @@ class LogPanel:
                 TITLES.get(event.kind, event.kind.capitalize()),
                 event.text,
                 auto_close_seconds=STAY_S.get(event.severity),
-                color=hex_rgb(severity_colour(event.severity, self._view.look.palette)),
+                color=hex_rgb(severity_colour(event.severity, self._ui.state.look.palette)),
             )
             if event.severity == Severity.ALARM:
                 self._standing.append((event, notification))
@@ -148,7 +144,9 @@ class Notifications:
                 if event.kind == REFUSED:
                     chosen = [other for other in chosen if other.kind != REFUSED]
                 chosen.append(event)
-        return chosen[-MOST_AT_ONCE:]
+        others = [event for event in chosen if event.severity != Severity.ALARM]
+        left_out = {id(event) for event in others[:-MOST_AT_ONCE]}
+        return [event for event in chosen if id(event) not in left_out]
 
     def _is_news(self, event: Event, now: float) -> bool:
         until, told = self._shown.get(event.kind, (now, ""))

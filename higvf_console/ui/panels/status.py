@@ -12,8 +12,8 @@ from higvf_console.sim.events import too_near
 from higvf_console.ui.panels.log import alarms_text
 from higvf_console.ui.panels.widgets.callbacks import reaction
 from higvf_console.ui.panels.widgets.html import TIMES, block, clock, nearness, text
-from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import CSS
+from higvf_console.ui.ui_state import UiStore
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
@@ -32,9 +32,9 @@ CHANNEL_MARK = {
 class StatusPanel:
     """A few lines of HTML, renewed when they read differently."""
 
-    def __init__(self, gui: viser.GuiApi, control_period: float, sink: PointerSink, view: View) -> None:
+    def __init__(self, gui: viser.GuiApi, control_period: float, sink: PointerSink, ui: UiStore) -> None:
         """Starts empty; what the operator acknowledges goes to `sink`."""
-        self._view = view
+        self._ui = ui
         self._period_ms = 1e3 * control_period
         self._html = gui.add_html("")
         self._acknowledge = gui.add_button(
@@ -45,7 +45,7 @@ class StatusPanel:
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows a snapshot."""
-        self._html.content = status_html(snapshot, self._period_ms, len(self._view.alarms))
+        self._html.content = status_html(snapshot, self._period_ms, len(self._ui.state.alarms))
         back = [name for name, health in snapshot.channels if health.state is ChannelState.RECOVERED]
         self._acknowledge.visible = bool(back)
         if back:

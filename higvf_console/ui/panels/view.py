@@ -7,8 +7,8 @@ import viser
 from higvf_console.control.guidance.field import FieldKind
 from higvf_console.ui.panels.widgets.callbacks import mirror, one_of, reaction, truth
 from higvf_console.ui.panels.widgets.html import block
-from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import CSS, TEXT_SIZES, THEMES
+from higvf_console.ui.ui_state import UiStore, change_look
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
@@ -33,11 +33,11 @@ SWITCHES = {
 
 
 class ViewPanel:
-    """Switches that write a `View`; the keyboard may change the field too."""
+    """Switches that write the `UiState`; the keyboard may change the field too."""
 
-    def __init__(self, gui: viser.GuiApi, view: View) -> None:
+    def __init__(self, gui: viser.GuiApi, ui: UiStore) -> None:
         """Builds the switches."""
-        self._view = view
+        self._ui = ui
         self._field = gui.add_dropdown(
             "Field", tuple(FIELDS), hint="Path: toward the path. Composite: round obstacles too. "
             "Blended: what the chosen robot would want if it stood there (V)",
@@ -51,21 +51,21 @@ class ViewPanel:
         self._key = gui.add_html(block(key_html()))
 
     def _choose(self, value: object) -> None:
-        self._view.field = one_of(value, FIELDS)
+        self._ui.update(field=one_of(value, FIELDS))
 
     def _wear(self, **changes: Any) -> None:
-        self._view.look = self._view.look._replace(**changes)
+        self._ui.change(change_look(**changes))
 
     def _make_switch(self, gui: viser.GuiApi, name: str, label: str, hint: str) -> viser.GuiCheckboxHandle:
-        switch = gui.add_checkbox(label, bool(getattr(self._view, name)), hint=hint)
-        switch.on_update(reaction(lambda value: setattr(self._view, name, truth(value))))
+        switch = gui.add_checkbox(label, bool(getattr(self._ui.state, name)), hint=hint)
+        switch.on_update(reaction(lambda value: self._ui.update(**{name: truth(value)})))
         return switch
 
     def update(self, _: "Snapshot") -> None:
         """Shows what is chosen now."""
-        mirror(self._field, _name_of(self._view.field, FIELDS))
-        mirror(self._theme, _name_of(self._view.look.palette, THEMES))
-        mirror(self._text, _name_of(self._view.look.text, TEXT_SIZES))
+        mirror(self._field, _name_of(self._ui.state.field, FIELDS))
+        mirror(self._theme, _name_of(self._ui.state.look.palette, THEMES))
+        mirror(self._text, _name_of(self._ui.state.look.text, TEXT_SIZES))
 
     def cleanup(self) -> None:
         """Removes the switches."""
@@ -75,12 +75,6 @@ class ViewPanel:
 
 def _name_of(value: object, choices: dict[str, Any]) -> str:
     return next(name for name, choice in choices.items() if choice == value)
-
-
-def next_field(kind: FieldKind | None) -> FieldKind | None:
-    """The field after this one, in the order of the list; after the last, off."""
-    kinds = list(FIELDS.values())
-    return kinds[(kinds.index(kind) + 1) % len(kinds)]
 
 
 def key_html() -> str:

@@ -15,7 +15,7 @@ from higvf_console.ui.panels.why_tables import certificate_html, parts_html, row
 from higvf_console.ui.panels.widgets.callbacks import mirror, reaction, truth
 from higvf_console.ui.panels.widgets.html import block
 from higvf_console.ui.panels.widgets.picker import RobotPicker
-from higvf_console.ui.scene.scene import View
+from higvf_console.ui.ui_state import UiStore, robot_explained
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
@@ -28,11 +28,11 @@ _WHICH = "Whose velocity is explained; in the arena, click the robot that you st
 
 
 class WhyPanel:
-    """One robot's reasons; writes a `View`, so that the arena shows the same robot."""
+    """One robot's reasons; writes the `UiState`, so that the arena shows the same robot."""
 
-    def __init__(self, gui: viser.GuiApi, session: "Session", view: View) -> None:
+    def __init__(self, gui: viser.GuiApi, session: "Session", ui: UiStore) -> None:
         """Builds the choices and explains the present moment once, which loads all that later moments need."""
-        self._view = view
+        self._ui = ui
         self._robots = len(session.setup.start.motion.position)
         self._history, self._updates = AuthorityHistory(), 0
         self._picker = RobotPicker(gui, "Explain", self._robots, self._choose, hint=_WHICH, nobody=_STEERED)
@@ -44,20 +44,20 @@ class WhyPanel:
         self.update(session.snapshot)
 
     def _make_switch(self, gui: viser.GuiApi, name: str, label: str, hint: str) -> viser.GuiCheckboxHandle:
-        switch = gui.add_checkbox(label, bool(getattr(self._view, name)), hint=hint)
-        switch.on_update(reaction(lambda value: setattr(self._view, name, truth(value))))
+        switch = gui.add_checkbox(label, bool(getattr(self._ui.state, name)), hint=hint)
+        switch.on_update(reaction(lambda value: self._ui.update(**{name: truth(value)})))
         return switch
 
     def _choose(self, robot: int | None) -> None:
-        self._view.explained = robot
+        self._ui.update(explained=robot)
 
     def update(self, snapshot: "Snapshot") -> None:
         """Explains the last control period of a snapshot."""
         self._robots = len(snapshot.state.motion.position)
-        self._picker.show(self._view.explained, self._robots)
-        mirror(self._arrows, self._view.reasons)
-        mirror(self._sight, self._view.sights)
-        robot = self._view.robot(snapshot)
+        self._picker.show(self._ui.state.explained, self._robots)
+        mirror(self._arrows, self._ui.state.reasons)
+        mirror(self._sight, self._ui.state.sights)
+        robot = robot_explained(self._ui.state, snapshot)
         self._explain(snapshot, robot)
         self._seen.content = block(
             sight_html(sights(robot, snapshot.last, snapshot.setup), snapshot, robot, snapshot.setup)

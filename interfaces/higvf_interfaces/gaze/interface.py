@@ -15,7 +15,7 @@ import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import Cursor, OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd, StrokePoints
-from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
+from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_console.core.reports import AttentionReport, CalibrationReport, CaptureReport, DwellReport
 from higvf_console.core.viewport import Viewport
 from higvf_interfaces.emulation import GAZE_ERRORS
@@ -72,6 +72,8 @@ class DrawingOptions(NamedTuple):
 
 class GazeReplay:
     """Gaze interface on a recording or a live stream."""
+
+    capabilities = Capabilities(stale_after=0.5)
 
     def __init__(self, spec: InputSpec) -> None:
         """Open `spec.source` and prefetch the first fixations.

@@ -18,9 +18,9 @@ from higvf_console.core.edits import (
     SetParameters,
     ToggleLink,
 )
+from higvf_console.core.path_terms import ENDINGS, USUAL_TERMS
 from higvf_interfaces.fields import Fields, is_number
 
-ENDINGS = ("release", "hold", "loop")
 _ADDED = tuple(kind for kind in EntityKind if kind is not EntityKind.POLYGON)  # a polygon is added by its outline
 _MOST = 1e6
 
@@ -94,7 +94,7 @@ def _shape_path(fields: Fields) -> OperatorCommand:
     if not any(fields.has(key) for key in ACTIONS["shape_path"].keys):
         fields.fail(f"give at least one of {', '.join(ACTIONS['shape_path'].keys)}")
     return ShapePath(
-        ending=fields.entries["ending"].choice(ENDINGS) if fields.has("ending") else None,
+        ending=fields.entries["ending"].choice(tuple(ENDINGS)) if fields.has("ending") else None,
         pace=pace(fields) if fields.has("pace") else None,
         duration=duration(fields) if fields.has("duration_s") else None,
         closed=fields.flag("closed") if fields.has("closed") else None,
@@ -116,12 +116,12 @@ def _forget_path(fields: Fields) -> OperatorCommand:
 
 def pace(fields: Fields) -> float:
     """Share of their velocity that those who are led take; 1 where it is not given."""
-    return fields.number("pace", 1.0, 0.0, 10.0)
+    return fields.number("pace", USUAL_TERMS.pace, 0.0, 10.0)
 
 
 def duration(fields: Fields) -> float:
     """How long a path is followed [s]; 0, as long as it takes, where it is not given."""
-    return fields.number("duration_s", 0.0, 0.0, _MOST, "s")
+    return fields.number("duration_s", USUAL_TERMS.duration, 0.0, _MOST, "s")
 
 
 def _kind(fields: Fields) -> str:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 from higvf_console.core.arrays import Floats
 from higvf_console.core.commands import Clutch, FaultKind, InjectFault, OperatorCommand, Pick, StrokeEnd, StrokeUse
 from higvf_console.core.errors import ScriptError
+from higvf_console.core.path_terms import ENDINGS, USUAL_TERMS, PathTerms, stroke_end
 from higvf_console.core.reading.document import read_text, read_yaml
 from higvf_console.core.reading.node import Node
 from higvf_interfaces.decisions.actions import PLAIN
@@ -162,12 +163,12 @@ def _action(action: str, fields: Fields) -> Stroke | OperatorCommand:
 
 
 def _stroke_end(fields: Fields) -> StrokeEnd:
-    return StrokeEnd(
-        smoothing=fields.number("smoothing_m", None, 0.0, 1e6, "m") if fields.has("smoothing_m") else None,
-        robot=fields.whole("robot", 1) - 1 if fields.has("robot") else None,
-        preview=fields.flag("preview", False),
-        use=fields.choice("use", StrokeUse.PATH, tuple(StrokeUse), RENAMED_USES),
-        ending=fields.choice("ending", script_edits.ENDINGS[0], script_edits.ENDINGS),
+    terms = PathTerms(
+        ending=fields.choice("ending", USUAL_TERMS.ending, tuple(ENDINGS)),
         pace=script_edits.pace(fields),
         duration=script_edits.duration(fields),
+        smoothing=fields.number("smoothing_m", None, 0.0, 1e6, "m") if fields.has("smoothing_m") else None,
     )
+    use = StrokeUse(fields.choice("use", StrokeUse.PATH, tuple(StrokeUse), RENAMED_USES))
+    robot = fields.whole("robot", 1) - 1 if fields.has("robot") else None
+    return stroke_end(terms, use, robot, preview=fields.flag("preview", False))

@@ -28,8 +28,7 @@ from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.interaction.grips import Drag, gripped, handles_of, result_of, robot_near, wished
 from higvf_console.ui.interaction.tools import USES, Tool
 from higvf_console.ui.page.roles import Roles
-from higvf_console.ui.panels.steer import SteerPanel
-from higvf_console.ui.scene.scene import View
+from higvf_console.ui.ui_state import UiState, UiStore, keep_choice
 from higvf_console.world.editing.entities import EntityRef
 from higvf_console.world.setup import Setup
 from tests.teams import team
@@ -42,9 +41,13 @@ class Held(NamedTuple):
     """A hand over a team, and what it has given."""
 
     hand: ArenaInteraction
-    view: View
+    ui: UiStore
     given: list[OperatorCommand]
     shown: list[Tool]
+
+    @property
+    def view(self) -> UiState:
+        return self.ui.state
 
     def drag(self, *points: list[float]) -> None:
         self.hand.stroke(PAGE, "start", floats(points[:1]))
@@ -57,14 +60,11 @@ def held(setup: Setup, tool: Tool = Tool.PATH) -> Held:
     snapshot = SimpleNamespace(setup=setup, state=setup.start, frozen=False, time=0.0)
     session = SimpleNamespace(setup=setup, snapshot=snapshot, viewport=None)
     roles = cast(Roles, SimpleNamespace(push=given.append, steers={PAGE}.__contains__))
-    steer = SimpleNamespace(stroke_end=lambda use: StrokeEnd(use=use.value))  # pyright: ignore[reportUnknownLambdaType]
-    view = View()
-    hand = ArenaInteraction(
-        cast(Session, session), view, cast(SteerPanel, steer), roles, lambda tool, _client: shown.append(tool)
-    )
+    ui = UiStore()
+    hand = ArenaInteraction(cast(Session, session), ui, roles, lambda tool, _client: shown.append(tool))
     hand.viewport(PAGE, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.tool(PAGE, tool)
-    return Held(hand, view, given, shown)
+    return Held(hand, ui, given, shown)
 
 
 def burning() -> Setup:
@@ -186,7 +186,7 @@ def test_what_is_held_is_let_go_where_it_was_when_nobody_steers_any_more() -> No
 @pytest.mark.parametrize("at_once", [True, False])
 def test_a_bent_path_waits_unless_it_is_committed_at_once(at_once: bool) -> None:
     hand = held(burning(), Tool.MOVE_POINT)
-    hand.view.commit_at_once = at_once
+    hand.ui.update(commit_at_once=at_once)
     hand.drag([500.0, 500.0], [520.0, 560.0])
     (bend,) = hand.given
     assert isinstance(bend, MovePathPoint)
@@ -272,9 +272,9 @@ def test_what_is_added_is_chosen_as_soon_as_it_is_there() -> None:
     assert hand.view.selected == EntityRef(EntityKind.CIRCLE, 0)
     hand.hand.key(PAGE, "delete")
     assert [type(command) for command in hand.given] == [AddEntity], "it is not there yet"
-    hand.view.keep_choice(burning().layout)
+    hand.ui.change(keep_choice(burning().layout))
     added = team(robots=[(100.0, 100.0), (300.0, 100.0)], circles=[(400.0, 500.0, 20.0)])
-    hand.view.keep_choice(added.layout)
+    hand.ui.change(keep_choice(added.layout))
     assert hand.view.selected == EntityRef(EntityKind.CIRCLE, 0)
 
 
@@ -282,9 +282,10 @@ def test_a_choice_ends_when_things_of_its_kind_come_or_go() -> None:
     two = team(fires=[(600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])
     hand = held(two, Tool.EDIT)
     hand.hand.click(PAGE, floats([900.0, 350.0]))
-    hand.view.keep_choice(two.layout)
+    hand.ui.change(keep_choice(two.layout))
     assert hand.view.selected == EntityRef(EntityKind.FIRE, 1)
-    hand.view.keep_choice(team(fires=[(100.0, 350.0, 30.0), (600.0, 350.0, 30.0), (900.0, 350.0, 30.0)]).layout)
+    three = team(fires=[(100.0, 350.0, 30.0), (600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])
+    hand.ui.change(keep_choice(three.layout))
     assert hand.view.selected is None
 
 

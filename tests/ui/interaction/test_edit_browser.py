@@ -284,7 +284,7 @@ def test_obstacles_are_made_of_an_overhead_image(page: Page, running: Running, t
     cv2.imwrite(str(file), plan)
     unfold_files(page)
     choose(page, "Overhead image", file)
-    wait_until(lambda: running.console._view.background)  # pyright: ignore[reportPrivateUsage]
+    wait_until(lambda: running.console.ui.state.background)
     press(page, "Dark")
     wait_until(lambda: len(running.session.setup.layout.obstacles.polygons) == 1)
     low, high = (bound(running.session.setup.layout.obstacles.polygons[0], axis=0) for bound in (np.min, np.max))

@@ -293,10 +293,10 @@ def test_what_a_hand_holds_is_let_go_where_it_was_when_its_page_vanishes(
     third.keyboard.press("m")
     fire = running.session.setup.world.fire_position[0]
     draw(third, to_page(third, np.linspace(fire, fire + floats([40.0, 60.0]), 10)), finish="")
-    view = running.console._view  # pyright: ignore[reportPrivateUsage]
-    wait_until(lambda: view.drag is not None)
+    ui = running.console.ui
+    wait_until(lambda: ui.state.drag is not None)
     third.close()
-    wait_until(lambda: view.drag is None)
+    wait_until(lambda: ui.state.drag is None)
     assert not running.given(MoveEntity)
     assert (running.session.setup.world.fire_position[0] == fire).all()
 

@@ -42,7 +42,7 @@ def _waiting_is_on(running: Running, page: Page) -> None:
     at_once = page.get_by_role("checkbox", name="Commit at once")
     if at_once.is_checked():
         at_once.click()
-    wait_until(lambda: not running.console._view.commit_at_once)  # pyright: ignore[reportPrivateUsage]
+    wait_until(lambda: not running.console.ui.state.commit_at_once)
 
 
 def latest(running: Running) -> Preview | None:
@@ -165,7 +165,7 @@ def test_the_read_out_tells_the_outcome_and_warns(page: Page, running: Running, 
 
 def test_with_commit_at_once_a_stroke_is_followed_when_it_ends(page: Page, running: Running) -> None:
     page.get_by_role("checkbox", name="Commit at once").click()
-    wait_until(lambda: running.console._view.commit_at_once)  # pyright: ignore[reportPrivateUsage]
+    wait_until(lambda: running.console.ui.state.commit_at_once)
     draw(page, to_page(page, HAND))
     wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
     assert running.state.pointer_state.pending is NO_PATH

@@ -8,7 +8,6 @@ from playwright.sync_api import Browser, Locator, Page
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.commands import Freeze
 from higvf_console.core.edits import SetParameters
-from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import LIGHT, USUAL_LOOK
 from higvf_console.world.editing.presets import preset_name
 from tests.browser import console_page, screenshot, wait_until
@@ -100,8 +99,8 @@ def test_no_limit_is_a_word_and_other_words_are_told(page: Page, running: Runnin
 
 @pytest.mark.parametrize("theme", ["dark", "light"])
 def test_a_preset_is_one_step_and_its_name_is_known(page: Page, running: Running, theme: str) -> None:
-    view: View = running.console._view  # pyright: ignore[reportPrivateUsage]
-    view.look = USUAL_LOOK if theme == "dark" else USUAL_LOOK._replace(palette=LIGHT)
+    ui = running.console.ui
+    ui.update(look=USUAL_LOOK if theme == "dark" else USUAL_LOOK._replace(palette=LIGHT))
     choose(page, "Group", "Safety")
     choose(page, "Preset", "Cautious")
     scenario = running.session.scenario.params
@@ -111,7 +110,7 @@ def test_a_preset_is_one_step_and_its_name_is_known(page: Page, running: Running
     page.mouse.move(640, 300)
     page.wait_for_timeout(500)
     screenshot(page, f"tune-{theme}")
-    view.look = USUAL_LOOK
+    ui.update(look=USUAL_LOOK)
     page.get_by_role("tab", name="Tune", exact=True).press("Control+z")
     wait_until(lambda: params_of(running) == scenario)
     wait_until(lambda: page.get_by_label("Preset", exact=True).first.input_value() == "As in the scenario")

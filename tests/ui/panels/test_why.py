@@ -20,11 +20,10 @@ from higvf_console.sim.certificates import Certificate
 from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.panels.authority import SPAN, AuthorityHistory, bands_svg, legend_html
-from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.why_tables import MOST_ROWS, certificate_html, parts_html, rows_html, sight_html, signed
 from higvf_console.ui.scene.reasons import arrow, chain, part_colours, part_outline, sight_lines
-from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import DARK, LIGHT, Palette, vertex_rgb
+from higvf_console.ui.ui_state import UiState, UiStore
 from tests.teams import team
 
 EVEN = floats([0.25] * 4)
@@ -144,14 +143,14 @@ def test_a_click_on_the_steered_robot_shows_and_hides_its_reasons() -> None:
     given: list[OperatorCommand] = []
     session = SimpleNamespace(setup=setup, snapshot=SimpleNamespace(setup=setup, state=setup.start), viewport=None)
     roles = cast(Roles, SimpleNamespace(push=given.append, steers={0}.__contains__))
-    view = View(explained=1)
-    hand = ArenaInteraction(cast(Session, session), view, cast(SteerPanel, None), roles, lambda _tool, _client: None)
+    ui = UiStore(UiState(explained=1))
+    hand = ArenaInteraction(cast(Session, session), ui, roles, lambda _tool, _client: None)
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.click(0, floats([300.0, 100.0]))
-    assert not view.reasons
+    assert not ui.state.reasons
     hand.click(0, floats([100.0, 100.0]))
-    assert view.reasons
-    assert view.explained is None
+    assert ui.state.reasons
+    assert ui.state.explained is None
     hand.click(0, floats([100.0, 100.0]))
-    assert not view.reasons
+    assert not ui.state.reasons
     assert given == [Pick(1), Pick(0), Pick(0)]

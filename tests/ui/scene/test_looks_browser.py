@@ -12,8 +12,8 @@ from playwright.sync_api import Browser, Page
 from higvf_console.core.commands import AskReset, EmergencyStop, Freeze, Pick, ResetEmergencyStop, ResetRun, SetSpeed
 from higvf_console.core.events import Severity
 from higvf_console.ui.panels.log import STAY_S
-from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import DARK, LIGHT, TEXT_SIZES, THEMES, USUAL_LOOK, hex_rgb
+from higvf_console.ui.ui_state import UiStore
 from tests.browser import (
     PATIENCE,
     close_notifications,
@@ -87,12 +87,11 @@ def page(chromium: Browser, running: Running) -> Iterator[Page]:
 
 
 @pytest.fixture
-def view(running: Running) -> Iterator[View]:
+def ui(running: Running) -> Iterator[UiStore]:
     """What is chosen to be seen; as usual again after the test."""
-    view = running.console._view  # pyright: ignore[reportPrivateUsage]
-    yield view
-    view.look = USUAL_LOOK
-    view.alarms.clear()
+    ui = running.console.ui
+    yield ui
+    ui.update(look=USUAL_LOOK, alarms=())
     running.push(AskReset(), ResetEmergencyStop(), ResetRun())
     wait_until(lambda: not running.state.intent.stopped)
 
@@ -140,7 +139,7 @@ def steps(page: Page) -> list[str]:
 def test_the_first_steps_are_ticked_when_done_and_come_back_from_the_key_list(
     page: Page,
     running: Running,
-    view: View,  # noqa: ARG001 - puts all back
+    ui: UiStore,  # noqa: ARG001 - puts all back
 ) -> None:
     put_away_the_browsers_own_note(page)
     assert steps(page) == ["Draw a path", "Pick a robot", "Space stops"]
@@ -167,7 +166,7 @@ def test_the_first_steps_are_ticked_when_done_and_come_back_from_the_key_list(
     assert steps(page) == []
 
 
-def test_theme_and_text_size_are_chosen_in_the_view_panel_and_hold_for_a_reload(page: Page, view: View) -> None:
+def test_theme_and_text_size_are_chosen_in_the_view_panel_and_hold_for_a_reload(page: Page, ui: UiStore) -> None:
     tab(page, "View")
     size = "parseFloat(getComputedStyle(document.querySelector('.hg')).fontSize)"
     usual = page.evaluate(size)
@@ -183,10 +182,10 @@ def test_theme_and_text_size_are_chosen_in_the_view_panel_and_hold_for_a_reload(
     wait_until(lambda: np.abs(pixel(page, (450.0, 650.0)) - hex_rgb(LIGHT.floor)).max() < 4)
     tab(page, "View")
     wait_until(lambda: page.get_by_label("Theme", exact=True).first.input_value() == "Light")
-    assert view.look.palette is LIGHT
+    assert ui.state.look.palette is LIGHT
 
 
-def test_an_alarm_stays_until_it_is_put_away_or_acknowledged(page: Page, running: Running, view: View) -> None:
+def test_an_alarm_stays_until_it_is_put_away_or_acknowledged(page: Page, running: Running, ui: UiStore) -> None:
     def counted() -> str:
         return " ".join(page.locator(".hg .unseen").all_inner_texts())
 
@@ -196,7 +195,7 @@ def test_an_alarm_stays_until_it_is_put_away_or_acknowledged(page: Page, running
     wait_until(lambda: counted() == "1 alarm")
     note.locator("button").click()
     wait_until(lambda: counted() == "")
-    assert view.alarms == []
+    assert ui.state.alarms == ()
     running.push(AskReset(), ResetEmergencyStop(), EmergencyStop())
     wait_until(lambda: counted() == "1 alarm")
     wait_until(note.count)
@@ -212,7 +211,7 @@ def test_an_alarm_stays_until_it_is_put_away_or_acknowledged(page: Page, running
 def test_a_refusal_takes_the_place_of_the_former_one(
     page: Page,
     running: Running,
-    view: View,  # noqa: ARG001 - puts all back
+    ui: UiStore,  # noqa: ARG001 - puts all back
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def reasons() -> list[bool]:
@@ -231,17 +230,18 @@ def test_a_refusal_takes_the_place_of_the_former_one(
 @pytest.mark.parametrize(("width", "height"), SIZES)
 @pytest.mark.parametrize("theme", THEMES)
 def test_nothing_overlaps_or_overflows_in_any_tab(
-    page: Page, running: Running, view: View, theme: str, width: int, height: int
+    page: Page, running: Running, ui: UiStore, theme: str, width: int, height: int
 ) -> None:
-    view.look = USUAL_LOOK._replace(palette=THEMES[theme])
+    ui.update(look=USUAL_LOOK._replace(palette=THEMES[theme]))
     page.set_viewport_size({"width": width, "height": height})
     shipped = running.session.scenario.strokes[0]
     running.push(Freeze(False), Pick(0), *stroke(shipped.points, shipped.robot))
     page.evaluate("window.higvf.call('hints', 'reopen')")
     close_notifications(page)  # the browser's own, unless it has gone by itself
+    last = page.locator(NOTE, has_text="all robots stand still")
+    wait_until(lambda: not last.count())  # that of the test before, which says the same
     wait_until(lambda: running.state.motion.tick > 100)
     running.push(EmergencyStop())
-    last = page.locator(NOTE, has_text="all robots stand still")
     wait_until(lambda: (box := last.bounding_box()) and box["x"] > 0)  # it slides in
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(THEMES[theme].surround)}")
     names = page.get_by_role("tab").all_inner_texts()

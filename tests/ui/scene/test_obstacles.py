@@ -14,7 +14,6 @@ from higvf_console.ui.scene.glyphs import Triangles
 from higvf_console.ui.scene.ground import Ground, obstacle_bodies, obstacle_outlines, obstacle_surfaces
 from higvf_console.ui.scene.parts import Canvas
 from higvf_console.ui.theme import DARK, dress, hex_rgb
-from higvf_console.world.build import edge_bars
 from higvf_console.world.polygons import signed_area, signed_distance
 from higvf_console.world.setup import Setup
 from tests.browser import ARENA, open_stage, screenshot, to_page
@@ -33,8 +32,7 @@ def area(mesh: Triangles) -> float:
 
 def site(*polygons: Floats) -> Setup:
     """A circle, a true bar and polygons."""
-    bars = [(900.0, 600.0, 1000.0, 600.0, 6.0), *map(tuple, edge_bars(polygons).tolist())]
-    return team(circles=[(200.0, 200.0, 20.0)], bars=bars)._replace(polygons=polygons)
+    return team(circles=[(200.0, 200.0, 20.0)], bars=[(900.0, 600.0, 1000.0, 600.0, 6.0)], polygons=polygons)
 
 
 def test_a_shape_that_is_not_convex_is_filled_exactly() -> None:

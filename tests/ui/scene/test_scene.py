@@ -13,7 +13,7 @@ from higvf_console.core.state import NO_PATH, SimState
 from higvf_console.core.viewport import Arena
 from higvf_console.sim.simulation import advance
 from higvf_console.ui import theme
-from higvf_console.ui.panels.view import FIELDS, next_field
+from higvf_console.ui.panels.view import FIELDS
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.field import field_grid
 from higvf_console.ui.scene.fires import FireLook, fire_lettering, fire_look, progress_arcs
@@ -22,6 +22,7 @@ from higvf_console.ui.scene.ground import axis_lettering, grid, obstacle_outline
 from higvf_console.ui.scene.parts import Canvas, Layer, turned
 from higvf_console.ui.scene.path import path_outline, thinned
 from higvf_console.ui.scene.team import MOST_LINKS, TRAIL_POINTS, Team, faded, link_segments, rings, spread
+from higvf_console.ui.ui_state import UiStore, show_next_field
 from tests.teams import team
 
 ARENA = Arena(0.0, 0.0, 1200.0, 700.0)
@@ -246,10 +247,9 @@ def test_the_field_grid_is_even_and_inside_the_arena() -> None:
 
 
 def test_the_field_key_goes_through_all_fields_and_off_again() -> None:
-    seen: list[FieldKind | None] = [None]
-    for _ in FIELDS:
-        seen.append(next_field(seen[-1]))
-    assert seen == [None, FieldKind.PATH, FieldKind.COMPOSITE, FieldKind.BLENDED, None]
+    ui = UiStore()
+    seen = [ui.state.field, *(ui.change(show_next_field).field for _ in FIELDS)]
+    assert seen == [*FIELDS.values(), None] == [None, FieldKind.PATH, FieldKind.COMPOSITE, FieldKind.BLENDED, None]
 
 
 class _Drawn:

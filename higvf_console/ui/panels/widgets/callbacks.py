@@ -16,7 +16,7 @@ SETTLE_S = 0.6  # from a touch until the session must have answered it
 _log = logging.getLogger(__name__)
 
 
-def reaction(act: Callable[[Any], None]) -> Reaction:
+def reaction(act: Callable[[Any], object]) -> Reaction:
     """A callback that hands a page's value to `act`; a ValueError or TypeError refuses the value, and is logged.
 
     Args:

@@ -1,4 +1,4 @@
-"""The browser's mouse and keyboard: threads of the browser push commands, the session polls them."""
+"""The built-in channel of the console: its pages' pointer, keys, panels and edits, pushed by threads of the browser."""
 
 import threading
 from collections import deque
@@ -8,25 +8,30 @@ from time import monotonic
 
 import numpy as np
 
+from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import Command, Cursor, EmergencyStop, OperatorCommand, StrokePoints
 from higvf_console.core.errors import InputError
-from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
-from higvf_interfaces.fields import option_fields
-from higvf_interfaces.streams import Stamp
+from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, InputSpec, OperatorContext
+from higvf_console.core.reading.node import Node
 
 CAPACITY = 4096  # commands that wait at most; a session polls some 50 times a second
 _POINTS = 16_384  # of a stroke that waits; beyond, every second point goes
 
 
-class Mouse:
+class ConsoleChannel:
     """An `Interface` that is also a `PointerSink`.
 
     A full queue makes room by losing least first: all cursors but the newest, then the joints between stroke points
     (their points stay), then the oldest command that is not the newest `EmergencyStop`. So a STOP is never lost, and
     the end of a stroke only behind thousands of later commands.
+
+    Attributes:
+        capabilities: of a person's hand at the pages of the console.
     """
 
-    def __init__(self, name: str = "mouse", capacity: int = CAPACITY) -> None:
+    capabilities = Capabilities(takes_pointer=True, self_acknowledging=True, draws_previewed=True, stale_after=2.0)
+
+    def __init__(self, name: str = CONSOLE, capacity: int = CAPACITY) -> None:
         """Starts with an empty queue.
 
         Args:
@@ -37,7 +42,7 @@ class Mouse:
         self._capacity = capacity
         self._waiting: deque[OperatorCommand] = deque()
         self._lock = threading.Lock()
-        self._stamp = Stamp(name)
+        self._given = 0  # commands so far
         self._last_used: float | None = None
         self._last_heartbeat: float | None = None  # [s] of the wall clock
 
@@ -63,10 +68,10 @@ class Mouse:
             taken, self._waiting = self._waiting, deque()
         if taken:
             self._last_used = context.time
-        return [self._stamp(command, context.time, _by(command, context)) for command in taken]
+        return [self._stamped(command, context) for command in taken]
 
     def health(self, now: float) -> ChannelHealth:
-        """Heard when a page last told that it is there; a hand off the mouse is no fault."""
+        """Last seen when a page told that it is there; one that nobody uses is no fault."""
         used = "not used yet" if self._last_used is None else f"last used {max(0.0, now - self._last_used):.0f} s ago"
         if self._last_heartbeat is not None:
             return ChannelHealth(ChannelState.LIVE, used, now - (monotonic() - self._last_heartbeat))
@@ -79,18 +84,25 @@ class Mouse:
         with self._lock:
             self._waiting.clear()
 
+    def _stamped(self, command: OperatorCommand, context: OperatorContext) -> OperatorCommand:
+        """The command as given now; by the operator whom it names, of several pages the one that gave it."""
+        operator = context.operator if command.operator == Command.operator else command.operator
+        sequence, self._given = self._given, self._given + 1
+        return replace(command, time=context.time, source=self._name, operator=operator, sequence=sequence)
 
-def open_mouse(spec: InputSpec) -> Mouse:
-    """Entry point `mouse`; it has no options."""
-    option_fields(spec, ())
+
+def open_console(spec: InputSpec) -> ConsoleChannel:
+    """The built-in channel.
+
+    Raises:
+        InputError: it is given a file or an option, and has neither.
+    """
     if spec.source:
-        raise InputError(f"input {spec.channel}={spec.source}: the mouse is the browser's and reads no file")
-    return Mouse(spec.channel)
-
-
-def _by(command: OperatorCommand, context: OperatorContext) -> OperatorContext:
-    """The context with the operator whom a command names already: of several pages, the one that gave it."""
-    return context if command.operator == Command.operator else context._replace(operator=command.operator)
+        raise InputError(
+            f"input {spec.channel}={spec.source}: the console's channel is the browser's and reads no file"
+        )
+    Node({**spec.settings, **spec.options}, f"input {spec.channel}", raises=InputError).section(())
+    return ConsoleChannel(spec.channel)
 
 
 def _make_room(commands: Iterable[OperatorCommand], capacity: int) -> deque[OperatorCommand]:

@@ -1,0 +1,81 @@
+"""On which terms a path is followed and a stroke becomes one, whether it waits, and how far is looked ahead."""
+
+from typing import Any
+
+import viser
+
+from higvf_console.analysis.preview import LONGEST, SHORTEST
+from higvf_console.control.parameters import PathParameters
+from higvf_console.core.commands import ShapePath
+from higvf_console.core.interface import PointerSink
+from higvf_console.core.path_terms import FASTEST, SLOWEST
+from higvf_console.core.quantity import quantities
+from higvf_console.core.state import NO_PATH, Path, PathKind
+from higvf_console.ui.panels.widgets.callbacks import mirror, number_in, one_of, reaction, truth
+from higvf_console.ui.ui_state import UiStore, change_terms
+
+LONGEST_DURATION = 3600.0  # [s]
+_ENDINGS = {"Go on by itself": "release", "Wait there": "hold", "Start again": "loop"}
+_USUAL_SMOOTHING = PathParameters().stroke_smoothing  # [m]
+
+
+class TermsWidgets:
+    """Widgets that show the `UiState`; what is chosen holds for the next paths, and for the one in hand at once."""
+
+    def __init__(self, gui: viser.GuiApi, sink: PointerSink, ui: UiStore) -> None:
+        """Builds the widgets; what is chosen for the path in hand goes to `sink`."""
+        self._sink, self._ui, self._path = sink, ui, NO_PATH
+        self._end = gui.add_dropdown("At its end", tuple(_ENDINGS), hint="What the team does when the path is finished")
+        self._end.on_update(reaction(lambda value: self._shape(ending=one_of(value, _ENDINGS))))
+        self._speed = gui.add_slider(
+            "Pace", SLOWEST, FASTEST, 0.05, 1.0, hint="Share of their speed that those who are led along it take"
+        )
+        self._speed.on_update(reaction(lambda value: self._shape(pace=number_in(value, SLOWEST, FASTEST))))
+        self._time = gui.add_number(
+            "Lasts s", 0.0, min=0.0, max=LONGEST_DURATION, step=5.0, hint="The path ends after so long; 0 = no limit"
+        )
+        self._time.on_update(reaction(lambda value: self._shape(duration=number_in(value, 0.0, LONGEST_DURATION))))
+        meaning = quantities(PathParameters)["stroke_smoothing"]
+        self._smoothing = gui.add_number(
+            "Smoothing m", self._chosen_smoothing(), min=meaning.low, max=meaning.high, step=1.0, hint=meaning.text
+        )
+        self._time.precision = self._smoothing.precision = 2
+        self._smoothing.on_update(
+            reaction(lambda value: ui.change(change_terms(smoothing=number_in(value, meaning.low, meaning.high))))
+        )
+        self._at_once = gui.add_checkbox(
+            "Commit at once",
+            ui.state.commit_at_once,
+            hint="On: a path, new or repaired, is followed at once. Off: it waits for Commit (Enter) or Discard (Esc)",
+        )
+        self._at_once.on_update(reaction(lambda value: ui.update(commit_at_once=truth(value))))
+        self._horizon = gui.add_slider(
+            "Look ahead s", SHORTEST, LONGEST, 5.0, ui.state.horizon, hint="How far the team is run ahead as you draw"
+        )
+        self._horizon.on_update(reaction(lambda value: ui.update(horizon=number_in(value, SHORTEST, LONGEST))))
+
+    def _chosen_smoothing(self) -> float:
+        smoothing = self._ui.state.terms.smoothing
+        return _USUAL_SMOOTHING if smoothing is None else smoothing
+
+    def _shape(self, **terms: Any) -> None:
+        self._ui.change(change_terms(**terms))
+        if self._path.kind != PathKind.NONE:
+            self._sink.push(ShapePath(**terms))
+
+    def update(self, path: Path) -> None:
+        """Shows what is chosen; `path` is the one in hand."""
+        self._path = path
+        state = self._ui.state
+        for widget, value in (
+            (self._end, next(word for word, ending in _ENDINGS.items() if ending == state.terms.ending)),
+            (self._speed, state.terms.pace), (self._time, state.terms.duration),
+            (self._smoothing, self._chosen_smoothing()),
+            (self._at_once, state.commit_at_once), (self._horizon, state.horizon),
+        ):  # fmt: skip
+            mirror(widget, value)
+
+    def cleanup(self) -> None:
+        """Removes the widgets."""
+        for widget in (self._end, self._speed, self._time, self._smoothing, self._at_once, self._horizon):
+            widget.remove()
