@@ -170,14 +170,14 @@ def perceive(motion: Motion, priority: Floats, world: World, params: Parameters)
     target_value = np.zeros(robots)
     wanted = np.zeros((robots, 2))
     waiting = motion.tick * params.safety.control_period < params.fires.start_delay
-    hidden = interval_room(world.circles, world.bars)
+    hidden = interval_room(world.capsules)
     for i in range(robots):
         x, y = motion.position[i, 0], motion.position[i, 1]
         for j in range(fires):
             if motion.fire_burning[j]:
                 value[i, j] = fire_value(
                     x, y, world.fire_position[j, 0], world.fire_position[j, 1], float(motion.fire_radius[j]),
-                    params.perception.perception_range, world.circles, world.bars, hidden,
+                    params.perception.perception_range, world.capsules, hidden,
                 )  # fmt: skip
         for row in range(priority.shape[0]):
             j = int(priority[row, 1])

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.arrays import Bools, Floats, Ints, floats
 
 NOBODY = -1  # no robot, no fire
 
@@ -203,12 +203,12 @@ class SimState(NamedTuple):
 class World(NamedTuple):
     """What does not change in a run: N robots, M fires, P circles, Q bars, W walls; made by `world.build`.
 
-    Obstacles count twice: as parts, for barrier rows and sight, and as G groups, which the field goes round.
+    Obstacles count twice: as parts, for barrier constraints and sight, and as G groups, which the field goes round.
 
     Attributes:
-        circles: (P, 3) x, y, radius [m].
-        bars: (Q, 5) ax, ay, bx, by, half width [m]; a bar is a capsule round its spine a-b. An irregular obstacle is a
-            closed chain of bars without width.
+        capsules: (P + Q, 5) parts: spine ax, ay, bx, by and radius [m]. Circles come first, their spine is a point;
+            then bars. An irregular obstacle is a closed chain of bars without width.
+        circle_count: P.
         walls: (W, 3) unit inward normal nx, ny and offset w [m]: inside means n.p >= w.
         fire_position: (M, 2) [m].
         fire_growth: (M,) [m/s].
@@ -221,12 +221,12 @@ class World(NamedTuple):
             its pocket: x, y of the first node, cell width [m], columns (0 = no pocket).
         boundary_start: (3, G + 1) group g's rows in `hull`, `part` and `pocket`.
         hull: (H, 2) corners of convex hulls, counter-clockwise [m]; a lone part has none.
-        part: (P + Q,) parts by group: circle k, then bar k - P.
+        part: (P + Q,) rows of `capsules`, by group.
         pocket: (C, 3) grids of hulls, row by row: unit vector of the shortest way out, distance to the parts [m].
     """
 
-    circles: Floats
-    bars: Floats
+    capsules: Floats
+    circle_count: int
     walls: Floats
     fire_position: Floats
     fire_growth: Floats
@@ -239,6 +239,16 @@ class World(NamedTuple):
     hull: Floats
     part: Ints
     pocket: Floats
+
+    @property
+    def circles(self) -> Floats:
+        """(P, 3) x, y, radius [m]."""
+        return floats(self.capsules[: self.circle_count, [0, 1, 4]])
+
+    @property
+    def bars(self) -> Floats:
+        """(Q, 5) ax, ay, bx, by, half width [m]."""
+        return self.capsules[self.circle_count :]
 
 
 class Trace(NamedTuple):

@@ -21,6 +21,7 @@ from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import map_radius
 from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.control.safety.barriers.certificate import SAMPLING_LIMIT, sampling_conditions
+from higvf_console.control.safety.hazards import worst_hazards
 from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.state import Motion, SimState, Trace, World
 
@@ -126,7 +127,8 @@ def certificates(
 ) -> tuple[Certificate, ...]:
     """All conditions of a run from `start` as they are now; those of single ticks at their worst so far."""
     params, robots = controlled(params), len(state.motion.position)
-    sampling = max(sampling_conditions(world, start.motion.fire_radius, params.safety), key=lambda kind: kind.value)
+    hazards = worst_hazards(world, start.motion.fire_radius)
+    sampling = max(sampling_conditions(hazards, params.safety), key=lambda kind: kind.value)
     degree = int(np.bincount(trace.links.ravel(), minlength=robots).max(initial=0))
     stiffness = 2.0 * params.safety.control_period * params.formation.formation_rate * degree
     found = [

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from higvf_console.control.guidance.groups import group_obstacles
+from higvf_console.control.guidance.obstacles import capsule_table
 from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Floats, Ints, floats, ints
 from higvf_console.core.state import World
@@ -24,16 +25,16 @@ def build_world(layout: Layout, before: World | None = None) -> World:
     obstacles, fires = layout.obstacles, layout.fires
     link_start, link_to = _NO_LINKS if layout.links is None else link_table(layout.links, len(layout.formation))
     if before is None:
-        circles = floats(obstacles.circles, -1, 3)
-        bars = floats(np.concatenate([floats(obstacles.bars, -1, 5), edge_bars(obstacles.polygons)]))
-        groups = group_obstacles(circles, bars, controlled(layout.params).safety.obstacle_clearance)
+        bars = np.concatenate([floats(obstacles.bars, -1, 5), edge_bars(obstacles.polygons)])
+        capsules = capsule_table(obstacles.circles, bars)
+        groups = group_obstacles(capsules, controlled(layout.params).safety.obstacle_clearance)
     else:
-        circles, bars = before.circles, before.bars
+        capsules = before.capsules
         groups = before.boundary, before.boundary_start, before.hull, before.part, before.pocket
     boundary, boundary_start, hull, part, pocket = groups
     return World(
-        circles=circles,
-        bars=bars,
+        capsules=capsules,
+        circle_count=len(obstacles.circles),
         walls=_walls(layout.arena) if layout.walls else floats([], 0, 3),
         fire_position=layout.fire_position,
         fire_growth=floats([fire.growth for fire in fires], -1),

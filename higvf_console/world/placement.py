@@ -13,6 +13,7 @@ from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import map_radius
 from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.control.safety.barriers.certificate import check_sampling, least_stand_off
+from higvf_console.control.safety.hazards import worst_hazards
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.errors import FilterError, ScenarioError
 from higvf_console.core.state import World
@@ -245,7 +246,7 @@ def check_rates(world: World, fire_radius: Floats, params: Parameters, source: s
         ScenarioError: the sampling condition is missed; the message gives limit and value.
     """
     try:
-        check_sampling(world, fire_radius, controlled(params).safety)
+        check_sampling(worst_hazards(world, fire_radius), controlled(params).safety)
     except FilterError as error:
         raise ScenarioError(f"{source}: parameters.safety: {error}") from error
 

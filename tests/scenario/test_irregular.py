@@ -130,13 +130,13 @@ def test_a_polygon_hides_of_a_fire_what_lies_behind_it() -> None:
     text = f"{BASE}fires: [{{at_m: [300, 300], radius_m: 40}}]\n"
     setup = parse_scenario(f"{text}obstacles: {{polygons: [{{points_m: {star.tolist()}}}]}}", "t.yaml").setup()
     world, reach = setup.world, setup.params.perception.perception_range
-    room = interval_room(world.circles, world.bars)
+    room = interval_room(world.capsules)
     seen: list[float] = []
     for x, y in ((700.0, 300.0), (700.0, 260.0), (680.0, 420.0), (650.0, 150.0), (300.0, 600.0)):
         half = np.arcsin(40 / np.hypot(300 - x, 300 - y))
         to_corners = np.angle((star - [x, y]) @ [1, 1j] / complex(300 - x, 300 - y))  # from the bearing of the fire
         low, high = np.clip([to_corners.min(), to_corners.max()], -half, half)
-        seen.append(fire_value(x, y, 300.0, 300.0, 40.0, reach, world.circles, world.bars, room))
+        seen.append(fire_value(x, y, 300.0, 300.0, 40.0, reach, world.capsules, room))
         assert seen[-1] == pytest.approx(2 * half - (high - low))
     assert seen[0] == 0.0
     assert 0.0 < seen[2] < seen[4]

@@ -47,7 +47,7 @@ def _field(
     human = following(motion, intent)
     target = motion.target[robot]
     start, to = links(motion.position, world, params)
-    hidden = interval_room(world.circles, world.bars)
+    hidden = interval_room(world.capsules)
     boundaries = find_boundaries(motion, world, params.safety.obstacle_clearance)
     own_boundary = NOBODY if human else fire_boundary(target, world)
     goal_x, goal_y = destination(intent.path, motion.path_parameter)
@@ -101,6 +101,6 @@ def _wanted(
     if j == NOBODY:
         return 0.0, 0.0
     fx, fy, radius = world.fire_position[j, 0], world.fire_position[j, 1], float(motion.fire_radius[j])
-    value = fire_value(x, y, fx, fy, radius, params.perception.perception_range, world.circles, world.bars, hidden)
+    value = fire_value(x, y, fx, fy, radius, params.perception.perception_range, world.capsules, hidden)
     seen = value if value > 0.0 else motion.target_value[robot]
     return robot_intention(x, y, seen, fx, fy, radius, params.perception, params.safety, params.fires, params.forms)

@@ -106,7 +106,7 @@ def beyond_reach(path: Path, motion: Motion, world: World, params: Parameters) -
     room = params.safety.obstacle_clearance - params.path.end_radius
     if path.closed or math.isnan(x):
         return False
-    for k in range(world.circles.shape[0] + world.bars.shape[0]):
+    for k in range(world.capsules.shape[0]):
         if part_at(k, x, y, world)[0] < room:
             return True
     for j in range(world.fire_position.shape[0]):

@@ -32,15 +32,13 @@ class Groups(NamedTuple):
     pocket: Floats
 
 
-def group_obstacles(circles: Floats, bars: Floats, clearance: float) -> Groups:
+def group_obstacles(parts: Floats, clearance: float) -> Groups:
     """Groups the parts of a world.
 
     Args:
-        circles: (P, 3) x, y, radius [m].
-        bars: (Q, 5) ax, ay, bx, by, half width [m].
+        parts: (K, 5) capsules ax, ay, bx, by, radius [m].
         clearance: R_o [m].
     """
-    parts = np.concatenate([circles[:, [0, 1, 0, 1, 2]], bars]) if len(circles) + len(bars) else np.zeros((0, 5))
     label = _labels(parts, 2.0 * clearance)
     members = [np.flatnonzero(label == name) for name in range(label.max(initial=-1) + 1)]
     boundary = np.zeros((len(members), 9))

@@ -13,7 +13,7 @@ import numpy as np
 from higvf_console.control.forms import Forms
 from higvf_console.control.guidance.boundaries import ALONE, TOGETHER, Boundaries, boundary_at, has_hull, opened, row_of
 from higvf_console.control.guidance.bump import zero_in
-from higvf_console.control.guidance.obstacles import part_at, part_radius
+from higvf_console.control.guidance.obstacles import part_at
 from higvf_console.control.guidance.paths import nearest
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import BoundaryParameters, PathParameters
@@ -91,7 +91,8 @@ def composite_velocity(
             for p in range(world.boundary_start[1, k], world.boundary_start[1, k + 1]):
                 part = world.part[p]
                 gap, nx, ny = part_at(part, x, y, world)
-                zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, part_radius(part, world), around, False, margins, forms)
+                radius = float(world.capsules[part, 4])
+                zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, radius, around, False, margins, forms)
                 path_weight *= 1.0 - zero_out
                 bump_sum += zero_out
                 turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
@@ -199,8 +200,8 @@ def zero_in_product(
 ) -> float:
     """prod_j S_j at (x, y) over all obstacles and burning fires: the factor of [9], [13] and [14] as printed."""
     product = 1.0
-    for k in range(world.circles.shape[0] + world.bars.shape[0]):
-        radius = part_radius(k, world)
+    for k in range(world.capsules.shape[0]):
+        radius = float(world.capsules[k, 4])
         product *= zero_in(part_at(k, x, y, world)[0] + radius, radius, margins, forms)
     for j in range(world.fire_position.shape[0]):
         if motion.fire_burning[j]:
