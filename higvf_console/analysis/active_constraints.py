@@ -46,7 +46,7 @@ def active_constraints(robot: int, moved: Moved, setup: Setup) -> list[ActiveCon
     around = _around(moved, setup)
     most = most_constraints(around)
     constraints, cause = np.empty((most, 3)), np.empty((most, 2), np.int64)
-    used = constraints_of(robot, around, constraints, cause)
+    used, _ = constraints_of(robot, around, constraints, cause)
     slack = constraints[:used, 2] - constraints[:used, :2] @ moved.after.velocity[robot]
     tightest = np.argsort(slack, kind="stable")[: moved.trace.active_constraints[robot]]
     return [_named(robot, *cause[row].tolist(), around, moved.before.motion, setup) for row in tightest]

@@ -258,8 +258,8 @@ class Trace(NamedTuple):
         fire_value: (N, M) observed fire values theta [rad], [10].
         terms: (N, 5, 2) the vectors that the five properties below name, in their order.
         blending: (N,) lambda, [19].
-        active_constraints: (N,) barrier rows that shaped the robot's velocity.
-        infeasible: (N,) no velocity met all rows: the least violation was taken.
+        active_constraints: (N,) barrier constraints that shaped the robot's velocity.
+        infeasible: (N,) no velocity met all constraints: the least violation was taken.
         deadlocked: (N,) the detector of stalls holds.
         clearance: (N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k of the bodies [m]; negative = violation.
         barrier: (N,) smallest h of [20] and [26], dimensionless; negative = violation.

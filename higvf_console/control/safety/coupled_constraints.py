@@ -8,12 +8,12 @@ import numpy as np
 
 from higvf_console.control.intention.neighbours import within
 from higvf_console.control.kernel import kernel
-from higvf_console.control.safety.barriers.linear_constraint import attainable
+from higvf_console.control.safety.barriers.linear_constraint import attainable, unattainable
 from higvf_console.control.safety.barriers.robot_pair import pair_constraint, sensing_radius
 from higvf_console.control.safety.barriers.surroundings import Surroundings
 from higvf_console.control.safety.hazards import hazard_constraint, within_distance
 from higvf_console.control.safety.nearest_point import Constraints, empty_constraints
-from higvf_console.core.arrays import Ints
+from higvf_console.core.arrays import Bools, Ints
 
 _PAIR, _HAZARD = 0, 1
 
@@ -44,10 +44,14 @@ def constraint_list(around: Surroundings, skin: float) -> Ints:
 
 
 @kernel
-def listed_constraints(listing: Ints, around: Surroundings) -> Constraints:
-    """The coupled constraints of a list as they are now: a.u_i <= b, and a.(u_i - u_j) <= 2 b for pairs, [22]."""
+def listed_constraints(listing: Ints, around: Surroundings) -> tuple[Constraints, Bools]:
+    """The coupled constraints of a list as they are now: a.u_i <= b, and a.(u_i - u_j) <= 2 b for pairs, [22].
+
+    And (N,) which robots have one that asks for more than v_max in retreat, and is relaxed to that.
+    """
     constraints = empty_constraints(around.position.shape[0], listing.shape[0])
-    position, safety = around.position, around.safety
+    position, safety, limit = around.position, around.safety, around.safety.speed_limit
+    relaxed = np.zeros(position.shape[0], np.bool_)
     for r in range(listing.shape[0]):
         kind, i, k = listing[r, 0], listing[r, 1], listing[r, 2]
         x, y = position[i, 0], position[i, 1]
@@ -55,12 +59,14 @@ def listed_constraints(listing: Ints, around: Surroundings) -> Constraints:
         if kind == _PAIR:
             constraints.ends[r, 1] = k
             ax, ay, b = pair_constraint(x, y, position[k, 0], position[k, 1], True, safety)
-            b = 2.0 * attainable(b, safety.speed_limit)
+            relaxed[k] = relaxed[k] or unattainable(b, limit)
+            bound = 2.0 * attainable(b, limit)
         else:
             ax, ay, b = hazard_constraint(x, y, around.hazards, k, safety)
-            b = attainable(b, safety.speed_limit)
-        constraints.linear[r, 0], constraints.linear[r, 1], constraints.linear[r, 2] = ax, ay, b
-    return constraints
+            bound = attainable(b, limit)
+        relaxed[i] = relaxed[i] or unattainable(b, limit)
+        constraints.linear[r, 0], constraints.linear[r, 1], constraints.linear[r, 2] = ax, ay, bound
+    return constraints, relaxed
 
 
 @kernel

@@ -56,33 +56,34 @@ class CoupledFilter:
         if found is None:
             self.fallbacks += 1
             return filter_velocities(position, nominal, hazards, safety)
-        return found.velocity, found.active_constraints, np.zeros(len(position), np.bool_)
+        return found.velocity, found.active_constraints, found.relaxed
 
     def _solved(self, around: Surroundings, nominal: Floats) -> "_Found | None":
         """The exact optimum, or None where there is none or it could not be found."""
         if self._program is None or not self._program.covers(around):
             self._program = _Program(around)
-        constraints = listed_constraints(self._program.listing, around)
+        constraints, relaxed = listed_constraints(self._program.listing, around)
         limit = around.safety.speed_limit
         wanted = _limited(nominal, limit)
         if _all_met(wanted, constraints):
-            return _Found(wanted, np.zeros(len(nominal), np.int64))
+            return _Found(wanted, np.zeros(len(nominal), np.int64), relaxed)
         guess = self._program.solve(wanted, constraints, limit, _ROUGH)
         if guess is None:
             return None
         likely = (guess.weight > _LIKELY * limit) | (_residuals(guess.velocity, constraints) > -_LIKELY * limit)
         exact = polish(wanted, constraints, likely, limit)
         if exact.status == OPTIMAL:
-            return _Found(exact.velocity, _active(exact.weight > 0.0, constraints, len(nominal)))
+            return _Found(exact.velocity, _active(exact.weight > 0.0, constraints, len(nominal)), relaxed)
         fine = self._program.solve(wanted, constraints, limit, _FINE)
         if fine is None or _optimality_error(wanted, fine, constraints, limit) > _ACCEPTED * limit:
             return None
-        return _Found(fine.velocity, _active(fine.weight > _ACCEPTED * limit, constraints, len(nominal)))
+        return _Found(fine.velocity, _active(fine.weight > _ACCEPTED * limit, constraints, len(nominal)), relaxed)
 
 
 class _Found(NamedTuple):
     velocity: Floats  # (N, 2) [m/s]
     active_constraints: Ints  # (N,)
+    relaxed: Bools  # (N,) a hazard comes faster than the robot can retreat
 
 
 class _Guess(NamedTuple):
@@ -97,7 +98,7 @@ class _Program:
         self._skin = _SKIN * around.safety.robot_clearance
         self.listing = constraint_list(around, self._skin)
         self._made_for = around._replace(position=around.position.copy())
-        ends = listed_constraints(self.listing, around).ends[: len(self.listing)]
+        ends = listed_constraints(self.listing, around)[0].ends[: len(self.listing)]
         row = np.arange(len(ends))
         pairs = np.flatnonzero(ends[:, 1] >= 0)
         first, second = 2 * ends[:, 0], 2 * ends[pairs, 1]

@@ -134,7 +134,8 @@ def _cluster_constraints(members: Ints, around: Surroundings) -> tuple[Constrain
     cause = np.empty((most, 2), np.int64)
     used = 0
     for k in range(members.shape[0]):
-        for r in range(constraints_of(members[k], around, own, cause)):
+        count, _ = constraints_of(members[k], around, own, cause)
+        for r in range(count):
             other = cause[r, ROBOT]
             shared = other != NOBODY_ELSE and local[other] != NOBODY_ELSE
             if shared and other < members[k]:

@@ -37,14 +37,15 @@ def filter_velocities(
     Returns:
         velocity: (N, 2) [m/s], the nominal one bit for bit where all constraints are slack.
         active_constraints: (N,) barrier constraints that shaped it.
-        infeasible: (N,) no velocities of the team meet the robot's constraints, so the least violation was taken; or
-            the robot's data are not numbers, and its velocity is zero.
+        infeasible: (N,) no velocities of the team meet the robot's constraints, so the least violation was taken; or a
+            hazard comes faster than the robot can retreat; or its data are not numbers, and its velocity is zero.
     """
     around = survey(position, hazards, safety)
     count = position.shape[0]
     outcome = Outcome(np.zeros((count, 2)), np.zeros(count, np.int64), np.zeros(count, np.bool_))
     limited = np.zeros((count, 2))
     stuck = np.zeros(count, np.bool_)
+    relaxed = np.zeros(count, np.bool_)
     usable = np.zeros(count, np.bool_)
     most = most_constraints(around)
     constraints = np.empty((most, 3))
@@ -53,7 +54,7 @@ def filter_velocities(
     any_stuck = False
     for i in range(count):
         vx, vy = clipped(nominal[i, 0], nominal[i, 1], safety.speed_limit)
-        used = constraints_of(i, around, constraints, cause)
+        used, relaxed[i] = constraints_of(i, around, constraints, cause)
         ux, uy, feasible = project(vx, vy, constraints, used, safety.speed_limit, kept)
         usable[i] = math.isfinite(ux + uy + position[i, 0] + position[i, 1])
         if not usable[i]:
@@ -67,7 +68,7 @@ def filter_velocities(
         any_stuck = any_stuck or stuck[i]
     if any_stuck:
         rescue(stuck, usable, limited, around, outcome)
-    return outcome.velocity, outcome.active_constraints, outcome.infeasible
+    return outcome.velocity, outcome.active_constraints, outcome.infeasible | relaxed
 
 
 @kernel

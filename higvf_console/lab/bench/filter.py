@@ -158,7 +158,7 @@ def _by_orca(scene: _Scene) -> tuple[_Turn, _Turn]:
 def _all_constraints(around: Surroundings) -> list[Floats]:
     space = np.empty((most_constraints(around), 3))
     cause = np.empty((len(space), 2), np.int64)
-    return [space[: constraints_of(i, around, space, cause)].copy() for i in range(len(around.position))]
+    return [space[: constraints_of(i, around, space, cause)[0]].copy() for i in range(len(around.position))]
 
 
 def brute_force_error(position: Floats, nominal: Floats, hazards: Floats, safety: SafetyParameters) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 from higvf_console.control.intention.neighbours import within
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import SafetyParameters
-from higvf_console.control.safety.barriers.linear_constraint import attainable
+from higvf_console.control.safety.barriers.linear_constraint import attainable, unattainable
 from higvf_console.control.safety.barriers.robot_pair import pair_constraint, sensing_radius
 from higvf_console.control.safety.hazards import (
     GROWTH,
@@ -83,7 +83,7 @@ def most_constraints(around: Surroundings) -> int:
 
 
 @kernel
-def constraints_of(i: int, around: Surroundings, constraints: Floats, cause: Ints) -> int:
+def constraints_of(i: int, around: Surroundings, constraints: Floats, cause: Ints) -> tuple[int, bool]:
     """Writes robot i's constraints, those of its neighbours first.
 
     Args:
@@ -93,15 +93,16 @@ def constraints_of(i: int, around: Surroundings, constraints: Floats, cause: Int
         cause: (C, 2) receives the neighbour that shares the constraint, and the hazard; NOBODY_ELSE for none.
 
     Returns:
-        How many constraints there are.
+        How many constraints there are; and whether one asks for more than v_max in retreat, and is relaxed to that.
     """
     x, y = around.position[i, 0], around.position[i, 1]
-    limit, count = around.safety.speed_limit, 0
+    limit, count, relaxed = around.safety.speed_limit, 0, False
     for entry in range(around.start[i], around.start[i + 1]):
         j = around.to[entry]
         ax, ay, b = pair_constraint(x, y, around.position[j, 0], around.position[j, 1], i < j, around.safety)
         constraints[count, 0], constraints[count, 1], constraints[count, 2] = ax, ay, attainable(b, limit)
         cause[count, ROBOT], cause[count, HAZARD] = j, NOBODY_ELSE
+        relaxed = relaxed or unattainable(b, limit)
         count += 1
     for k in range(around.hazards.shape[0]):
         if not within_distance(x, y, around.hazards, k, around.activation[k]):
@@ -111,5 +112,6 @@ def constraints_of(i: int, around: Surroundings, constraints: Floats, cause: Int
             continue
         constraints[count, 0], constraints[count, 1], constraints[count, 2] = ax, ay, attainable(b, limit)
         cause[count, ROBOT], cause[count, HAZARD] = NOBODY_ELSE, k
+        relaxed = relaxed or unattainable(b, limit)
         count += 1
-    return count
+    return count, relaxed
