@@ -18,10 +18,11 @@ from higvf_console.core.quantity import COORDINATE, Quantity, quantities, with_v
 from higvf_console.core.state import Path
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import ENDINGS, FASTEST, SLOWEST, shaped
+from higvf_console.scenario.courses import COURSE_KEYS, read_course
 from higvf_console.scenario.irregular import check_edges, read_masks, read_polygons
 from higvf_console.scenario.reading import Node
 from higvf_console.world.layout import Fire, Links
-from higvf_console.world.obstacles import Obstacles
+from higvf_console.world.obstacles import Course, Obstacles
 
 MOST_ROBOTS = 100_000
 SPEED_LIMIT_FACTOR = 1.5  # v_max of a scenario that names only the cruise speed C
@@ -190,18 +191,30 @@ def read_obstacles(node: Node, folders: Sequence[FilePath], polygons: tuple[Floa
     """
     entries = node.section(("circles", "bars", "polygons", "masks"))
     circles: list[tuple[float, ...]] = []
+    circle_courses: list[Course | None] = []
     for item in entries["circles"].items() if "circles" in entries else ():
-        part = item.section(("at_m", "radius_m"), ("at_m", "radius_m"))
-        circles.append((*part["at_m"].point(), part["radius_m"].number(_LENGTH)))
+        part = item.section(("at_m", "radius_m", *COURSE_KEYS), ("at_m", "radius_m"))
+        x, y = part["at_m"].point()
+        circles.append((x, y, part["radius_m"].number(_LENGTH)))
+        circle_courses.append(read_course(item, part, (x, y)))
     bars: list[tuple[float, ...]] = []
+    bar_courses: list[Course | None] = []
     for item in entries["bars"].items() if "bars" in entries else ():
-        part = item.section(("from_m", "to_m", "half_width_m"), ("from_m", "to_m", "half_width_m"))
-        bars.append((*part["from_m"].point(), *part["to_m"].point(), part["half_width_m"].number(_LENGTH)))
+        part = item.section(("from_m", "to_m", "half_width_m", *COURSE_KEYS), ("from_m", "to_m", "half_width_m"))
+        (ax, ay), (bx, by) = part["from_m"].point(), part["to_m"].point()
+        bars.append((ax, ay, bx, by, part["half_width_m"].number(_LENGTH)))
+        bar_courses.append(read_course(item, part, ((ax + bx) / 2, (ay + by) / 2)))
     if polygons is None:
         polygons = read_polygons(entries["polygons"]) if "polygons" in entries else ()
         polygons += read_masks(entries["masks"], folders) if "masks" in entries else ()
         check_edges(node, polygons)
-    return Obstacles(floats(circles, -1, 3), floats(bars, -1, 5), polygons)
+    return Obstacles(
+        circles=floats(circles, -1, 3),
+        bars=floats(bars, -1, 5),
+        polygons=polygons,
+        circle_courses=tuple(circle_courses),
+        bar_courses=tuple(bar_courses),
+    )
 
 
 def read_strokes(node: Node, robots: int) -> tuple[ShownStroke, ...]:

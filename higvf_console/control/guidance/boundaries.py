@@ -1,8 +1,9 @@
-"""Rings: what the vector field goes round. Ring g is a group of still obstacles, ring G + j is fire j.
+"""Rings: what the vector field goes round. Ring g is a group of still obstacles, ring G + j fire j, ring
+G + M + v moving obstacle v.
 
-    a lone circle or bar, a fire      its own capsule
-    parts without a way between       their convex hull: nobody is led into a gap or a pocket that has no other end
-    rings that a growing fire joins   one cluster: one side for all, and the hull of all
+    a lone circle or bar, a fire, a moving obstacle   its own capsule
+    parts without a way between                       their convex hull: nobody is led into a gap or a dead end
+    rings that a fire or a moving obstacle joins      one cluster: one side for all, and the hull of all
 
 The hulls shape the field alone; barrier rows keep to the parts. A goal inside a hull, such as a fire in a courtyard,
 opens it: the field then goes round the parts.
@@ -21,10 +22,11 @@ from higvf_console.core.state import NOBODY, Motion, World
 NO_BOUNDARY = -math.inf  # radius of a ring that is not there: an extinguished fire
 ALONE, TOGETHER = 0, 1  # a ring by itself, or as one with its cluster
 _CORNERS = 16  # of the polygon that stands for a disc in a hull
+_PROJECTIONS = 12  # on a spine and another ring in turn: the gap is then known to some centimetres
 
 
 class Boundaries(NamedTuple):
-    """The rings of one tick, K = G + M.
+    """The rings of one tick, K = G + M + V.
 
     Attributes:
         capsule: (K, 5) spine ax, ay, bx, by and radius [m]; of a hull, the circle round it.
@@ -42,10 +44,17 @@ class Boundaries(NamedTuple):
 
 @kernel
 def find_boundaries(motion: Motion, world: World, clearance: float) -> Boundaries:
-    """The rings as the fires are now; `clearance` is R_o [m], so a gap below 2 R_o has no way through."""
-    groups, fires = world.boundary.shape[0], world.fire_position.shape[0]
-    capsule = np.empty((groups + fires, 5))
-    corner_start = np.zeros((2, groups + fires + 1), np.int64)
+    """The rings as they are now; `clearance` is R_o [m], so a gap below 2 R_o has no way through.
+
+    Args:
+        motion: for the fires.
+        world: at the same tick, see `obstacles.world_at`.
+        clearance: R_o [m].
+    """
+    groups, fires, movers = world.boundary.shape[0], world.fire_position.shape[0], world.mover.shape[0]
+    count = groups + fires + movers
+    capsule = np.empty((count, 5))
+    corner_start = np.zeros((2, count + 1), np.int64)
     for g in range(groups):
         for column in range(5):
             capsule[g, column] = world.boundary[g, column]
@@ -56,13 +65,18 @@ def find_boundaries(motion: Motion, world: World, clearance: float) -> Boundarie
         capsule[k, 1] = capsule[k, 3] = world.fire_position[j, 1]
         capsule[k, 4] = motion.fire_radius[j] if motion.fire_burning[j] else NO_BOUNDARY
         corner_start[0, k + 1] = corner_start[0, k]
-    boundaries = Boundaries(capsule, corner_start, world.hull, np.arange(groups + fires))
+    for v in range(movers):
+        k = groups + fires + v
+        for column in range(5):
+            capsule[k, column] = world.capsules[int(world.mover[v, 0]), column]
+        corner_start[0, k + 1] = corner_start[0, k]
+    boundaries = Boundaries(capsule, corner_start, world.hull, np.arange(count))
     return _with_clusters(boundaries, groups, clearance)
 
 
 @kernel
 def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Boundaries:
-    """Fires join the rings that they have grown to; each cluster gets its hull."""
+    """Fires and moving obstacles join the rings that they have come near to; each cluster gets its hull."""
     cluster, joined = boundaries.cluster, False
     count = cluster.shape[0]
     for k in range(groups, count):
@@ -72,7 +86,7 @@ def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Bou
         for other in range(k):
             if boundaries.capsule[other, 4] == NO_BOUNDARY:
                 continue
-            gap, _, _ = boundary_at(boundaries, ALONE, other, boundaries.capsule[k, 0], boundaries.capsule[k, 1])
+            gap = _spine_gap(boundaries, k, other)
             if gap - radius < 2.0 * clearance and cluster[other] != cluster[k]:
                 joined = True
                 old, new = max(cluster[k], cluster[other]), min(cluster[k], cluster[other])
@@ -94,6 +108,24 @@ def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Bou
             first += hull.shape[0]
     corner_start[1, count] = first
     return Boundaries(boundaries.capsule, corner_start, corner, cluster)
+
+
+@kernel
+def _spine_gap(boundaries: Boundaries, k: int, other: int) -> float:
+    """Gap between the spine of ring k and the surface of another ring [m]: alternating projections on the two."""
+    capsule = boundaries.capsule
+    x, y = capsule[k, 0], capsule[k, 1]
+    gap, nx, ny = boundary_at(boundaries, ALONE, other, x, y)
+    if x == capsule[k, 2] and y == capsule[k, 3]:
+        return gap
+    for _ in range(_PROJECTIONS):
+        x, y = spine_point(
+            x - gap * nx, y - gap * ny, capsule[k, 0], capsule[k, 1], capsule[k, 2], capsule[k, 3]
+        )  # fmt: skip
+        gap, nx, ny = boundary_at(boundaries, ALONE, other, x, y)
+        if gap <= 0.0:
+            break
+    return gap
 
 
 @kernel

@@ -24,6 +24,7 @@ from higvf_console.ui.scene.fires import Fires
 from higvf_console.ui.scene.gaze import DwellLayer, HeatLayer
 from higvf_console.ui.scene.ghosts import Ghosts
 from higvf_console.ui.scene.ground import Ground, with_margin
+from higvf_console.ui.scene.movers import Movers
 from higvf_console.ui.scene.parts import Canvas
 from higvf_console.ui.scene.path import PathLayer
 from higvf_console.ui.scene.reasons import ReasonLayer, SightLayer
@@ -122,6 +123,7 @@ class Scene:
         self.camera_arena: Arena = with_margin(setup.arena, max(self.look.text, 1.0) * canvas.px)
         self._view = view
         self._ground = Ground(canvas, setup)
+        self._movers = Movers(canvas, setup)
         self._background = BackgroundLayer(canvas)
         self._fires = Fires(canvas, setup)
         self._team = Team(canvas, setup)
@@ -150,6 +152,7 @@ class Scene:
         self._heat.update(snapshot.inputs.attention, view.heat)
         self._dwell.update(snapshot.inputs.dwell, state.pointer_state.cursor)
         self._ground.show_boundaries(view.boundaries)
+        self._movers.update(state, view.boundaries)
         self._team.show(links=view.links, trails=view.trails, labels=view.labels, clearance=view.clearance)
 
     def clear(self) -> None:
