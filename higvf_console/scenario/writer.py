@@ -37,8 +37,8 @@ Section = dict[str, Any]
 def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> str:
     """The text of a scenario file that starts from what is now.
 
-    World, gains and start positions are bit for bit those of now; headings of unicycles, a sketched path and the courses
-    of moving obstacles are so up to rounding.
+    World, gains and start positions are bit for bit those of now; headings of unicycles, a sketched path and what is
+    left of the courses of moving obstacles are so up to rounding.
 
     Args:
         setup: world and gains in force.
