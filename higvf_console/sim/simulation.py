@@ -48,7 +48,7 @@ class Rollout(NamedTuple):
         clearance: (T,) smallest of the team [m].
         burning: (T, M) which fires burn.
         deadlocked: (T,) whether a robot was deadlocked.
-        infeasible: (T,) whether a robot could not meet all barrier rows.
+        infeasible: (T,) whether a robot could not meet all barrier constraints.
         path_status: (T,) a `PathStatus`.
     """
 

@@ -28,9 +28,9 @@ from higvf_console.core.arrays import Bools, Floats, Ints
 
 _SOLVED = 1  # OSQP_SOLVED; an enumeration that its package makes when it is imported
 _SKIN = 0.5  # share of the robot clearance that is listed beyond what can matter now
-_ROUGH = 1e-3  # share of v_max: accurate enough to tell which constraints are likely to be tight
+_ROUGH = 1e-3  # share of v_max: accurate enough to tell which constraints are likely to be active
 _FINE = 1e-9  # for teams that are too entangled to be polished
-_LIKELY = 1e-3  # share of v_max within which a constraint may turn out to be tight
+_LIKELY = 1e-3  # share of v_max within which a constraint may turn out to be active
 _ACCEPTED = 1e-7  # share of v_max allowed in the optimality conditions without polish
 
 
