@@ -167,7 +167,7 @@ def repulsive_pieces(path: Path, motion: Motion, setup: Setup) -> Floats:
 
 def surface_distance(points: Floats, motion: Motion, setup: Setup) -> Floats:
     """Distance (n,) of points (n, 2) from the nearest obstacle or burning fire [m], negative inside; inf without."""
-    world, obstacles = setup.world, setup.layout.obstacles
+    world, obstacles = setup.world, setup.layout.obstacles_at(motion.tick)
     burning = np.column_stack([world.fire_position, motion.fire_radius])[motion.fire_burning]
     gaps = [np.full(len(points), np.inf)]
     gaps += [np.hypot(*(points - disc[:2]).T) - disc[2] for disc in (*obstacles.circles, *burning)]

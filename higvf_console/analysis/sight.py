@@ -6,7 +6,9 @@ import numpy as np
 
 from higvf_console.analysis.active_constraints import part_name, seen_positions
 from higvf_console.analysis.explain import Moved
+from higvf_console.control.guidance.obstacles import world_at
 from higvf_console.control.intention.perception import fire_value, half_angle, interval_room
+from higvf_console.core.arrays import Floats
 from higvf_console.world.setup import Setup
 
 
@@ -31,7 +33,8 @@ class Sight(NamedTuple):
 
 def sights(robot: int, moved: Moved, setup: Setup) -> list[Sight]:
     """The burning fires as a robot saw them in one control period."""
-    world, motion, activation_distance = setup.world, moved.before.motion, setup.params.perception.perception_range
+    motion, activation_distance = moved.before.motion, setup.params.perception.perception_range
+    world = world_at(setup.world, motion.tick, setup.params.safety.control_period)
     x, y = seen_positions(moved, setup)[robot].tolist()
     found: list[Sight] = []
     for fire in np.flatnonzero(motion.fire_burning).tolist():
@@ -40,14 +43,13 @@ def sights(robot: int, moved: Moved, setup: Setup) -> list[Sight]:
         distance = float(np.hypot(fx - x, fy - y))
         whole = 2.0 * half_angle(radius, distance)
         in_range = distance - radius <= activation_distance
-        hidden = hidden_by(x, y, fx, fy, radius, setup) if in_range else ()
+        hidden = hidden_by(x, y, fx, fy, radius, world.capsules) if in_range else ()
         found.append(Sight(fire, float(moved.trace.fire_value[robot, fire]), whole, in_range, hidden))
     return found
 
 
-def hidden_by(x: float, y: float, fx: float, fy: float, radius: float, setup: Setup) -> tuple[int, ...]:
-    """The parts that, each alone, hide some of a fire (fx, fy, radius) from (x, y) [m]; those that hide most first."""
-    capsules = setup.world.capsules
+def hidden_by(x: float, y: float, fx: float, fy: float, radius: float, capsules: Floats) -> tuple[int, ...]:
+    """Which capsules (K, 5), each alone, hide some of a fire (fx, fy, radius) from (x, y) [m]; most hiding first."""
     room = interval_room(capsules)
     clear = fire_value(x, y, fx, fy, radius, np.inf, capsules[:0], room)
     left = np.array([fire_value(x, y, fx, fy, radius, np.inf, capsules[k : k + 1], room) for k in range(len(capsules))])

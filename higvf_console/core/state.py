@@ -96,7 +96,8 @@ NO_PRIORITY = np.zeros((0, 3))
 
 
 class Motion(NamedTuple):
-    """What physics advances: N robots, M fires, K = G + M rings (groups of obstacles, then fires).
+    """What physics advances: N robots, M fires, K = G + M + V rings (groups of obstacles, fires, moving
+    obstacles).
 
     Attributes:
         tick: control periods since the start.
@@ -201,14 +202,20 @@ class SimState(NamedTuple):
 
 
 class World(NamedTuple):
-    """What does not change in a run: N robots, M fires, P circles, Q bars, W walls; made by `world.build`.
+    """What is the same all through a run: N robots, M fires, P circles, Q bars, V moving obstacles, W walls.
 
-    Obstacles count twice: as parts, for barrier constraints and sight, and as G groups, which the field goes round.
+    Obstacles count twice: as parts, for barrier constraints and sight, and as G groups (of those that stand still),
+    which the field goes round. The places of moving obstacles are a function of time, see `obstacles.world_at`.
 
     Attributes:
         capsules: (P + Q, 5) parts: spine ax, ay, bx, by and radius [m]. Circles come first, their spine is a point;
             then bars. An irregular obstacle is a closed chain of bars without width.
         circle_count: P.
+        capsule_velocity: (P + Q, 2) over the coming control period [m/s]; zero but in a world of `world_at`.
+        mover: (V, 8) part, its spine ax, ay, bx, by at the start of its course [m], speed [m/s], arc length at time 0
+            [m], and what happens at the end of the course: `obstacles.STOP`, `LOOP` or `ONWARD`.
+        course: (C, 3) points of courses, relative to their first [m], and the arc length up to each [m].
+        course_start: (V + 1,) mover v's rows in `course`.
         walls: (W, 3) unit inward normal nx, ny and offset w [m]: inside means n.p >= w.
         fire_position: (M, 2) [m].
         fire_growth: (M,) [m/s].
@@ -221,12 +228,16 @@ class World(NamedTuple):
             its pocket: x, y of the first node, cell width [m], columns (0 = no pocket).
         boundary_start: (3, G + 1) group g's rows in `hull`, `part` and `pocket`.
         hull: (H, 2) corners of convex hulls, counter-clockwise [m]; a lone part has none.
-        part: (P + Q,) rows of `capsules`, by group.
+        part: (P + Q - V,) rows of `capsules`, by group.
         pocket: (C, 3) grids of hulls, row by row: unit vector of the shortest way out, distance to the parts [m].
     """
 
     capsules: Floats
     circle_count: int
+    capsule_velocity: Floats
+    mover: Floats
+    course: Floats
+    course_start: Ints
     walls: Floats
     fire_position: Floats
     fire_growth: Floats

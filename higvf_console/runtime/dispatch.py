@@ -104,7 +104,8 @@ def _edited(now: RunState, history: History, command: Edit) -> Dispatched:
     out = tuple(kept[fire] for fire in now.tally.extinguished if fire in kept)
     run_state = now._replace(setup=result.setup, state=result.state, tally=now.tally._replace(extinguished=out))
     history = _recorded(now, run_state, history, command, result.text, result.robots, result.fires)
-    return run_state, history, _report(now, "edited", result.text)
+    warnings = tuple(Event(_time(now), Severity.WARNING, "edited", warning) for warning in result.warnings)
+    return run_state, history, _report(now, "edited", result.text) + warnings
 
 
 def _outlined(now: RunState, history: History) -> Dispatched:

@@ -10,7 +10,8 @@
     fires: [{at_m: [500, 250], radius_m: 20, growth_m_per_s: 1, robots_needed: 2}, ...]
     obstacles:
       circles: [{at_m: ..., radius_m: 20}]
-      bars: [{from_m: ..., to_m: ..., half_width_m: 6}]              # or capsules
+          # of a moving one also path_m: [[x, y], ...], speed_m_per_s, loop: true; or velocity_m_per_s: [vx, vy]
+      bars: [{from_m: ..., to_m: ..., half_width_m: 6}]              # or capsules; likewise, of its middle
       polygons: [{points_m: [[0, 0], [90, 0], [0, 60]]}]               # of any shape that does not cross itself;
           # free_m: [[...], ...], outlines of the free areas in it
       masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2}]    # dark pixels; at_m is its lower left corner;
@@ -78,6 +79,7 @@ from higvf_console.world.placement import (
     late_stand_off,
     robot_warnings,
     start_network,
+    unavoidable,
 )
 from higvf_console.world.setup import Setup, make_setup
 
@@ -247,7 +249,10 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
     network = start_network(robots.points, links, params.formation.communication_range)
     check_formation(network.degree, params, source)
     fires = read_fires(entry("fires", []), count)
-    check_robots(params, max((fire.growth for fire in fires), default=0.0), source)
+    obstacles = read_obstacles(entry("obstacles", {}), (FilePath(source).parent, data_folder()), polygons)
+    check_robots(
+        params, max([0.0, *(fire.growth for fire in fires), *(c.speed for _, c in obstacles.movers())]), source
+    )
     name = entry("name", FilePath(source).stem).text()
     scenario = Scenario(
         name=name,
@@ -261,7 +266,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         links=links,
         formation=read_formation(entries["formation_m"], count) if "formation_m" in entries else None,
         fires=fires,
-        obstacles=read_obstacles(entry("obstacles", {}), (FilePath(source).parent, data_folder()), polygons),
+        obstacles=obstacles,
         path=read_path(entries["path"], params.path.stroke_smoothing) if "path" in entries else NO_PATH,
         influenced=entry("influenced", 1).integer(1, count, "a robot's number") - 1,
         strokes=read_strokes(entry("strokes", []), count),
@@ -285,7 +290,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         check_intention(intention_radius(robots.points, links, scenario.influenced, params), source)
     late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, params)
     buried = buried_fires(start.world.fire_position, fire_radius, scenario.obstacles)
-    return replace(scenario, warnings=(*scenario.warnings, *late, *buried))
+    return replace(scenario, warnings=(*scenario.warnings, *late, *buried, *unavoidable(start.layout)))
 
 
 def _network_warnings(network: Network, linked: bool) -> tuple[str, ...]:

@@ -20,9 +20,10 @@ from higvf_console.core.reading.node import Node
 from higvf_console.core.state import Path
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import with_terms
+from higvf_console.scenario.courses import COURSE_KEYS, read_course
 from higvf_console.scenario.irregular import check_edges, read_masks, read_polygons
 from higvf_console.world.layout import Fire, Links
-from higvf_console.world.obstacles import Obstacles
+from higvf_console.world.obstacles import Course, Obstacles
 
 MOST_ROBOTS = 100_000
 RENAMED_FORMS = {"fire_row": "fire_constraint"}  # of version 0.1, which are still read
@@ -192,18 +193,30 @@ def read_obstacles(node: Node, folders: Sequence[FilePath], polygons: tuple[Floa
     """
     entries = node.section(("circles", "bars", "capsules", "polygons", "masks"))
     circles: list[tuple[float, ...]] = []
+    circle_courses: list[Course | None] = []
     for item in entries["circles"].items() if "circles" in entries else ():
-        part = item.section(("at_m", "radius_m"), ("at_m", "radius_m"))
-        circles.append((*part["at_m"].point(), part["radius_m"].number(_LENGTH)))
+        part = item.section(("at_m", "radius_m", *COURSE_KEYS), ("at_m", "radius_m"))
+        x, y = part["at_m"].point()
+        circles.append((x, y, part["radius_m"].number(_LENGTH)))
+        circle_courses.append(read_course(item, part, (x, y)))
     bars: list[tuple[float, ...]] = []
+    bar_courses: list[Course | None] = []
     for item in chain.from_iterable(entries[key].items() for key in ("bars", "capsules") if key in entries):
-        part = item.section(("from_m", "to_m", "half_width_m"), ("from_m", "to_m", "half_width_m"))
-        bars.append((*part["from_m"].point(), *part["to_m"].point(), part["half_width_m"].number(_LENGTH)))
+        part = item.section(("from_m", "to_m", "half_width_m", *COURSE_KEYS), ("from_m", "to_m", "half_width_m"))
+        (ax, ay), (bx, by) = part["from_m"].point(), part["to_m"].point()
+        bars.append((ax, ay, bx, by, part["half_width_m"].number(_LENGTH)))
+        bar_courses.append(read_course(item, part, ((ax + bx) / 2, (ay + by) / 2)))
     if polygons is None:
         polygons = read_polygons(entries["polygons"]) if "polygons" in entries else ()
         polygons += read_masks(entries["masks"], folders) if "masks" in entries else ()
         check_edges(node, polygons)
-    return Obstacles(floats(circles, -1, 3), floats(bars, -1, 5), polygons)
+    return Obstacles(
+        circles=floats(circles, -1, 3),
+        bars=floats(bars, -1, 5),
+        polygons=polygons,
+        circle_courses=tuple(circle_courses),
+        bar_courses=tuple(bar_courses),
+    )
 
 
 def read_strokes(node: Node, robots: int) -> tuple[ShownStroke, ...]:

@@ -22,11 +22,12 @@ from higvf_console.core.state import Motion, Path, PathEnding, PathKind, PathSta
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import ending_word
 from higvf_console.scenario.channel_settings import written_inputs
+from higvf_console.scenario.courses import written_course
 from higvf_console.scenario.scenario import VERSION, Scenario, parse_scenario
 from higvf_console.scenario.sections import Robots
 from higvf_console.world.editing.entities import centres
 from higvf_console.world.layout import Layout
-from higvf_console.world.obstacles import Obstacles
+from higvf_console.world.obstacles import Obstacles, course_of
 from higvf_console.world.polygons import obstacles_of
 from higvf_console.world.setup import Setup
 
@@ -36,7 +37,8 @@ Section = dict[str, Any]
 def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> str:
     """The text of a scenario file that starts from the present state.
 
-    Layout and start positions are written bit for bit; headings of unicycles and a sketched path up to rounding.
+    Layout and start positions are written bit for bit; headings of unicycles, a sketched path and what is left of the
+    courses of moving obstacles up to rounding.
 
     Args:
         setup: layout and world in force.
@@ -47,6 +49,7 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
         ScenarioError: no run can start from the present state, for example because a fire has grown too large.
     """
     layout, motion = setup.layout, state.motion
+    time = motion.tick * setup.params.safety.control_period
     robots = _robots(centres(layout, motion), motion.heading, setup.params)
     content: Section = {"version": VERSION}
     if scenario is not None:
@@ -56,7 +59,7 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
         content["links"] = [[first + 1, second + 1] for first, second in layout.links]
     if layout.formation.tobytes() != robots.controlled(0, setup.params.robots.look_ahead).tobytes():
         content["formation_m"] = layout.formation.tolist()
-    content |= {"fires": _fires(layout, motion), "obstacles": _obstacles(layout.obstacles)}
+    content |= {"fires": _fires(layout, motion), "obstacles": _obstacles(layout.obstacles, time)}
     content |= {"path": _path(state), "influenced": state.intent.influenced + 1}
     if scenario is not None:
         content["strokes"] = _strokes(scenario, len(motion.position))
@@ -98,13 +101,28 @@ def _fires(layout: Layout, motion: Motion) -> list[Section]:
     ]  # fmt: skip
 
 
-def _obstacles(obstacles: Obstacles) -> Section:
+def _obstacles(obstacles: Obstacles, time: float) -> Section:
+    """Where they are at a time [s]; of a course what is left of it."""
+    now = obstacles.at(time)
     sections: Section = {
-        "circles": [{"at_m": row[:2], "radius_m": row[2]} for row in obstacles.circles.tolist()],
-        "bars": [{"from_m": row[:2], "to_m": row[2:4], "half_width_m": row[4]} for row in obstacles.bars.tolist()],
-        "polygons": [_polygon(*chains) for chains in obstacles_of(obstacles.polygons)],
+        "circles": [_circle(obstacles, now, row, time) for row in range(len(now.circles))],
+        "bars": [_bar(obstacles, now, row, time) for row in range(len(now.bars))],
+        "polygons": [_polygon(*chains) for chains in obstacles_of(now.polygons)],
     }
     return {name: section for name, section in sections.items() if section}
+
+
+def _circle(start: Obstacles, now: Obstacles, row: int, time: float) -> Section:
+    x, y, radius = now.circles[row].tolist()
+    course = written_course(course_of(now.circle_courses, row), time, start.circles[row, :2])
+    return {"at_m": [x, y], "radius_m": radius, **course}
+
+
+def _bar(start: Obstacles, now: Obstacles, row: int, time: float) -> Section:
+    ax, ay, bx, by, half_width = now.bars[row].tolist()
+    middle = (start.bars[row, :2] + start.bars[row, 2:4]) / 2
+    course = written_course(course_of(now.bar_courses, row), time, middle)
+    return {"from_m": [ax, ay], "to_m": [bx, by], "half_width_m": half_width, **course}
 
 
 def _polygon(outline: Floats, *free: Floats) -> Section:

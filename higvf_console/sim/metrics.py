@@ -73,7 +73,7 @@ def _note(
 def stalls(
     motion: Motion, plan: Plan, velocity: Floats, active_constraints: Ints, crew: Ints, world: World, params: Parameters
 ) -> Floats:
-    """(N,) how long each robot has stood still against active barrier rows although it wants to move [s].
+    """(N,) how long each robot has stood still against active constraints although it wants to move [s].
 
     A robot that is in reach of its fire, or whose fire is being extinguished, is at work, not stalled.
     """

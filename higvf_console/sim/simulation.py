@@ -14,6 +14,7 @@ import numpy as np
 from higvf_console.control.controller import Plan, compute
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.guidance.field import FieldKind, field_at
+from higvf_console.control.guidance.obstacles import world_at
 from higvf_console.control.kernel import closed, kernel
 from higvf_console.control.parameters import PackedParameters, Parameters, SafetyParameters, packed
 from higvf_console.control.safety.coupled_filter import CoupledFilter
@@ -47,7 +48,7 @@ class Rollout(NamedTuple):
         clearance: (T,) smallest of the team [m].
         burning: (T, M) which fires burn.
         deadlocked: (T,) whether a robot was deadlocked.
-        infeasible: (T,) whether a robot could not meet all barrier rows.
+        infeasible: (T,) whether a robot could not meet all barrier constraints.
         path_status: (T,) a `PathStatus`.
     """
 
@@ -78,7 +79,7 @@ def initial_state(position: Floats, fire_radius: Floats, world: World, heading: 
         intention=np.zeros((robots, 2)),
         target=ints([NOBODY] * robots),
         target_value=np.zeros(robots),
-        circulation=np.zeros((robots, len(world.boundary) + fires), np.int64),
+        circulation=np.zeros((robots, len(world.boundary) + fires + len(world.mover)), np.int64),
         stalled=np.zeros(robots),
         recovery_stage=np.zeros(robots, np.int64),
         fire_radius=floats(fire_radius, -1),
@@ -139,7 +140,7 @@ def decide(motion: Motion, intent: Intent, world: World, params: PackedParameter
     seen = motion
     if params[0].robots.position_noise > 0.0:
         seen = as_measured(motion, params[0].robots)
-    plan = compute(seen, intent, world, params[0])
+    plan = compute(seen, intent, world_at(world, motion.tick, params[0].safety.control_period), params[0])
     crew = crews(motion, plan.steered, world, params[0])
     return plan, crew, growth_rates(motion, crew, world), seen.position
 
@@ -178,7 +179,7 @@ def settle(
         human_peak=max(motion.human_peak, _largest(plan.human_intention)),
     )
     body = body_centres(moved.position, moved.heading, look_ahead)
-    clearance, barrier = clearances(body, radius, burning, world, params.body)
+    clearance, barrier = clearances(body, radius, burning, world_at(world, moved.tick, period), params.body)
     trace = Trace(
         fire_value=plan.fire_value,
         terms=_terms(plan),
@@ -209,8 +210,9 @@ def _safety_params(params: PackedParameters) -> SafetyParameters:
 def hazards_now(motion: Motion, rate: Floats, world: World, params: PackedParameters) -> Floats:
     """The table of hazards (H, 9) that the filter knows; fires grow at `rate` (M,) [m/s], not so in [27] as printed."""
     known = np.zeros(rate.shape[0]) if params[0].forms.fire_constraint == PRINTED else rate
+    now = world_at(world, motion.tick, params[0].safety.control_period)
     return hazard_table(
-        world.capsules, world.walls, world.fire_position, motion.fire_radius, known, motion.fire_burning
+        now.capsules, now.capsule_velocity, now.walls, now.fire_position, motion.fire_radius, known, motion.fire_burning
     )  # fmt: skip
 
 

@@ -4,13 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from higvf_console.control.guidance.groups import group_obstacles
+from higvf_console.control.guidance.groups import Groups, group_obstacles
 from higvf_console.control.guidance.obstacles import capsule_table
 from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Floats, Ints, floats, ints
 from higvf_console.core.state import World
 from higvf_console.core.viewport import Arena
 from higvf_console.world.layout import Layout, Links
+from higvf_console.world.obstacles import Obstacles
 
 _NO_LINKS = (ints([]), ints([]))
 
@@ -27,14 +28,20 @@ def build_world(layout: Layout, before: World | None = None) -> World:
     if before is None:
         bars = np.concatenate([floats(obstacles.bars, -1, 5), edge_bars(obstacles.polygons)])
         capsules = capsule_table(obstacles.circles, bars)
-        groups = group_obstacles(capsules, controlled(layout.params).safety.obstacle_clearance)
+        mover, course, course_start = _courses(obstacles, capsules)
+        still = np.setdiff1d(np.arange(len(capsules)), mover[:, 0].astype(np.int64))
+        groups = group_obstacles(floats(capsules[still]), controlled(layout.params).safety.obstacle_clearance)
+        groups = groups._replace(part=ints(still[groups.part], -1))
     else:
-        capsules = before.capsules
-        groups = before.boundary, before.boundary_start, before.hull, before.part, before.pocket
-    boundary, boundary_start, hull, part, pocket = groups
+        capsules, mover, course, course_start = before.capsules, before.mover, before.course, before.course_start
+        groups = Groups(before.boundary, before.boundary_start, before.hull, before.part, before.pocket)
     return World(
         capsules=capsules,
         circle_count=len(obstacles.circles),
+        capsule_velocity=np.zeros((len(capsules), 2)),
+        mover=mover,
+        course=course,
+        course_start=course_start,
         walls=_walls(layout.arena) if layout.walls else floats([], 0, 3),
         fire_position=layout.fire_position,
         fire_growth=floats([fire.growth for fire in fires], -1),
@@ -42,12 +49,20 @@ def build_world(layout: Layout, before: World | None = None) -> World:
         formation=floats(layout.formation, -1, 2),
         link_start=link_start,
         link_to=link_to,
-        boundary=boundary,
-        boundary_start=boundary_start,
-        hull=hull,
-        part=part,
-        pocket=pocket,
+        boundary=groups.boundary,
+        boundary_start=groups.boundary_start,
+        hull=groups.hull,
+        part=groups.part,
+        pocket=groups.pocket,
     )
+
+
+def _courses(obstacles: Obstacles, capsules: Floats) -> tuple[Floats, Floats, Ints]:
+    """`mover`, `course` and `course_start` as `state.World` holds them."""
+    movers = obstacles.movers()
+    mover = [[row, *capsules[row, :4], course.speed, course.start, course.ending] for row, course in movers]
+    points = [np.zeros((0, 3)), *(course.points for _, course in movers)]
+    return floats(mover, -1, 8), floats(np.concatenate(points)), ints(np.cumsum([len(piece) for piece in points]))
 
 
 def link_table(links: Links, robots: int) -> tuple[Ints, Ints]:

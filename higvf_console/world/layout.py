@@ -49,6 +49,10 @@ class Layout(NamedTuple):
     links: Links | None = None
     params: Parameters = Parameters()
 
+    def obstacles_at(self, tick: int) -> Obstacles:
+        """The obstacles where they are at a tick."""
+        return self.obstacles.at(tick * self.params.safety.control_period)
+
     @property
     def fire_position(self) -> Floats:
         """(M, 2) [m]."""

@@ -20,6 +20,7 @@ from higvf_console.core.state import World
 from higvf_console.core.viewport import Arena
 from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
 from higvf_console.sim.disturbances import noise_limit
+from higvf_console.world.layout import Layout
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.polygons import obstacles_of, segment_distance, signed_distance
 
@@ -110,6 +111,21 @@ def buried_fires(fire_position: Floats, fire_radius: Floats, obstacles: Obstacle
     )
 
 
+def unavoidable(layout: Layout) -> tuple[str, ...]:
+    """A warning for each fire and moving obstacle that comes as fast as robots can yield, or faster."""
+    limit = controlled(layout.params).safety.speed_limit
+    dangers = [(f"fire {number} grows", fire.growth) for number, fire in enumerate(layout.fires, 1)]
+    circles = len(layout.obstacles.circles)
+    for row, course in layout.obstacles.movers():
+        name = f"circle {row + 1}" if row < circles else f"bar {row - circles + 1}"
+        dangers.append((f"{name} moves at", course.speed))
+    return tuple(
+        f"{what} {speed:g} m/s; robots, whose speed limit is {limit:.3g} m/s, cannot always keep clear of it"
+        for what, speed in dangers
+        if speed >= limit
+    )
+
+
 class Network(NamedTuple):
     """The communication graph at the start: the most links that one robot has, and the connected components."""
 
@@ -190,7 +206,7 @@ def check_robots(params: Parameters, growth: float, source: str) -> None:
 
     Args:
         params: those of the bodies.
-        growth: of the fastest fire [m/s].
+        growth: of the fastest fire, or the speed of the fastest obstacle [m/s].
         source: the scenario file.
 
     Raises:

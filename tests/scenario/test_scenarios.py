@@ -33,6 +33,7 @@ SHIPPED = {
     "circle-irregular",
     "building",
     "unicycles",
+    "moving-obstacles",
 }
 
 

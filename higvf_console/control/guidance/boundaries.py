@@ -1,8 +1,8 @@
-"""Shapes round which the vector field circulates. Shape g is obstacle group g, shape G + j is fire j.
+"""Shapes round which the vector field circulates: obstacle group g, then fire G + j, then moving obstacle G + M + v.
 
-    single circle or bar, fire              its own capsule
-    obstacles with impassable gaps          their convex hull, so that no robot enters a gap or a pocket without an exit
-    shapes that a growing fire connects     one cluster, with one circulation direction and the convex hull of all
+    single circle or bar, fire, moving obstacle   its own capsule
+    obstacles with impassable gaps                their convex hull, so that no robot enters a pocket without an exit
+    shapes that a fire or a mover comes near to   one cluster, with one circulation direction and the convex hull of all
 
 The reactive and the repulsive boundary lie at fixed margins outside these shapes. Hulls shape only the vector field;
 safety constraints use the obstacles themselves. If a robot's goal lies inside a hull, such as a fire in a courtyard,
@@ -22,10 +22,11 @@ from higvf_console.core.state import NOBODY, Motion, World
 NO_BOUNDARY = -math.inf  # radius of an extinguished fire, which has no boundary
 ALONE, TOGETHER = 0, 1  # a shape by itself, or merged with its cluster
 _CORNERS = 16  # of the polygon that approximates a disc in a hull
+_PROJECTIONS = 12  # alternating between a spine and another shape: the gap is then known to some centimetres
 
 
 class Boundaries(NamedTuple):
-    """The K = G + M shapes of one tick.
+    """The K = G + M + V shapes of one tick.
 
     Attributes:
         capsule: (K, 5) spine ax, ay, bx, by and radius [m]; for a hull, a circle that encloses it.
@@ -43,10 +44,17 @@ class Boundaries(NamedTuple):
 
 @kernel
 def find_boundaries(motion: Motion, world: World, clearance: float) -> Boundaries:
-    """Builds the shapes for the present fire radii; with `clearance` R_o [m], a gap below 2 R_o is impassable."""
-    groups, fires = world.boundary.shape[0], world.fire_position.shape[0]
-    capsule = np.empty((groups + fires, 5))
-    corner_start = np.zeros((2, groups + fires + 1), np.int64)
+    """Builds the shapes as they are now; a gap below 2 R_o is impassable.
+
+    Args:
+        motion: for the fires.
+        world: at the same tick, see `obstacles.world_at`.
+        clearance: R_o [m].
+    """
+    groups, fires, movers = world.boundary.shape[0], world.fire_position.shape[0], world.mover.shape[0]
+    count = groups + fires + movers
+    capsule = np.empty((count, 5))
+    corner_start = np.zeros((2, count + 1), np.int64)
     for g in range(groups):
         for column in range(5):
             capsule[g, column] = world.boundary[g, column]
@@ -57,13 +65,18 @@ def find_boundaries(motion: Motion, world: World, clearance: float) -> Boundarie
         capsule[k, 1] = capsule[k, 3] = world.fire_position[j, 1]
         capsule[k, 4] = motion.fire_radius[j] if motion.fire_burning[j] else NO_BOUNDARY
         corner_start[0, k + 1] = corner_start[0, k]
-    boundaries = Boundaries(capsule, corner_start, world.hull, np.arange(groups + fires))
+    for v in range(movers):
+        k = groups + fires + v
+        for column in range(5):
+            capsule[k, column] = world.capsules[int(world.mover[v, 0]), column]
+        corner_start[0, k + 1] = corner_start[0, k]
+    boundaries = Boundaries(capsule, corner_start, world.hull, np.arange(count))
     return _with_clusters(boundaries, groups, clearance)
 
 
 @kernel
 def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Boundaries:
-    """Merges each fire with the shapes that it has grown up to, and adds the hull of each cluster."""
+    """Merges each fire and moving obstacle with the shapes near it, and adds the hull of each cluster."""
     cluster, joined = boundaries.cluster, False
     count = cluster.shape[0]
     for k in range(groups, count):
@@ -73,7 +86,7 @@ def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Bou
         for other in range(k):
             if boundaries.capsule[other, 4] == NO_BOUNDARY:
                 continue
-            gap, _, _ = boundary_at(boundaries, ALONE, other, boundaries.capsule[k, 0], boundaries.capsule[k, 1])
+            gap = _spine_gap(boundaries, k, other)
             if gap - radius < 2.0 * clearance and cluster[other] != cluster[k]:
                 joined = True
                 old, new = max(cluster[k], cluster[other]), min(cluster[k], cluster[other])
@@ -95,6 +108,24 @@ def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Bou
             first += hull.shape[0]
     corner_start[1, count] = first
     return Boundaries(boundaries.capsule, corner_start, corner, cluster)
+
+
+@kernel
+def _spine_gap(boundaries: Boundaries, k: int, other: int) -> float:
+    """Gap between the spine of ring k and the surface of another ring [m]: alternating projections on the two."""
+    capsule = boundaries.capsule
+    x, y = capsule[k, 0], capsule[k, 1]
+    gap, nx, ny = boundary_at(boundaries, ALONE, other, x, y)
+    if x == capsule[k, 2] and y == capsule[k, 3]:
+        return gap
+    for _ in range(_PROJECTIONS):
+        x, y = spine_point(
+            x - gap * nx, y - gap * ny, capsule[k, 0], capsule[k, 1], capsule[k, 2], capsule[k, 3]
+        )  # fmt: skip
+        gap, nx, ny = boundary_at(boundaries, ALONE, other, x, y)
+        if gap <= 0.0:
+            break
+    return gap
 
 
 @kernel

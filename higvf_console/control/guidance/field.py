@@ -9,6 +9,7 @@ from higvf_console.control.controller import links
 from higvf_console.control.guidance.boundaries import find_boundaries, fire_boundary
 from higvf_console.control.guidance.following import destination, following
 from higvf_console.control.guidance.guiding import composite_velocity, guiding_vector
+from higvf_console.control.guidance.obstacles import world_at
 from higvf_console.control.guidance.paths import EVERYWHERE, WINDOW
 from higvf_console.control.intention.blending import blended_velocity
 from higvf_console.control.intention.formation import formation_velocity
@@ -53,6 +54,7 @@ def _field(
     kind: int, points: Floats, motion: Motion, intent: Intent, world: World, packed_params: PackedParameters
 ) -> Floats:
     params = packed_params[0]
+    world = world_at(world, motion.tick, params.safety.control_period)
     robot = max(intent.influenced, 0)
     human = following(motion, intent)
     target = motion.target[robot]

@@ -1,7 +1,7 @@
 """The constraints of the whole team as one list that holds for many ticks, so that a solver keeps its structure.
 
-A Verlet list: everything that is near enough to matter, and a skin more. It holds while no robot has moved, and no
-activation distance has grown, by half the skin; only the numbers in the constraints change in the meantime.
+A Verlet list: everything that is near enough to matter, and a skin more. It holds while no robot has moved by half the
+skin, and no hazard's displacement plus growth of its activation distance comes to that; only numbers change meanwhile.
 """
 
 import numpy as np

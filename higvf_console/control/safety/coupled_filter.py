@@ -20,7 +20,7 @@ from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.speed_limit import clipped
 from higvf_console.control.safety.barriers.surroundings import Surroundings, survey
 from higvf_console.control.safety.coupled_constraints import constraint_list, listed_constraints
-from higvf_console.control.safety.hazards import COLUMNS, FIRE, KIND, RADIUS
+from higvf_console.control.safety.hazards import AX, AY, BX, BY, FIRE, KIND, RADIUS, VX, VY, WALL
 from higvf_console.control.safety.nearest_point import OPTIMAL, Constraints, residual
 from higvf_console.control.safety.polish import polish
 from higvf_console.control.safety.safety_filter import filter_velocities
@@ -28,9 +28,9 @@ from higvf_console.core.arrays import Bools, Floats, Ints
 
 _SOLVED = 1  # OSQP_SOLVED; an enumeration that its package makes when it is imported
 _SKIN = 0.5  # share of the robot clearance that is listed beyond what can matter now
-_ROUGH = 1e-3  # share of v_max: accurate enough to tell which constraints are likely to be tight
+_ROUGH = 1e-3  # share of v_max: accurate enough to tell which constraints are likely to be active
 _FINE = 1e-9  # for teams that are too entangled to be polished
-_LIKELY = 1e-3  # share of v_max within which a constraint may turn out to be tight
+_LIKELY = 1e-3  # share of v_max within which a constraint may turn out to be active
 _ACCEPTED = 1e-7  # share of v_max allowed in the optimality conditions without polish
 
 
@@ -126,17 +126,21 @@ class _Program:
 
     def covers(self, around: Surroundings) -> bool:
         """Whether the list still holds every constraint that can matter."""
-        made, fixed = self._made_for, [column for column in range(COLUMNS) if column != RADIUS]
-        if around.safety != made.safety or around.position.shape != made.position.shape:
+        made, now = self._made_for, around.hazards
+        then = made.hazards
+        if around.safety != made.safety or around.position.shape != made.position.shape or now.shape != then.shape:
             return False
-        if not np.array_equal(around.hazards[:, fixed], made.hazards[:, fixed]):
+        changed = now != then
+        changed[now[:, KIND] == FIRE, RADIUS] = False
+        moves = now[:, [VX, VY]].any(axis=1) | then[:, [VX, VY]].any(axis=1)
+        changed[np.ix_(moves, [AX, AY, BX, BY, VX, VY])] = False
+        if changed.any():
             return False
-        grows = around.hazards[:, KIND] == FIRE
-        if not np.array_equal(around.hazards[~grows], made.hazards[~grows]):
-            return False
-        grown = around.activation[grows] - made.activation[grows]
+        shifted = np.hypot(now[:, AX] - then[:, AX], now[:, AY] - then[:, AY])
+        near = now[:, KIND] != WALL
+        nearer = shifted[near] + np.maximum(around.activation[near] - made.activation[near], 0.0)
         moved = np.hypot(*(around.position - made.position).T)
-        return bool(grown.max(initial=0.0) <= self._skin / 2 and moved.max(initial=0.0) <= self._skin / 2)
+        return bool(nearer.max(initial=0.0) <= self._skin / 2 and moved.max(initial=0.0) <= self._skin / 2)
 
     def solve(self, nominal: Floats, constraints: Constraints, limit: float, accuracy: float) -> _Guess | None:
         """OSQP's answer, or None where it does not call the problem solved."""

@@ -40,28 +40,30 @@ def hazards_of(circles: ArrayLike, bars: ArrayLike, walls: ArrayLike, fires: Arr
     """
     fire = floats(fires, -1, 4)
     position, radius, growth = floats(fire[:, :2]), floats(fire[:, 2]), floats(fire[:, 3])
-    return hazard_table(
-        capsule_table(circles, bars), floats(walls, -1, 3), position, radius, growth, bools([True] * len(fire))
-    )
+    capsules = capsule_table(circles, bars)
+    still, burning = np.zeros((len(capsules), 2)), bools([True] * len(fire))
+    return hazard_table(capsules, still, floats(walls, -1, 3), position, radius, growth, burning)
 
 
 def worst_hazards(world: World, fire_radius: Floats) -> Floats:
-    """The table of hazards (H, 9) of a world whose fires, of radii (M,) [m], all burn and grow as fast as they can."""
-    burning = bools([True] * len(fire_radius))
+    """The table of hazards (H, 9) of a world whose fires, of radii (M,) [m], all burn; each as fast as it ever is."""
+    burning, fastest = bools([True] * len(fire_radius)), np.zeros((len(world.capsules), 2))
+    fastest[world.mover[:, 0].astype(np.int64), 0] = world.mover[:, 5]
     return hazard_table(
-        world.capsules, world.walls, world.fire_position, fire_radius, world.fire_growth, burning
+        world.capsules, fastest, world.walls, world.fire_position, fire_radius, world.fire_growth, burning
     )  # fmt: skip
 
 
 @kernel
 def hazard_table(
-    capsules: Floats, walls: Floats, fire_position: Floats, fire_radius: Floats, fire_growth: Floats,
-    fire_burning: Bools,
+    capsules: Floats, velocity: Floats, walls: Floats, fire_position: Floats, fire_radius: Floats,
+    fire_growth: Floats, fire_burning: Bools,
 ) -> Floats:  # fmt: skip
     """The table of hazards (H, 9).
 
     Args:
         capsules: (K, 5) obstacles: spine ax, ay, bx, by and radius [m].
+        velocity: (K, 2) of the obstacles over the coming control period [m/s].
         walls: (W, 3) unit inward normal and offset [m].
         fire_position: (M, 2) [m].
         fire_radius: (M,) [m].
@@ -76,6 +78,7 @@ def hazard_table(
     for k in range(capsules.shape[0]):
         for column in range(5):
             hazards[row, AX + column] = capsules[k, column]
+        hazards[row, VX], hazards[row, VY] = velocity[k, 0], velocity[k, 1]
         row += 1
     for k in range(walls.shape[0]):
         hazards[row, KIND] = WALL

@@ -1,6 +1,6 @@
 """From a good guess to the exact optimum: constraints that are active, or nearly, split the team into small problems.
 
-Robots that share no tight constraint do not feel each other, so each connected component is solved by itself
+Robots that share no active constraint do not feel each other, so each connected component is solved by itself
 (`nearest_point`). Constraints that the parts break together are added, and the parts that they join are solved again.
 """
 
@@ -48,7 +48,7 @@ def polish(nominal: Floats, constraints: Constraints, likely: Bools, speed_limit
     Args:
         nominal: (N, 2) within the speed limit [m/s].
         constraints: all constraints of the team.
-        likely: (R,) constraints that are thought to be tight; grows by the constraints that turn out to be.
+        likely: (R,) constraints that are thought to be active; grows by the constraints that turn out to be.
         speed_limit: v_max [m/s].
     """
     velocity = nominal.copy()

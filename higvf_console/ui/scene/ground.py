@@ -81,8 +81,8 @@ def obstacle_bodies(setup: Setup) -> Triangles:
 
 
 def _round_outlines(setup: Setup, margin: float) -> list[Floats]:
-    """Of circles and bars."""
-    obstacles = setup.layout.obstacles
+    """Of circles and bars that stand still; `movers` draws the others."""
+    obstacles = setup.layout.obstacles.still()
     circles = [shapes.circle(x, y, radius + margin) for x, y, radius in obstacles.circles]
     return circles + [shapes.capsule(bar[:2], bar[2:4], bar[4] + margin) for bar in obstacles.bars]
 

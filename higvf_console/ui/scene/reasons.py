@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from higvf_console.analysis.explain import Moved, Part, explain
 from higvf_console.analysis.sight import Sight, sights
+from higvf_console.control.guidance.obstacles import world_at
 from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.ui.scene import shapes
@@ -74,8 +75,9 @@ class SightLayer:
         seen, unseen = sight_lines(at, found, moved, self._setup, _DASH * self._px)
         self._seen.draw(seen)
         self._unseen.draw(unseen)
+        tick = moved.before.motion.tick
         hiders = sorted({part for sight in found for part in sight.hidden_by})
-        self._hiders.draw(joined([shapes.segments(part_outline(part, self._setup)) for part in hiders]))
+        self._hiders.draw(joined([shapes.segments(part_outline(part, self._setup, tick)) for part in hiders]))
 
 
 def chain(at: Floats, vectors: Floats, px: float, palette: Palette = DARK) -> tuple[Floats, NDArray[np.uint8]]:
@@ -125,10 +127,7 @@ def sight_lines(at: Floats, found: list[Sight], moved: Moved, setup: Setup, dash
     return joined(seen), joined(unseen)
 
 
-def part_outline(part: int, setup: Setup) -> Floats:
-    """The closed outline (n, 2) of circle `part`, or of bar `part` - P."""
-    circles, bars = setup.world.circles, setup.world.bars
-    if part < len(circles):
-        return shapes.circle(*circles[part])
-    bar = bars[part - len(circles)]
-    return shapes.capsule(bar[:2], bar[2:4], bar[4])
+def part_outline(part: int, setup: Setup, tick: int) -> Floats:
+    """The closed outline (n, 2) of a part of an obstacle at a tick."""
+    capsule = world_at(setup.world, tick, setup.params.safety.control_period).capsules[part]
+    return shapes.capsule(capsule[:2], capsule[2:4], capsule[4])

@@ -18,6 +18,7 @@ from higvf_console.ui.scene.fires import Fires
 from higvf_console.ui.scene.gaze import DwellLayer, HeatLayer
 from higvf_console.ui.scene.ghosts import Ghosts
 from higvf_console.ui.scene.ground import Ground, with_margin
+from higvf_console.ui.scene.movers import Movers
 from higvf_console.ui.scene.parts import Canvas
 from higvf_console.ui.scene.path import PathLayer
 from higvf_console.ui.scene.reasons import ReasonLayer, SightLayer
@@ -46,6 +47,7 @@ class Scene:
         self._canvas = canvas = Canvas(server, setup.arena, self.look)
         self.camera_arena: Arena = with_margin(setup.arena, max(self.look.text, 1.0) * canvas.px)
         self._ground = Ground(canvas, setup)
+        self._movers = Movers(canvas, setup)
         self._background = BackgroundLayer(canvas)
         self._fires = Fires(canvas, setup)
         self._team = Team(canvas, setup)
@@ -74,6 +76,7 @@ class Scene:
         self._heat.update(snapshot.inputs.attention, ui.heat)
         self._dwell.update(snapshot.inputs.dwell, state.pointer_state.cursor)
         self._ground.show_boundaries(ui.boundaries)
+        self._movers.update(state, ui.boundaries)
         self._team.show(links=ui.links, trails=ui.trails, labels=ui.labels, clearance=ui.clearance)
 
     def clear(self) -> None:

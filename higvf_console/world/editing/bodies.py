@@ -14,7 +14,7 @@ from higvf_console.core.state import Motion
 from higvf_console.world.editing.entities import EntityRef, how_many, name_of, numbers_of
 from higvf_console.world.editing.safe_places import body_fits, diagonal, held_words, nearest_fit
 from higvf_console.world.layout import Fire, Layout, Links
-from higvf_console.world.obstacles import Obstacles
+from higvf_console.world.obstacles import Course, Courses, Obstacles
 from higvf_console.world.polygons import (
     MOST_EDGES,
     closed_outline,
@@ -110,8 +110,11 @@ def reshaped(layout: Layout, motion: Motion, entity: EntityRef, numbers: dict[st
     Raises:
         ScenarioError: a robot would be too near to it.
     """
-    new = _checked(shaped(layout, entity, numbers, numbers_of(entity, layout, motion)), layout)
-    _check_room(new, motion, _gap(new, entity), name_of(entity))
+    was = numbers_of(entity, layout, motion)
+    new = _checked(shaped(layout, entity, numbers, was), layout)
+    if numbers.get("speed") != was.get("speed"):
+        new = _paced(new, entity, numbers["speed"], motion.tick * layout.params.safety.control_period)
+    _check_room(new, motion, _gap(new, motion, entity), name_of(entity))
     return new
 
 
@@ -120,9 +123,12 @@ def without(layout: Layout, entity: EntityRef) -> Layout:
     obstacles = layout.obstacles
     match entity.kind:
         case EntityKind.CIRCLE:
-            return _with(layout, circles=floats(np.delete(obstacles.circles, entity.row, axis=0)))
+            courses = _dropped(obstacles.circle_courses, entity.row)
+            circles = floats(np.delete(obstacles.circles, entity.row, axis=0))
+            return _with(layout, circles=circles, circle_courses=courses)
         case EntityKind.BAR:
-            return _with(layout, bars=floats(np.delete(obstacles.bars, entity.row, axis=0)))
+            courses = _dropped(obstacles.bar_courses, entity.row)
+            return _with(layout, bars=floats(np.delete(obstacles.bars, entity.row, axis=0)), bar_courses=courses)
         case _:
             shapes = obstacles_of(obstacles.polygons)
             return _with(layout, polygons=tuple(chain for shape in _others(shapes, entity.row) for chain in shape))
@@ -137,6 +143,20 @@ def links_now(layout: Layout, motion: Motion) -> Links:
     return tuple((int(i), int(j)) for i, j in np.sort(pairs, axis=1))
 
 
+def _dropped(courses: Courses, row: int) -> Courses:
+    return courses[:row] + courses[row + 1 :]
+
+
+def _paced(layout: Layout, entity: EntityRef, speed: float, time: float) -> Layout:
+    """The layout with a moving obstacle at another speed [m/s], where it is at a time [s]."""
+    kind = "circle_courses" if entity.kind is EntityKind.CIRCLE else "bar_courses"
+    courses: list[Course | None] = list(getattr(layout.obstacles, kind))
+    course = courses[entity.row]
+    assert course is not None
+    courses[entity.row] = course.paced(speed, time)
+    return _with(layout, **{kind: tuple(courses)})
+
+
 def _others(shapes: list[tuple[Floats, ...]], row: int) -> list[tuple[Floats, ...]]:
     return shapes[:row] + shapes[row + 1 :]
 
@@ -149,7 +169,7 @@ def _with(layout: Layout, **parts: object) -> Layout:
 def _put(layout: Layout, motion: Motion, entity: EntityRef, point: Floats, what: str) -> tuple[Layout, str]:
     was = numbers_of(entity, layout, motion)
     middle = floats([was["x"], was["y"]])
-    gap = _gap(layout, entity)
+    gap = _gap(layout, motion, entity)
     at, held = _held_place(
         layout, motion, point, lambda points: gap(points - point + middle), _extent(entity, was), name_of(entity)
     )
@@ -158,17 +178,26 @@ def _put(layout: Layout, motion: Motion, entity: EntityRef, point: Floats, what:
 
 
 def shaped(layout: Layout, entity: EntityRef, new: dict[str, float], was: dict[str, float]) -> Layout:
-    """The layout with an obstacle that has other numbers, whatever it then touches."""
+    """The layout with an obstacle that has other numbers, whatever it then touches; a course moves along with it.
+
+    Args:
+        layout: with the obstacle.
+        entity: the obstacle.
+        new: its numbers from now on.
+        was: its numbers now, see `entities.numbers_of`.
+    """
     row, obstacles = entity.row, layout.obstacles
     middle = floats([new["x"], new["y"]])
     if entity.kind is EntityKind.CIRCLE:
         circles = obstacles.circles.copy()
-        circles[row] = (*middle, new["radius"])
+        travelled = (was["x"], was["y"]) - circles[row, :2]
+        circles[row] = (*(middle - travelled), new["radius"])
         return _with(layout, circles=circles)
     angle = math.radians(new["angle"])
     if entity.kind is EntityKind.BAR:
         bars = obstacles.bars.copy()
         spine = 0.5 * new["length"] * np.array([math.cos(angle), math.sin(angle)])
+        middle -= (was["x"], was["y"]) - (bars[row, :2] + bars[row, 2:4]) / 2  # that it has travelled
         bars[row] = (*(middle - spine), *(middle + spine), new["half width"])
         return _with(layout, bars=bars)
     turn, scale = angle - math.radians(was["angle"]), new["size"] / was["size"]
@@ -195,9 +224,9 @@ def _checked(layout: Layout, before: Layout) -> Layout:
     return layout
 
 
-def _gap(layout: Layout, entity: EntityRef) -> Gap:
+def _gap(layout: Layout, motion: Motion, entity: EntityRef) -> Gap:
     """Distance of points from the surface of an obstacle."""
-    obstacles, row = layout.obstacles, entity.row
+    obstacles, row = layout.obstacles_at(motion.tick), entity.row
     match entity.kind:
         case EntityKind.CIRCLE:
             x, y, radius = obstacles.circles[row].tolist()

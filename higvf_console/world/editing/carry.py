@@ -89,5 +89,9 @@ def _sides(circulation: Ints, robots: Ints, fires: Ints, before: World, after: W
     same = len(before.boundary) == groups and bool((before.boundary == after.boundary).all())
     own = _taken(circulation, robots)
     round_obstacles = own[:, : len(before.boundary)] if same else np.zeros((len(robots), groups), np.int64)
-    round_fires = _taken(own[:, len(before.boundary) :].T, fires).T
-    return np.ascontiguousarray(np.concatenate([round_obstacles, round_fires], axis=1))
+    others = own[:, len(before.boundary) :]
+    round_fires = _taken(others[:, : len(before.fire_position)].T, fires).T
+    round_movers = others[:, len(before.fire_position) :]
+    if not (np.array_equal(before.mover, after.mover) and np.array_equal(before.course, after.course)):
+        round_movers = np.zeros((len(robots), len(after.mover)), np.int64)
+    return np.ascontiguousarray(np.concatenate([round_obstacles, round_fires, round_movers], axis=1))

@@ -51,7 +51,8 @@ def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
     already = set(crowded(before.layout, before.motion))
     if any(int(robots[robot]) not in already for robot in crowded(after.layout, after.motion)):
         layout, world, motion, _ = after
-        check_start(motion.position, *_burning(world, motion), layout.obstacles, layout.params, _SOURCE)
+        obstacles = layout.obstacles_at(motion.tick)
+        check_start(motion.position, *_burning(world, motion), obstacles, layout.params, _SOURCE)
 
 
 def check_fires(before: Stand, after: Stand) -> None:
@@ -97,7 +98,8 @@ def _intention(stand: Stand) -> None:
 
 def _robots(stand: Stand) -> None:
     growth = stand.world.fire_growth[stand.motion.fire_burning]
-    check_robots(stand.layout.params, float(growth.max(initial=0.0)), _SOURCE)
+    speed = stand.world.mover[:, 5]
+    check_robots(stand.layout.params, max(float(growth.max(initial=0.0)), float(speed.max(initial=0.0))), _SOURCE)
 
 
 def _rates(stand: Stand) -> None:

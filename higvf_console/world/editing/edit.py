@@ -36,6 +36,7 @@ from higvf_console.world.editing.entities import NUMBERS, EntityRef, centres, ho
 from higvf_console.world.editing.parameters import with_parameters
 from higvf_console.world.editing.safe_places import diagonal, held_words, nearest_fit, placed, resettled, robot_fits
 from higvf_console.world.layout import Fire, Layout, with_radii
+from higvf_console.world.placement import unavoidable
 from higvf_console.world.setup import Setup, rebuilt
 
 FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire [m], [m/s]
@@ -50,7 +51,8 @@ class Edited(NamedTuple):
         state: after it.
         robots: (N,) row that each robot had before, or `carry.NEW`.
         fires: (M,) likewise.
-        text: its effect, one sentence.
+        text: what was done, one sentence.
+        warnings: what is allowed but probably not meant, and was not so before.
     """
 
     setup: Setup
@@ -58,6 +60,7 @@ class Edited(NamedTuple):
     robots: Ints
     fires: Ints
     text: str
+    warnings: tuple[str, ...]
 
 
 class _Draft(NamedTuple):
@@ -97,7 +100,15 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
     layout = layout._replace(fires=with_radii(layout.fires, start.fire_radius))
     new = Setup(layout, world, setup.start._replace(motion=start, intent=start_intent))
     pointer_state = waiting_on(state.pointer_state, draft.robots)
-    return Edited(new, SimState(motion, intent, pointer_state), draft.robots, draft.fires, draft.text)
+    known = unavoidable(before)
+    return Edited(
+        setup=new,
+        state=SimState(motion, intent, pointer_state),
+        robots=draft.robots,
+        fires=draft.fires,
+        text=draft.text,
+        warnings=tuple(warning for warning in unavoidable(layout) if warning not in known),
+    )
 
 
 def _start(setup: Setup, draft: _Draft, layout: Layout, world: World) -> Motion:
@@ -244,7 +255,10 @@ def _change(layout: Layout, motion: Motion, entity: EntityRef, name: str, value:
     low, high, unit = known[name].low, known[name].high, known[name].unit
     if not low <= value <= high:
         raise ScenarioError(f"{name} of {name_of(entity)}: {value:g} is not from {low:g} to {high:g} {unit}".rstrip())
-    numbers = {**numbers_of(entity, layout, motion), name: float(value)}
+    numbers = numbers_of(entity, layout, motion)
+    if name == "speed" and name not in numbers:
+        raise ScenarioError(f"{name_of(entity)} does not move: give it a path or a velocity in the scenario file")
+    numbers[name] = float(value)
     if name in ("x", "y"):
         return _move(layout, motion, entity, floats([numbers["x"], numbers["y"]]))
     text = f"{name_of(entity).capitalize()} has {name} {value:g} {unit}".rstrip() + "."

@@ -2,8 +2,8 @@
 
 robot     x, y; heading of a unicycle
 fire      x, y, radius, growth, needs (robots)
-circle    x, y, radius
-bar       x, y of its middle, length of its spine, half width, angle
+circle    x, y, radius; speed of a moving one
+bar       x, y of its middle, length of its spine, half width, angle; speed of a moving one
 polygon   x, y of its middle, size (its farthest corner), angle (that of its first corner)
 """
 
@@ -18,6 +18,7 @@ from higvf_console.core.quantity import Quantity
 from higvf_console.core.state import Motion
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.world.layout import Layout
+from higvf_console.world.obstacles import SPEED, Courses, Obstacles, course_of
 from higvf_console.world.polygons import obstacles_of, segment_distance, signed_distance
 
 _PLACE = {
@@ -36,8 +37,8 @@ NUMBERS: dict[EntityKind, dict[str, Quantity]] = {
         "growth": Quantity("m/s", 0.0, 100.0, "", "How fast its radius grows."),
         "needs": Quantity("", 1.0, 1e5, "", "Robots that it takes to put it out."),
     },
-    EntityKind.CIRCLE: {**_PLACE, "radius": _LENGTH},
-    EntityKind.BAR: {**_PLACE, "length": _LENGTH, "half width": _LENGTH, "angle": _ANGLE},
+    EntityKind.CIRCLE: {**_PLACE, "radius": _LENGTH, "speed": SPEED},
+    EntityKind.BAR: {**_PLACE, "length": _LENGTH, "half width": _LENGTH, "angle": _ANGLE, "speed": SPEED},
     EntityKind.POLYGON: {**_PLACE, "size": _LENGTH, "angle": _ANGLE},
 }
 
@@ -76,7 +77,7 @@ def exists(entity: EntityRef, layout: Layout) -> bool:
 
 def numbers_of(entity: EntityRef, layout: Layout, motion: Motion) -> dict[str, float]:
     """The numbers that describe an entity now, by the names in `NUMBERS`."""
-    row, obstacles = entity.row, layout.obstacles
+    row, obstacles = entity.row, layout.obstacles_at(motion.tick)
     match entity.kind:
         case EntityKind.ROBOT:
             x, y = centres(layout, motion)[row].tolist()
@@ -87,18 +88,25 @@ def numbers_of(entity: EntityRef, layout: Layout, motion: Motion) -> dict[str, f
             return {"x": x, "y": y, "radius": radius, "growth": fire.growth, "needs": float(fire.needs)}
         case EntityKind.CIRCLE:
             x, y, radius = obstacles.circles[row].tolist()
-            return {"x": x, "y": y, "radius": radius}
+            return {"x": x, "y": y, "radius": radius, **_speed(obstacles.circle_courses, row)}
         case EntityKind.BAR:
             ax, ay, bx, by, half_width = obstacles.bars[row].tolist()
             angle = math.degrees(math.atan2(by - ay, bx - ax))
+            length, speed = math.hypot(bx - ax, by - ay), _speed(obstacles.bar_courses, row)
             middle = {"x": (ax + bx) / 2, "y": (ay + by) / 2}
-            return {**middle, "length": math.hypot(bx - ax, by - ay), "half width": half_width, "angle": angle}
+            return {**middle, "length": length, "half width": half_width, "angle": angle, **speed}
         case EntityKind.POLYGON:
             chain = obstacles_of(obstacles.polygons)[row][0]
             x, y = chain.mean(axis=0).tolist()
             reach = np.hypot(*(chain - (x, y)).T)
             angle = math.degrees(math.atan2(chain[0, 1] - y, chain[0, 0] - x))
             return {"x": x, "y": y, "size": float(reach.max()), "angle": angle}
+
+
+def _speed(courses: Courses, row: int) -> dict[str, float]:
+    """The speed of a moving obstacle; nothing of one that stands still."""
+    course = course_of(courses, row)
+    return {} if course is None else {"speed": course.speed}
 
 
 def centres(layout: Layout, motion: Motion) -> Floats:
@@ -112,7 +120,7 @@ def entity_at(point: Floats, layout: Layout, motion: Motion, reach: float) -> En
         (EntityKind.ROBOT, np.hypot(*(centres(layout, motion) - point).T)),
         (EntityKind.FIRE, np.hypot(*(layout.fire_position - point).T) - motion.fire_radius),
         *(
-            (kind, obstacle_gaps(kind, layout, point))
+            (kind, obstacle_gaps(kind, layout.obstacles_at(motion.tick), point))
             for kind in (EntityKind.CIRCLE, EntityKind.BAR, EntityKind.POLYGON)
         ),
     ]
@@ -122,9 +130,9 @@ def entity_at(point: Floats, layout: Layout, motion: Motion, reach: float) -> En
     return None
 
 
-def obstacle_gaps(kind: EntityKind, layout: Layout, point: Floats) -> Floats:
+def obstacle_gaps(kind: EntityKind, obstacles: Obstacles, point: Floats) -> Floats:
     """(K,) distance of a point (2,) from the surface of every obstacle of a kind [m], negative inside."""
-    obstacles, points = layout.obstacles, floats(point, 1, 2)
+    points = floats(point, 1, 2)
     if kind is EntityKind.CIRCLE:
         return np.hypot(*(obstacles.circles[:, :2] - point).T) - obstacles.circles[:, 2]
     if kind is EntityKind.BAR:

@@ -69,7 +69,8 @@ def robot_fits(robot: int, layout: Layout, motion: Motion) -> Fits:
 def clear_of(layout: Layout, motion: Motion, spare: float) -> Fits:
     """Which points keep clear of obstacles, burning fires and walls, with so much to spare [m]."""
     burning = np.column_stack([layout.fire_position, motion.fire_radius])[motion.fire_burning]
-    room = obstacle_room(layout.obstacles._replace(circles=np.vstack([layout.obstacles.circles, burning])))
+    obstacles = layout.obstacles_at(motion.tick)
+    room = obstacle_room(obstacles._replace(circles=np.vstack([obstacles.circles, burning])))
     least = controlled(layout.params).safety.obstacle_clearance + spare
 
     def fits(points: Floats) -> Bools:

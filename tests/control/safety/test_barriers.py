@@ -12,9 +12,10 @@ from higvf_console.control.safety.barriers.certificate import check_sampling, le
 from higvf_console.control.safety.barriers.linear_constraint import class_k
 from higvf_console.control.safety.barriers.robot_pair import pair_constraint, sensing_radius
 from higvf_console.control.safety.barriers.speed_limit import clipped
-from higvf_console.control.safety.hazards import hazards_of
+from higvf_console.control.safety.hazards import VX, VY, hazards_of
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import FilterError
+from higvf_console.world.polygons import segment_distance
 
 SAFETY = SafetyParameters()
 POINTS = np.random.default_rng(5).uniform(-90.0, 90.0, (200, 2))
@@ -70,6 +71,50 @@ def test_a_robot_at_the_edge_of_a_growing_fire_is_at_its_edge_one_period_later()
     edge = 32.0 + rate * SAFETY.control_period
     assert edge <= later <= edge + 1e-5
     assert b < -rate
+
+
+@pytest.mark.parametrize(("vx", "vy"), [(30.0, 0.0), (-12.0, 25.0), (0.0, -60.0)])
+@pytest.mark.parametrize(("x", "y"), POINTS[:40])
+def test_a_velocity_on_the_constraint_of_a_moving_bar_makes_h_fall_at_the_rate_of_the_barrier(
+    x: float, y: float, vx: float, vy: float
+) -> None:
+    spine, clearance, step = floats([-20.0, -5.0, 30.0, 10.0]), 32.0, 1e-6
+    ax, ay, b = capsule_constraint(x, y, *spine.tolist(), 20.0, vx, vy, 0.0, SAFETY)
+
+    def h(time: float) -> float:
+        moved = spine + time * floats([vx, vy, vx, vy])
+        robot = floats([[x + ax * b * time, y + ay * b * time]])
+        return float(segment_distance(robot, moved[:2], moved[2:])[0]) ** 2 / clearance**2 - 1.0
+
+    falling = (h(step) - h(-step)) / (2.0 * step)
+    assert falling == pytest.approx(-SAFETY.obstacle_gain * class_k(h(0.0)), rel=1e-4, abs=1e-4)
+
+
+def test_a_robot_may_be_slower_away_from_what_leaves_and_must_be_faster_away_from_what_comes() -> None:
+    still, comes, leaves = (
+        capsule_constraint(40.0, 0.0, 0.0, 0.0, 0.0, 0.0, 20.0, vx, 9.0, 0.0, SAFETY)[2] for vx in (0.0, 7.0, -7.0)
+    )
+    assert (comes - still, leaves - still) == pytest.approx((-7.0, 7.0))
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.0, 6.0, 13))
+def test_a_robot_at_the_edge_of_what_comes_is_at_its_edge_or_farther_one_period_later(angle: float) -> None:
+    x, y, velocity = 32.0 * math.cos(angle), 32.0 * math.sin(angle), (40.0, -15.0)
+    ax, ay, b = capsule_constraint(x, y, 0.0, 0.0, 0.0, 0.0, 20.0, *velocity, 0.0, SAFETY)
+    dt = SAFETY.control_period
+    later = math.dist((x + dt * b * ax, y + dt * b * ay), (dt * velocity[0], dt * velocity[1]))
+    assert 32.0 <= later <= 32.0 + 0.5 * (100.0 * dt) ** 2 / 32.0
+
+
+def test_beyond_its_activation_distance_the_fastest_obstacle_does_not_matter() -> None:
+    distance = capsule_activation_distance(20.0, 48.0, -36.0, 0.0, SAFETY)
+    for angle in np.linspace(0.0, 6.3, 50):
+        x, y = distance * math.cos(angle), distance * math.sin(angle)
+        assert capsule_constraint(x, y, 0.0, 0.0, 0.0, 0.0, 20.0, 48.0, -36.0, 0.0, SAFETY)[2] >= SAFETY.speed_limit
+    head_on = capsule_constraint(
+        0.8 * 0.999 * distance, -0.6 * 0.999 * distance, 0.0, 0.0, 0.0, 0.0, 20.0, 48.0, -36.0, 0.0, SAFETY
+    )
+    assert head_on[2] < SAFETY.speed_limit
 
 
 def test_a_bar_is_a_circle_round_the_nearest_point_of_its_spine() -> None:
@@ -151,6 +196,15 @@ def test_the_sampling_condition_has_the_numbers_of_the_derivation() -> None:
     fast = sampling_conditions(small, SAFETY._replace(speed_limit=282.0))
     assert max(c.value for c in fast) == pytest.approx(0.54, abs=0.01)
     check_sampling(small, SAFETY._replace(speed_limit=360.0))
+
+
+def test_the_sampling_condition_counts_how_fast_an_obstacle_moves() -> None:
+    table = hazards(floats([[0.0, 0.0, 5.0]]), np.zeros((0, 3)), 0)
+    still = sampling_conditions(table, SAFETY)[1]
+    table[0, [VX, VY]] = 30.0, 40.0
+    moving = sampling_conditions(table, SAFETY)[1]
+    assert (still.closing_speed, moving.closing_speed) == (90.0, 140.0)
+    assert moving.value > still.value
 
 
 def test_a_world_whose_barriers_do_not_hold_between_two_steps_is_refused_with_numbers() -> None:

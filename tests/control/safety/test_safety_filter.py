@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from higvf_console.control.safety.hazards import hazard_table, hazards_of
-from higvf_console.control.safety.safety_filter import blocked
+from higvf_console.control.safety.coupled_filter import CoupledFilter
+from higvf_console.control.safety.hazards import VX, VY, hazard_table, hazards_of
+from higvf_console.control.safety.safety_filter import blocked, filter_velocities
 from higvf_console.core.arrays import Floats, bools, floats
 from tests.control.safety.barrier_reference import (
     SAFETY,
@@ -151,6 +152,71 @@ def test_data_that_are_not_numbers_stop_that_robot_only(broken: str, value: floa
     else:
         assert 0.0 < velocity[0, 0] < 1.0
     assert velocity.any()
+
+
+@pytest.mark.parametrize("coupled", [False, True])
+def test_a_robot_that_a_fire_outruns_is_flagged_in_the_same_tick_and_flees(coupled: bool) -> None:
+    slow = SAFETY._replace(speed_limit=5.0)
+    for growth, outrun in ((4.0, False), (6.0, True)):
+        given = scene(
+            [[32.5, 0.0], [300.0, 0.0]], [[-5.0, 0.0], [1.0, 0.0]], fires=[[0.0, 0.0, 20.0, growth]], safety=slow
+        )
+        flt = CoupledFilter().filter_velocities if coupled else filter_velocities
+        velocity, active, infeasible = flt(*given.arguments())
+        assert infeasible.tolist() == [outrun, False]
+        assert active[0] == 1
+        assert velocity[1].tolist() == [1.0, 0.0]
+        if outrun:
+            assert velocity[0] == pytest.approx([5.0, 0.0])
+
+
+def test_robots_in_one_place_are_flagged_for_no_velocity_parts_them_fast_enough() -> None:
+    _, _, infeasible = filtered(scene([[0.0, 0.0], [0.0, 0.0], [90.0, 0.0]], np.zeros((3, 2))))
+    assert infeasible.tolist() == [True, True, False]
+
+
+def test_both_filters_give_a_lone_robot_the_same_velocity_among_moving_obstacles() -> None:
+    rng = np.random.default_rng(21)
+    shaped = 0
+    for _ in range(200):
+        given = scene(
+            rng.uniform(-60.0, 60.0, (1, 2)),
+            rng.normal(size=(1, 2)) * 40.0,
+            circles=np.c_[rng.uniform(-90.0, 90.0, (2, 2)), rng.uniform(5.0, 25.0, 2)],
+            bars=np.c_[rng.uniform(-90.0, 90.0, (1, 4)), [4.0]],
+        )
+        position, nominal, table, safety = given.arguments()
+        table[:, [VX, VY]] = rng.normal(size=(3, 2)) * 40.0
+        alone = filter_velocities(position, nominal, table, safety)
+        together = CoupledFilter().filter_velocities(position, nominal, table, safety)
+        assert alone[0] == pytest.approx(together[0], abs=1e-4 * LIMIT)
+        assert alone[2].tolist() == together[2].tolist()
+        shaped += int(alone[1][0] > 0)
+    assert shaped > 60
+
+
+@pytest.mark.parametrize("coupled", [False, True])
+def test_robots_yield_to_obstacles_that_cross_them_at_every_speed_below_their_own(coupled: bool) -> None:
+    flt = CoupledFilter().filter_velocities if coupled else filter_velocities
+    given = scene(
+        [[0.0, 0.0], [26.0, 0.0], [0.0, 26.0]],
+        np.zeros((3, 2)),
+        circles=[[-300.0, 3.0, 15.0]],
+        bars=[[-60.0, 260.0, 40.0, 260.0, 5.0]],
+    )
+    velocity = floats([[70.0, 0.0], [0.0, -30.0]])
+    dt = SAFETY.control_period
+    for _ in range(400):
+        position, nominal, table, safety = given.arguments()
+        table[:2, [VX, VY]] = velocity
+        answer, _, infeasible = flt(position, nominal, table, safety)
+        assert not infeasible.any()
+        given = given._replace(
+            position=given.position + dt * answer,
+            circles=given.circles + dt * np.c_[velocity[:1], [0.0]],
+            bars=given.bars + dt * np.c_[velocity[1:], velocity[1:], [0.0]],
+        )
+        assert clearance(given) >= -1e-7
 
 
 def test_extinguished_fires_are_no_hazards() -> None:

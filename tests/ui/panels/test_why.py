@@ -71,8 +71,9 @@ def test_lines_of_sight_run_through_to_fires_in_the_clear_and_are_dashed_to_hidd
 
 
 def test_the_outline_of_a_hider_is_that_of_its_obstacle() -> None:
-    assert np.hypot(*(part_outline(0, SETUP) - [500, 300]).T) == pytest.approx(np.full(65, 40.0))
-    assert part_outline(1, SETUP)[:, 1].max() == pytest.approx(455.0)
+    circle = part_outline(0, SETUP, 0)
+    assert np.hypot(*(circle - [500, 300]).T) == pytest.approx(np.full(len(circle), 40.0))
+    assert part_outline(1, SETUP, 0)[:, 1].max() == pytest.approx(455.0)
 
 
 def test_the_table_of_parts_names_all_and_dims_those_that_do_nothing() -> None:
