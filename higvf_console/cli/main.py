@@ -148,11 +148,9 @@ def _check_interface(given: argparse.Namespace) -> int:
 
 def _warm_up(setup: "Setup") -> float:
     """Compiles the engine, or loads it; how long that took [s]."""
-    from higvf_console.sim.simulation import warm_up
+    from higvf_console.sim.warm_up import warm_up
 
     started = perf_counter()
-    if not any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("simulation.tick-*.nbi")):
-        _log("Compiling the engine, once; this takes up to a minute ...")
     warm_up(setup.start, setup.world, setup.params)
     return perf_counter() - started
 

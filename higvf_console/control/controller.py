@@ -1,14 +1,16 @@
 """The controller, one control period: perceive, intend, keep formation, share, blend, go round. Start reading here.
 
-    links, components            who talks to whom
-    perceive                     what each robot sees and wants: theta, target, v_t       [10]-[13]
-    climb                        the way out of a deadlock, a rung at a time
-    progress, guide              what the human wants of one robot: w, v_h                [2], [9]
+    recover                      the way out of a deadlock, stage by stage
+    attend                       who talks to whom, what each robot sees and wants        [10]-[13]
+                                 how far the influenced one has come on its path          [2]
+    guide                        what the human wants of one robot: v_h                   [2], [9]
+    keep_formation               the formation: v_f                                       [14]
     share                        what the team makes of it together: v_s                  [15], [16]
-    keep_formation, blend        the formation, blended in: v_f, lambda, v                [14], [17]-[19]
+    blend                        lambda, v                                                [17]-[19]
     go_round                     the way round obstacles, on one side                     [7], [8]
 
-The result is a nominal velocity for each robot; only the safety filter turns it into motion.
+The result is a nominal velocity for each robot; only the safety filter turns it into motion. `printed.compute` is the
+same period with the zero-in bumps of the paper as printed.
 """
 
 import math
@@ -16,16 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.control.forms import PRINTED
 from higvf_console.control.guidance.boundaries import Boundaries, find_boundaries, fire_boundary
 from higvf_console.control.guidance.following import broken_away, destination, following, progress
-from higvf_console.control.guidance.guiding import (
-    agree_circulation,
-    composite_velocity,
-    guiding_vector,
-    has_human,
-    zero_in_product,
-)
+from higvf_console.control.guidance.guiding import agree_circulation, composite_velocity, guiding_vector, has_human
 from higvf_console.control.guidance.paths import WINDOW
 from higvf_console.control.guidance.recovery import forgotten, formation_grip, receptivity, recover
 from higvf_console.control.intention.blending import blended_velocity
@@ -53,6 +48,25 @@ class Sight(NamedTuple):
     target: Ints
     target_value: Floats
     robot_intention: Floats
+
+
+class Situation(NamedTuple):
+    """Who talks to whom, sees what, leads and follows, before any velocity is computed; fields as in `Plan`."""
+
+    link_start: Ints
+    link_to: Ints
+    delivered_start: Ints  # links whose messages arrive in this period
+    delivered_to: Ints
+    component: Ints
+    sight: Sight
+    path_parameter: float
+    path_status: int
+    path_idle: float
+    path_gap: float
+    path_left: float
+    leader: int  # the influenced robot while it follows a path, or NOBODY
+    steered: Bools
+    held: Bools  # (N,) whether the robot's component waits at the end of a path
 
 
 class Plan(NamedTuple):
@@ -84,69 +98,86 @@ class Plan(NamedTuple):
 @kernel
 def compute(motion: Motion, intent: Intent, world: World, params: Parameters) -> Plan:
     """One control period of HI-GVF for the whole team, up to the nominal velocities."""
-    start, to = links(motion.position, world, params)
-    component = components(start, to)
-    sight = perceive(motion, intent.priority, world, params)
     recovery_stage, flip = recover(motion, intent.influenced if following(motion, intent) else NOBODY, params)
-    status = broken_away(motion, intent, sight.fire_value, sight.target, component, params)
-    w, status, idle, gap, left = progress(motion, intent, status, recovery_stage[intent.influenced], world, params)
-    human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
-    leader = intent.influenced if human else NOBODY
-    steered = has_human(component, intent.influenced, human)
-    held = has_human(component, intent.influenced, status == PathStatus.HOLDING)
-    wanted, human_intention = sight.robot_intention, guide(leader, w, motion, intent, params)
-    delivered_start, delivered_to = delivered(start, to, motion.tick, params.robots)
-    grip = formation_grip(recovery_stage, component, leader, idle, params)
-    formation = keep_formation(motion.position, grip, world, delivered_start, delivered_to, params)
-    if params.forms.human == PRINTED:
-        _fade(wanted, human_intention, formation, motion, world, params)
-    if intent.paused:
-        intention = motion.intention.copy()
-    else:
-        awake = is_awake(sight.target, steered, held, component)
-        psi = receptivity(
-            leader, recovery_stage, wanted, human_intention, motion.intention, delivered_start, delivered_to, params
-        )
-        intention = share(leader, psi, awake, wanted, human_intention, motion, delivered_start, delivered_to, params)
-    blended, blending = blend(intention, formation, steered, intent.path.pace, params)
+    at = attend(motion, intent, recovery_stage[intent.influenced], world, params)
+    robot = at.sight.robot_intention
+    human = guide(at.leader, at.path_parameter, motion, intent, params)
+    grip = formation_grip(recovery_stage, at.component, at.leader, at.path_idle, params)
+    formation = keep_formation(motion.position, grip, world, at.delivered_start, at.delivered_to, params)
+    psi = receptivity(
+        at.leader, recovery_stage, robot, human, motion.intention, at.delivered_start, at.delivered_to, params
+    )
+    intention = share(at, psi, robot, human, motion, intent, params)
+    blended, blending = blend(intention, formation, at.steered, intent.path.pace, params)
     boundaries = find_boundaries(motion, world, params.safety.obstacle_clearance)
     circulation = agree_circulation(
-        blended, motion.position, motion.circulation, component, leader, flip, boundaries, params.boundaries
+        blended, motion.position, motion.circulation, at.component, at.leader, flip, boundaries, params.boundaries
     )
-    if intent.paused or intent.stopped:
-        nominal = np.zeros(blended.shape)
-    elif params.forms.human == PRINTED:
-        nominal = limit_speed(blended, params)
-    else:
-        goal = destination(intent.path, w)
-        nominal = limit_speed(
-            go_round(blended, sight.target, steered, goal, circulation, boundaries, motion, world, params), params
-        )
-        for i in range(held.shape[0]):
-            if held[i]:
-                nominal[i, 0], nominal[i, 1] = 0.0, 0.0
+    velocity = go_round(blended, at, circulation, boundaries, motion, intent, world, params)
+    nominal = limit_speed(velocity, intent, params)
+    for i in range(nominal.shape[0]):
+        if at.held[i]:
+            nominal[i, 0], nominal[i, 1] = 0.0, 0.0
+    stages = forgotten(recovery_stage, circulation, motion.stalled)
+    return planned(at, robot, human, formation, intention, blended, blending, circulation, stages, nominal)
+
+
+@kernel
+def planned(
+    at: Situation, robot: Floats, human: Floats, formation: Floats, intention: Floats, blended: Floats,
+    blending: Floats, circulation: Ints, recovery_stage: Ints, nominal: Floats,
+) -> Plan:  # fmt: skip
+    """The plan that the steps of one control period add up to."""
     return Plan(
         nominal=nominal,
         intention=intention,
-        target=sight.target,
-        target_value=sight.target_value,
+        target=at.sight.target,
+        target_value=at.sight.target_value,
         circulation=circulation,
-        recovery_stage=forgotten(recovery_stage, circulation, motion.stalled),
+        recovery_stage=recovery_stage,
+        path_parameter=at.path_parameter,
+        path_status=at.path_status,
+        path_idle=at.path_idle,
+        path_gap=at.path_gap,
+        path_left=at.path_left,
+        steered=at.steered,
+        fire_value=at.sight.fire_value,
+        robot_intention=robot,
+        human_intention=human,
+        formation=formation,
+        blending=blending,
+        blended=blended,
+        link_start=at.link_start,
+        link_to=at.link_to,
+        component=at.component,
+    )
+
+
+@kernel
+def attend(motion: Motion, intent: Intent, recovery_stage: int, world: World, params: Parameters) -> Situation:
+    """What the team knows at the start of a control period; `recovery_stage` is the influenced robot's."""
+    start, to = links(motion.position, world, params)
+    component = components(start, to)
+    sight = perceive(motion, intent.priority, world, params)
+    status = broken_away(motion, intent, sight.fire_value, sight.target, component, params)
+    w, status, idle, gap, left = progress(motion, intent, status, recovery_stage, world, params)
+    human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
+    delivered_start, delivered_to = delivered(start, to, motion.tick, params.robots)
+    return Situation(
+        link_start=start,
+        link_to=to,
+        delivered_start=delivered_start,
+        delivered_to=delivered_to,
+        component=component,
+        sight=sight,
         path_parameter=w,
         path_status=status,
         path_idle=idle,
         path_gap=gap,
         path_left=left,
-        steered=steered,
-        fire_value=sight.fire_value,
-        robot_intention=wanted,
-        human_intention=human_intention,
-        formation=formation,
-        blending=blending,
-        blended=blended,
-        link_start=start,
-        link_to=to,
-        component=component,
+        leader=intent.influenced if human else NOBODY,
+        steered=has_human(component, intent.influenced, human),
+        held=has_human(component, intent.influenced, status == PathStatus.HOLDING),
     )
 
 
@@ -221,17 +252,22 @@ def is_awake(target: Ints, steered: Bools, held: Bools, component: Ints) -> Bool
 
 @kernel
 def share(
-    leader: int, psi: float, awake: Bools, robot: Floats, human: Floats, motion: Motion, start: Ints, to: Ints,
-    params: Parameters,
-) -> Floats:  # fmt: skip
-    """Shared intention v_s (N, 2) after one period; zero for an idle component. The leader receives v_h with `psi`."""
+    at: Situation, psi: float, robot: Floats, human: Floats, motion: Motion, intent: Intent, params: Parameters
+) -> Floats:
+    """Shared intention v_s (N, 2) after one period: as before while paused, zero for an idle component.
+
+    The leader receives v_h with `psi`.
+    """
+    if intent.paused:
+        return motion.intention.copy()
+    awake = is_awake(at.sight.target, at.steered, at.held, at.component)
     intention, before = np.zeros(robot.shape), motion.intention
     for i in range(robot.shape[0]):
         if awake[i]:
             intention[i, 0], intention[i, 1] = shared_intention(
                 i, before[i, 0], before[i, 1], robot[i, 0], robot[i, 1], human[i, 0], human[i, 1],
-                psi if i == leader else 0.0, before, start, to, params.intention, params.forms,
-                params.safety.control_period,
+                psi if i == at.leader else 0.0, before, at.delivered_start, at.delivered_to, params.intention,
+                params.forms, params.safety.control_period,
             )  # fmt: skip
     return intention
 
@@ -265,21 +301,23 @@ def blend(
 
 @kernel
 def go_round(
-    blended: Floats, target: Ints, steered: Bools, goal: tuple[float, float], circulation: Ints,
-    boundaries: Boundaries, motion: Motion, world: World, params: Parameters,
+    blended: Floats, at: Situation, circulation: Ints, boundaries: Boundaries, motion: Motion, intent: Intent,
+    world: World, params: Parameters,
 ) -> Floats:  # fmt: skip
     """Velocities (N, 2) [m/s] after the composite step.
 
-    A robot's own fire is no obstacle to it unless the human leads: then the path, to its `goal` [m], may pass it.
+    A robot's own fire is no obstacle to it unless the human leads: then the path, to its destination, may pass it.
     """
     nominal = np.zeros(blended.shape)
+    path_goal = destination(intent.path, at.path_parameter)
     for i in range(blended.shape[0]):
-        own_boundary, (goal_x, goal_y) = NOBODY, goal
-        if not steered[i]:
-            own_boundary = fire_boundary(target[i], world)
+        own_boundary, (goal_x, goal_y) = NOBODY, path_goal
+        if not at.steered[i]:
+            fire = at.sight.target[i]
+            own_boundary = fire_boundary(fire, world)
             goal_x, goal_y = math.nan, math.nan
-            if target[i] != NOBODY:
-                goal_x, goal_y = world.fire_position[target[i], 0], world.fire_position[target[i], 1]
+            if fire != NOBODY:
+                goal_x, goal_y = world.fire_position[fire, 0], world.fire_position[fire, 1]
         nominal[i, 0], nominal[i, 1] = composite_velocity(
             blended[i, 0], blended[i, 1], motion.position[i, 0], motion.position[i, 1], i, circulation, own_boundary,
             goal_x, goal_y, boundaries, world, params.boundaries, params.forms,
@@ -288,24 +326,14 @@ def go_round(
 
 
 @kernel
-def limit_speed(velocity: Floats, params: Parameters) -> Floats:
-    """Nominal velocities (N, 2) [m/s]: clipped to the speed limit."""
+def limit_speed(velocity: Floats, intent: Intent, params: Parameters) -> Floats:
+    """Nominal velocities (N, 2) [m/s]: clipped to the speed limit; zero while the team is paused or stopped."""
     nominal = np.zeros(velocity.shape)
+    if intent.paused or intent.stopped:
+        return nominal
     for i in range(velocity.shape[0]):
         vx, vy = velocity[i, 0], velocity[i, 1]
         speed = math.sqrt(vx * vx + vy * vy)
         share = params.safety.speed_limit / speed if speed > params.safety.speed_limit else 1.0
         nominal[i, 0], nominal[i, 1] = share * vx, share * vy
     return nominal
-
-
-@kernel
-def _fade(robot: Floats, human: Floats, formation: Floats, motion: Motion, world: World, params: Parameters) -> None:
-    """[9], [13], [14] as printed: each intention and velocity times the product of the zero-in bumps, in place."""
-    for i in range(robot.shape[0]):
-        x, y = motion.position[i, 0], motion.position[i, 1]
-        product = zero_in_product(x, y, motion, world, params.boundaries, params.forms)
-        for axis in range(2):
-            robot[i, axis] *= product
-            human[i, axis] *= product
-            formation[i, axis] *= product

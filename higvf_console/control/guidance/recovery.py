@@ -17,7 +17,6 @@ import math
 
 import numpy as np
 
-from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import shared_intention
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import Parameters
@@ -40,8 +39,6 @@ def recover(motion: Motion, leader: int, params: Parameters) -> tuple[Ints, Bool
     also when it moves without progress on its path: then it may shuttle where a ring turns it back.
     """
     recovery_stage, flip = motion.recovery_stage.copy(), np.zeros(motion.recovery_stage.shape[0], np.bool_)
-    if params.forms.human == PRINTED:
-        return recovery_stage, flip
     period = params.safety.control_period
     slow = params.stall.stall_fraction * params.blending.cruise_speed
     for i in range(recovery_stage.shape[0]):
@@ -67,8 +64,6 @@ def formation_grip(recovery_stage: Ints, component: Ints, leader: int, idle: flo
         params: with the timeout for that.
     """
     grip = np.ones(recovery_stage.shape[0])
-    if params.forms.human == PRINTED:
-        return grip
     loose = np.zeros(recovery_stage.shape[0], np.bool_)  # by component
     for i in range(recovery_stage.shape[0]):
         loose[component[i]] = loose[component[i]] or recovery_stage[i] > 0

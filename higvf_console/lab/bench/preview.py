@@ -24,7 +24,8 @@ from higvf_console.runtime.previewer import Previewer
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import load_scenario, parse_scenario
 from higvf_console.sim.setup import Setup
-from higvf_console.sim.simulation import roll, warm_up
+from higvf_console.sim.simulation import roll
+from higvf_console.sim.warm_up import warm_up
 
 ROBOTS = 10
 _ROLLED = 60.0  # [s]
