@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run setup test check bench browser clean
+.PHONY: run setup test check docs coverage lock bench browser clean
 
 run: setup
 	$(BIN)/higvf run firefighting
@@ -13,7 +13,7 @@ setup: $(READY)
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,bench,lsl,report,signals]'
+	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,docs,all]'
 	$(BIN)/higvf compile
 	touch $@
 
@@ -25,6 +25,31 @@ check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
 	$(BIN)/pyright
+	$(BIN)/python docs/check_links.py
+
+# The site is written to docs/_build/html; a warning, such as a reference to nowhere, is an error.
+docs: setup
+	$(BIN)/sphinx-build --nitpicky --fail-on-warning --quiet docs docs/_build/html
+	@echo "docs/_build/html/index.html"
+
+# Branch coverage in two passes: the equations as plain Python, without two tests that take minutes so, and the rest with
+# the compiled engine. Not measured: tests that need a browser, and benchmarks, fit and reproduction (lab).
+coverage: setup
+	rm -f .coverage .coverage.*
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest tests/control tests/operator \
+	  -k 'not speed_limit_is_part_of_the_problem and not nothing_is_violated_where_the_coupled'
+	$(BIN)/coverage run -m pytest -m 'not browser' --ignore tests/control --ignore tests/operator --ignore tests/lab
+	$(BIN)/coverage combine --quiet
+	$(BIN)/coverage report --skip-covered --sort cover
+
+# constraints.txt holds the exact version of every package, for Python 3.11 to 3.13; `make setup` installs by it.
+# requirements-hashed.txt is the same list with hashes, for `pip install --require-hashes`. Both are written here, from
+# the ranges in pyproject.toml; versions stay as they are unless `make lock UPGRADE=--upgrade` asks for new ones.
+LOCK := $(BIN)/uv pip compile pyproject.toml --quiet --all-extras --universal --python-version 3.11 \
+  --fork-strategy fewest --no-annotate --no-header
+lock: setup
+	$(LOCK) $(UPGRADE) --output-file constraints.txt
+	$(LOCK) --constraint constraints.txt --generate-hashes --output-file requirements-hashed.txt
 
 bench: setup
 	$(BIN)/higvf bench --suite filter
@@ -32,10 +57,11 @@ bench: setup
 
 # The browser tests drive the system's Chromium; without it, and without the right to install it, they skip and say so.
 browser:
-	@if ! command -v chromium >/dev/null 2>&1; then \
-	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then \
-	    apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium; \
-	  else echo "chromium is not installed: browser tests will be skipped (install the package 'chromium')" >&2; fi; fi
+	@for name in chromium chromium-browser google-chrome google-chrome-stable; do \
+	  command -v $$name >/dev/null 2>&1 && exit 0; done; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then \
+	  apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium; \
+	else echo "chromium is not installed: browser tests will be skipped (install the package 'chromium')" >&2; fi
 
 clean:
-	rm -rf $(VENV) .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) .pytest_cache .ruff_cache .import_linter_cache .hypothesis docs/_build .coverage .coverage.*

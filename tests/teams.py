@@ -2,15 +2,13 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from higvf_console.control.parameters import Parameters, controlled
-from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.control.parameters import Parameters
+from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.core.viewport import Arena
-from higvf_console.sim.setup import Setup
-from higvf_console.sim.simulation import initial_state
-from higvf_console.world.build import make_world
+from higvf_console.world.layout import Fire, Layout
+from higvf_console.world.obstacles import Obstacles
+from higvf_console.world.setup import Setup, make_setup
 
 TRIANGLE = ((100.0, 350.0), (60.0, 320.0), (60.0, 380.0))
 
@@ -27,15 +25,15 @@ def team(
     polygons: Sequence[Floats] = (),
 ) -> Setup:
     """Robots (x, y), fires (x, y, radius), circles (x, y, radius), bars (ax, ay, bx, by, half width) [m]; no walls."""
-    burning = floats(fires, -1, 3)
-    params = params or Parameters()
-    world = make_world(
-        floats(circles, -1, 3), floats(bars, -1, 5), np.zeros((0, 3)), burning[:, :2], floats([growth] * len(fires)),
-        ints([needs] * len(fires)), floats(robots, -1, 2), controlled(params).safety.obstacle_clearance,
-        polygons=polygons,
-    )  # fmt: skip
-    start = initial_state(world.formation, floats(burning[:, 2]), world)
-    return Setup(arena or Arena(0.0, 0.0, 1200.0, 700.0), world, params, start, tuple(polygons))
+    layout = Layout(
+        arena=arena or Arena(0.0, 0.0, 1200.0, 700.0),
+        formation=floats(robots, -1, 2),
+        walls=False,
+        obstacles=Obstacles(floats(circles, -1, 3), floats(bars, -1, 5), tuple(polygons)),
+        fires=tuple(Fire((x, y), radius, growth, needs) for x, y, radius in fires),
+        params=params or Parameters(),
+    )
+    return make_setup(layout, layout.formation)
 
 
 def stroke(points: Sequence[tuple[float, float]] | Floats, robot: int | None = None) -> list[OperatorCommand]:

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import roll
+from higvf_console.world.setup import Setup
 
 _CHUNK = 250  # ticks between two looks at whether the session still wants the result
 

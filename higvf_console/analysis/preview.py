@@ -17,9 +17,9 @@ from higvf_console.core.arrays import Bools, Floats, floats
 from higvf_console.core.commands import Confirm, OperatorCommand, StrokeEnd, StrokeUse
 from higvf_console.core.state import Motion, Path, PathKind, PathStatus, SimState
 from higvf_console.operator.reducer import apply_command, waiting
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import Rollout, roll
 from higvf_console.world.polygons import obstacles_of, segment_distance, signed_distance
+from higvf_console.world.setup import Setup
 
 SHORTEST, USUAL, LONGEST = 5.0, 20.0, 60.0  # horizons [s]
 CHUNK = 100  # ticks between two looks at whether the result is still wanted
@@ -165,13 +165,12 @@ def repulsive_pieces(path: Path, motion: Motion, setup: Setup) -> Floats:
 
 def surface_distance(points: Floats, motion: Motion, setup: Setup) -> Floats:
     """Distance (n,) of points (n, 2) from the nearest obstacle or burning fire [m], negative inside; inf without."""
-    world = setup.world
-    bars = world.bars[: len(world.bars) - sum(len(chain) for chain in setup.polygons)]
+    world, obstacles = setup.world, setup.layout.obstacles
     burning = np.column_stack([world.fire_position, motion.fire_radius])[motion.fire_burning]
     gaps = [np.full(len(points), np.inf)]
-    gaps += [np.hypot(*(points - disc[:2]).T) - disc[2] for disc in (*world.circles, *burning)]
-    gaps += [segment_distance(points, bar[:2], bar[2:4]) - bar[4] for bar in bars]
-    gaps += [signed_distance(chains, points) for chains in obstacles_of(setup.polygons)]
+    gaps += [np.hypot(*(points - disc[:2]).T) - disc[2] for disc in (*obstacles.circles, *burning)]
+    gaps += [segment_distance(points, bar[:2], bar[2:4]) - bar[4] for bar in obstacles.bars]
+    gaps += [signed_distance(chains, points) for chains in obstacles_of(obstacles.polygons)]
     return np.min(gaps, axis=0)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from higvf_console.analysis.active_constraints import part_name, seen_positions
 from higvf_console.analysis.explain import Moved
 from higvf_console.control.intention.perception import fire_value, half_angle, interval_room
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 
 class Sight(NamedTuple):
@@ -47,12 +47,10 @@ def sights(robot: int, moved: Moved, setup: Setup) -> list[Sight]:
 
 def hidden_by(x: float, y: float, fx: float, fy: float, radius: float, setup: Setup) -> tuple[int, ...]:
     """The parts that, each alone, hide some of a fire (fx, fy, radius) from (x, y) [m]; those that hide most first."""
-    circles, bars = setup.world.circles, setup.world.bars
-    room = interval_room(circles, bars)
-    alone = [(circles[k : k + 1], bars[:0]) for k in range(len(circles))]
-    alone += [(circles[:0], bars[k : k + 1]) for k in range(len(bars))]
-    clear = fire_value(x, y, fx, fy, radius, np.inf, circles[:0], bars[:0], room)
-    left = np.array([fire_value(x, y, fx, fy, radius, np.inf, *part, room) for part in alone])
+    capsules = setup.world.capsules
+    room = interval_room(capsules)
+    clear = fire_value(x, y, fx, fy, radius, np.inf, capsules[:0], room)
+    left = np.array([fire_value(x, y, fx, fy, radius, np.inf, capsules[k : k + 1], room) for k in range(len(capsules))])
     order = np.argsort(left, kind="stable")
     return tuple(int(part) for part in order if left[part] < clear)
 

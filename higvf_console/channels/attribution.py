@@ -5,8 +5,7 @@ from typing import NamedTuple, TypeAlias
 
 from higvf_console.core.arrays import Ints
 from higvf_console.core.commands import Clutch, Confirm, LoadScenario, OperatorCommand, Prioritise, StrokeEnd, StrokeUse
-from higvf_console.core.state import NOBODY, PathKind, SimState
-from higvf_console.operator.path_commands import ACTING
+from higvf_console.core.state import ACTING, NOBODY, PathKind, SimState
 from higvf_console.world.editing.carry import NEW
 
 Favour: TypeAlias = tuple[float, ...]  # a priority: robot, fire, factor

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable, Mapping
 from importlib.metadata import EntryPoint, entry_points
+from typing import Any
 
+from higvf_console.core.arguments import brief, instance, sequence
 from higvf_console.core.commands import OperatorCommand
-from higvf_console.core.errors import HigvfError, InputError, closest
+from higvf_console.core.errors import ArgumentTypeError, HigvfError, InputError, closest
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, Interface, OperatorContext
-from higvf_console.sim.setup import Event, Severity
 
 GROUP = "higvf_console.interfaces"
 
@@ -27,6 +29,7 @@ def open_interface(spec: InputSpec) -> Interface:
         InputError: no such interface is installed, it cannot be imported, or its input cannot be used.
         CrashedError: it raised something else while it opened.
     """
+    instance("spec", spec, InputSpec)
     points: Mapping[str, EntryPoint] = {point.name: point for point in entry_points(group=GROUP)}
     if spec.channel not in points:
         names = sorted(points)
@@ -42,8 +45,20 @@ def open_interface(spec: InputSpec) -> Interface:
         raise
     except Exception as error:  # as above
         raise CrashedError(f"interface '{spec.channel}' does not open: {type(error).__name__}: {error}") from error
-    if missing := [name for name in ("name", "poll", "health", "close") if not hasattr(interface, name)]:
+    if missing := _missing(interface):
         raise CrashedError(f"interface '{spec.channel}' opens as {interface!r:.60}, without {', '.join(missing)}")
+    return interface
+
+
+def _missing(interface: object) -> list[str]:
+    """What an object lacks of an interface."""
+    return [name for name in ("name", "poll", "health", "close") if not hasattr(interface, name)]
+
+
+def _given(index: int, interface: Any) -> Interface:
+    if isinstance(interface, type) or (missing := _missing(interface)):
+        lacks = "is a class; expected an object of it" if isinstance(interface, type) else f"lacks {', '.join(missing)}"
+        raise ArgumentTypeError(f"interfaces[{index}], {brief(interface)}, {lacks}")
     return interface
 
 
@@ -55,8 +70,9 @@ class Channels:
 
         Raises:
             InputError: two have the same name.
+            ArgumentTypeError: one lacks a function of an interface.
         """
-        self._interfaces = tuple(interfaces)
+        self._interfaces = tuple(_given(k, one) for k, one in enumerate(sequence("interfaces", interfaces)))
         self._failed: dict[str, str] = {}
         names = [interface.name for interface in self._interfaces]
         for name in names:

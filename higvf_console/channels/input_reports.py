@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple, TypeVar
 
 from higvf_console.channels.channels import Channels
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface
 from higvf_console.core.reports import (
     AttentionReport,
@@ -19,7 +20,6 @@ from higvf_console.core.reports import (
     DecisionReport,
     DwellReport,
 )
-from higvf_console.sim.setup import Event, Severity
 
 PERIOD = 0.5  # from one look at what takes counting to the next [s]
 

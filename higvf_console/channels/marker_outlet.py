@@ -11,7 +11,7 @@ from typing import Any
 
 from higvf_console.core.commands import Command
 from higvf_console.core.errors import InputError
-from higvf_console.sim.setup import Event
+from higvf_console.core.events import Event
 
 TYPE = "Markers"
 _LEFT_OUT = ("points", "point", "operator", "time")  # too long, or said once

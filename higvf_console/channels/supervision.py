@@ -41,10 +41,9 @@ from higvf_console.core.commands import (
     Resume,
     StrokeCancel,
 )
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState, OperatorContext
-from higvf_console.core.state import SimState
-from higvf_console.operator.path_commands import ACTING
-from higvf_console.sim.setup import Event, Severity
+from higvf_console.core.state import ACTING, SimState
 
 _CONSOLE = "mouse"  # a person's hand at the console: any command but a cursor acknowledges itself
 _OUTCOME = {

@@ -1,1 +1,1 @@
-"""The command line: `higvf` and its subcommands."""
+"""The command line interface: `higvf` and its subcommands."""

@@ -1,9 +1,9 @@
-"""`higvf`: run a scenario, replay a recording, inspect a file, reproduce the paper, measure.
+"""The command `higvf`: runs scenarios, replays and inspects recordings, reproduces the paper, runs benchmarks.
 
-Exit status: 0; 1 where a replay differs or an interface breaks its contract; 2 on input that cannot be used (one line
-on stderr says why); 130 on Ctrl-C.
+Exit status: 0 on success; 1 if a replay differs or an interface violates its contract; 2 on invalid input, with a
+one-line reason on standard error; 130 on Ctrl-C.
 """
-# ruff: noqa: PLC0415 (each command imports what it needs, so that `--help` loads no compiler)
+# ruff: noqa: PLC0415 (each command imports its own modules, so that `--help` does not load the compiler)
 
 import argparse
 import json
@@ -16,24 +16,33 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from threading import Event as Signal
 from threading import Thread
-from time import perf_counter, sleep
+from time import sleep
 from typing import TYPE_CHECKING, Any
 
 from higvf_console.cli.arguments import parser
-from higvf_console.core.errors import HigvfError
+from higvf_console.core.errors import HigvfError, MissingExtraError
+from higvf_console.core.optional import require
 from higvf_console.runtime import scheduling
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
     from higvf_console.scenario.scenario import Scenario
-    from higvf_console.sim.setup import Setup
+    from higvf_console.world.setup import Setup
 
 
-_WORTH_SAYING = ("refused", "clipped", "failure", "channel", "recording")  # events of which a headless run warns
+_REPORTED = ("refused", "clipped", "failure", "channel", "recording")  # kinds of events that a headless run prints
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs one command and returns the exit status."""
+    """Runs one command.
+
+    Args:
+        arguments: of the command line; None = `sys.argv`.
+
+    Returns:
+        The exit status.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is loaded: its threads wait for each other
     given = parser().parse_args(arguments)
     try:
         return _COMMANDS[given.command](given)
@@ -53,7 +62,11 @@ def _scenarios(_: argparse.Namespace) -> int:
     from higvf_console.scenario.scenario import load_scenario, scenario_names
 
     for name in scenario_names():
-        print(f"{name:26} {load_scenario(name).description}")
+        try:
+            description = load_scenario(name).description
+        except MissingExtraError as missing:
+            description = f"({missing})"
+        print(f"{name:26} {description}")
     return 0
 
 
@@ -74,9 +87,9 @@ def _bench(given: argparse.Namespace) -> int:
     only = {"--scenes": given.scenes, "--scene": given.scene, "--save": given.save}
     misplaced = [option for option, value in only.items() if value is not None]
     if misplaced and given.suite != bench.DEADLOCK:
-        raise HigvfError(f"{misplaced[0]} belongs to --suite {bench.DEADLOCK}, not {given.suite}")
+        raise HigvfError(f"{misplaced[0]} is an option of --suite {bench.DEADLOCK}, not of --suite {given.suite}")
     if given.save is not None and given.scene is None:
-        raise HigvfError("--save writes one scene: add --scene KIND:SEED")
+        raise HigvfError("--save needs a scene: add --scene KIND:SEED")
     if given.scene is not None:
         return _scene(given.scene, given.save)
     bench.main(given.suite, given.json, given.scenes)
@@ -84,7 +97,7 @@ def _bench(given: argparse.Namespace) -> int:
 
 
 def _scene(name: str, file: Path | None) -> int:
-    """Tells the story of a random scene, or saves it as a scenario."""
+    """Reports the events of a random scene, or saves it as a scenario file."""
     from higvf_console.lab.bench.deadlock import scene_named
     from higvf_console.lab.bench.deadlock_report import story
     from higvf_console.lab.bench.scene_file import scene_yaml
@@ -124,11 +137,15 @@ def _fit(given: argparse.Namespace) -> int:
     return 0
 
 
-def _compile(_: argparse.Namespace) -> int:
+def _compile(given: argparse.Namespace) -> int:
+    from higvf_console.cli.engine import compile_smaller_stages, load_engine
     from higvf_console.scenario.scenario import load_scenario
 
-    seconds = _warm_up(load_scenario("firefighting").setup())
-    print(f"The engine is compiled ({seconds:.1f} s).")
+    setup = load_scenario("firefighting").setup()
+    if given.smaller_stages:
+        compile_smaller_stages(setup, given.centralised)
+        return 0
+    print(f"The engine is compiled ({load_engine(setup, given.centralised):.1f} s).")
     return 0
 
 
@@ -139,20 +156,24 @@ def _check_interface(given: argparse.Namespace) -> int:
 
     spec = input_spec(given.input or given.name, load_scenario(given.scenario))
     if spec.channel != given.name:
-        raise HigvfError(f"--input {given.input}: is not for the interface '{given.name}'")
+        raise HigvfError(f"--input {given.input}: the input is for the interface '{spec.channel}', not '{given.name}'")
     findings = check_interface(spec, given.seconds)
     for finding in findings:
-        print(f"{'ok    ' if finding.kept else 'BROKEN'} {finding.rule}: {finding.detail}")
+        print(f"{'ok    ' if finding.kept else 'FAILED'} {finding.rule}: {finding.detail}")
     return 0 if all(finding.kept for finding in findings) else 1
 
 
-def _warm_up(setup: "Setup") -> float:
-    """Compiles the engine, or loads it; how long that took [s]."""
-    from higvf_console.sim.warm_up import warm_up
+def _warm_up(setup: "Setup") -> None:
+    from higvf_console.cli.engine import load_engine
 
-    started = perf_counter()
-    warm_up(setup.start, setup.world, setup.params)
-    return perf_counter() - started
+    load_engine(setup)
+
+
+def _warm_up_session(session: "Session") -> None:
+    from higvf_console.cli.engine import load_engine
+    from higvf_console.scenario.sections import FilterKind
+
+    load_engine(session.setup, coupled=session.scenario.filter is FilterKind.CENTRALISED)
 
 
 def _replay(given: argparse.Namespace) -> int:
@@ -160,26 +181,28 @@ def _replay(given: argparse.Namespace) -> int:
 
     result = replay(read_recording(given.file))
     if not result.complete:
-        _log(f"{given.file}: the recording was cut off; its readable part has {result.ticks} ticks")
+        _log(f"{given.file}: the recording is truncated after {result.ticks} ticks")
     if result.agrees:
-        print(f"The run of {result.ticks} ticks agrees: {result.digest}")
+        print(f"The replay of {result.ticks} ticks matches the recording: digest {result.digest}")
         return 0
     if result.differs_after is None:
-        print(f"The run of {result.ticks} ticks cannot be compared: the recording holds no digest")
+        print(f"The replay of {result.ticks} ticks cannot be compared: the recording has no digest")
         return 1
-    print(f"The run differs after tick {result.differs_after}: {result.digest} is not {result.expected}")
+    print(f"The replay differs after tick {result.differs_after}: digest {result.digest}, recorded {result.expected}")
     if result.changed_versions:
-        print(f"Recorded with other versions: {', '.join(result.changed_versions)}")
+        print(f"Versions that differ from the recording: {', '.join(result.changed_versions)}")
     return 1
 
 
 def _run(given: argparse.Namespace) -> int:
     if given.report is not None and not given.headless:
-        raise HigvfError("--report is written by a headless run: add --headless")
+        raise HigvfError("--report needs a headless run: add --headless")
+    for module in () if given.headless else ("viser", "cv2", "mapbox_earcut"):
+        require(module, "console", "the console")
     session = _open_session(given)
     try:
-        for warning in session.scenario.warnings:
-            _log(f"Warning: {warning}")
+        for event in session.snapshot.events:  # nothing has run yet: the warnings of scenario and inputs
+            _log(f"Warning: {event.text}")
         return _run_headless(session, given) if given.headless else _serve(session, given)
     finally:
         session.close()
@@ -202,7 +225,6 @@ def _open_session(given: argparse.Namespace) -> "Session":
     interfaces = [open_interface(spec) for spec in _input_specs(given, scenario)]
     measured = calibrations_of(interfaces)
     recorder = Recorder(given.record, scenario, given.seed, measured) if given.record else None
-    _warm_up(scenario.setup(given.seed))
     markers = MarkerOutlet(given.lsl_out, scenario.name, given.seed) if given.lsl_out is not None else None
     session = Session(scenario, interfaces, given.seed, recorder, markers)
     session.set_speed(given.speed)
@@ -225,20 +247,21 @@ def _input_specs(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
 
 
 def _run_headless(session: "Session", given: argparse.Namespace) -> int:
+    from higvf_console.core.events import Severity
     from higvf_console.runtime.headless import run_headless
-    from higvf_console.sim.setup import Severity
 
+    _warm_up_session(session)
     report = json.dumps(run_headless(session, given.duration), indent=2) + "\n"
-    session.close()  # now: that may fail as well, of which the events tell
+    session.close()  # closing may fail too, and reports that as an event
     for event in session.snapshot.events:
-        if event.kind in _WORTH_SAYING and event.severity in (Severity.WARNING, Severity.ALARM):
+        if event.kind in _REPORTED and event.severity in (Severity.WARNING, Severity.ALARM):
             _log(f"{event.time:.2f} s: {event.text}")
     _write("--report", given.report or "-", report)
     return 0
 
 
 def _write(option: str, file: str, text: str) -> None:
-    """Writes what an option asks for; - is standard output."""
+    """Writes the output of an option to a file; - is standard output."""
     if file == "-":
         sys.stdout.write(text)
         return
@@ -250,17 +273,26 @@ def _write(option: str, file: str, text: str) -> None:
 
 def _serve(session: "Session", given: argparse.Namespace) -> int:
     """Serves the console until Ctrl-C, a termination signal, or the end of the duration."""
-    from higvf_console.ui.console import Console
     from higvf_console.ui.page.guard import login_url, new_token, open_server
+    from higvf_console.ui.page.loading import loading
 
     token, stopping = given.token or new_token(), Signal()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with suppress(KeyboardInterrupt), ExitStack() as ends:  # the stack is undone from last to first
+    with suppress(KeyboardInterrupt), ExitStack() as ends:  # callbacks run from last to first
         scheduling.go_first()
         ends.callback(scheduling.stand_back)
         server = open_server(given.host, given.port, token, session.scenario.title)
         ends.callback(server.stop)
-        console = Console(session, server)
+        print(f"Console: {login_url(server, token)}\nPress Ctrl-C to end it.", flush=True)
+        if not given.no_browser and _has_display():
+            webbrowser.open(login_url(server, token))
+        with loading(server, "Loading the engine ..."):
+            from higvf_console.ui.console import Console
+
+            scheduling.stand_back()
+            _warm_up_session(session)
+            scheduling.go_first()
+            console = Console(session, server)
         console.start()
         ends.callback(console.close)
         loop = Thread(target=session.run, args=(stopping,), name="session")
@@ -268,11 +300,8 @@ def _serve(session: "Session", given: argparse.Namespace) -> int:
         ends.callback(loop.join)
         ends.callback(stopping.set)
         scheduling.stand_back()
-        print(f"Console: {login_url(server, token)}\nCtrl-C ends it.", flush=True)
-        if not given.no_browser and _has_display():
-            webbrowser.open(login_url(server, token))
         while given.duration is None or session.snapshot.time < given.duration:
-            sleep(0.1)  # not stopping.wait: an interrupt there could leave its lock taken
+            sleep(0.1)  # not stopping.wait: an interrupt could leave its lock acquired
     return 0
 
 

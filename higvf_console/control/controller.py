@@ -1,20 +1,19 @@
-"""The controller, one control period: perceive, intend, keep formation, share, blend, go round. Start reading here.
+"""The HI-GVF controller: one control period of the team, from positions to nominal velocities. Start reading here.
 
-    recover                      the way out of a deadlock, stage by stage
-    attend                       who talks to whom, what each robot sees and wants        [10]-[13]
-                                 how far the influenced one has come on its path          [2]
-    guide                        what the human wants of one robot: v_h                   [2], [9]
-    keep_formation               the formation: v_f                                       [14]
-    share                        what the team makes of it together: v_s                  [15], [16]
-    blend                        lambda, v                                                [17]-[19]
-    go_round                     the way round obstacles, on one side                     [7], [8]
+    recover             deadlock recovery stages
+    attend              links and components; fire values theta, targets, robot intentions v_t     [10]-[13]
+                        path parameter w                                                           [2]
+    guide               human intention v_h of the influenced robot                                [2], [9]
+    keep_formation      formation velocities v_f                                                   [14]
+    share               shared intentions v_s                                                      [15], [16]
+    blend               blending weights lambda, blended velocity                                  [17]-[19]
+    go_round            composite field: circulation round obstacles in one direction              [7], [8]
 
-The result is a nominal velocity for each robot; only the safety filter turns it into motion. `printed.compute` is the
-same period with the zero-in bumps of the paper as printed.
+The safety filter turns the nominal velocities into commanded velocities. `printed.compute` is the same period with the
+zero-in bumps of [9], [13] and [14] as printed.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -37,69 +36,23 @@ from higvf_console.control.intention.perception import (
 )
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import Parameters
+from higvf_console.control.plan import Plan, Sight, Situation, planned
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.state import NOBODY, Intent, Motion, PathKind, PathStatus, World
 
 
-class Sight(NamedTuple):
-    """What each robot sees and wants; fields as in `Motion` and `Trace`."""
-
-    fire_value: Floats
-    target: Ints
-    target_value: Floats
-    robot_intention: Floats
-
-
-class Situation(NamedTuple):
-    """Who talks to whom, sees what, leads and follows, before any velocity is computed; fields as in `Plan`."""
-
-    link_start: Ints
-    link_to: Ints
-    delivered_start: Ints  # links whose messages arrive in this period
-    delivered_to: Ints
-    component: Ints
-    sight: Sight
-    path_parameter: float
-    path_status: int
-    path_idle: float
-    path_gap: float
-    path_left: float
-    leader: int  # the influenced robot while it follows a path, or NOBODY
-    steered: Bools
-    held: Bools  # (N,) whether the robot's component waits at the end of a path
-
-
-class Plan(NamedTuple):
-    """What one control period decides before the safety filter; fields as in `Motion` and `Trace`."""
-
-    nominal: Floats
-    intention: Floats
-    target: Ints
-    target_value: Floats
-    circulation: Ints
-    recovery_stage: Ints
-    path_parameter: float
-    path_status: int
-    path_idle: float
-    path_gap: float
-    path_left: float
-    steered: Bools  # (N,) whether a human intention acts in the robot's component
-    fire_value: Floats
-    robot_intention: Floats
-    human_intention: Floats
-    formation: Floats
-    blending: Floats
-    blended: Floats
-    link_start: Ints
-    link_to: Ints
-    component: Ints
-
-
 @kernel
 def compute(motion: Motion, intent: Intent, world: World, params: Parameters) -> Plan:
-    """One control period of HI-GVF for the whole team, up to the nominal velocities."""
+    """Computes one control period of HI-GVF for the whole team, up to the nominal velocities.
+
+    Args:
+        motion: state of the robots, fires and path progress.
+        intent: active path, influenced robot, priorities, pause and emergency stop.
+        world: obstacles, fires, links and formation.
+        params: all tunable parameters.
+    """
     recovery_stage, flip = recover(motion, intent.influenced if following(motion, intent) else NOBODY, params)
-    at = attend(motion, intent, recovery_stage[intent.influenced], world, params)
+    at = attend(motion, intent, recovery_stage, world, params)
     robot = at.sight.robot_intention
     human = guide(at.leader, at.path_parameter, motion, intent, params)
     grip = formation_grip(recovery_stage, at.component, at.leader, at.path_idle, params)
@@ -123,44 +76,22 @@ def compute(motion: Motion, intent: Intent, world: World, params: Parameters) ->
 
 
 @kernel
-def planned(
-    at: Situation, robot: Floats, human: Floats, formation: Floats, intention: Floats, blended: Floats,
-    blending: Floats, circulation: Ints, recovery_stage: Ints, nominal: Floats,
-) -> Plan:  # fmt: skip
-    """The plan that the steps of one control period add up to."""
-    return Plan(
-        nominal=nominal,
-        intention=intention,
-        target=at.sight.target,
-        target_value=at.sight.target_value,
-        circulation=circulation,
-        recovery_stage=recovery_stage,
-        path_parameter=at.path_parameter,
-        path_status=at.path_status,
-        path_idle=at.path_idle,
-        path_gap=at.path_gap,
-        path_left=at.path_left,
-        steered=at.steered,
-        fire_value=at.sight.fire_value,
-        robot_intention=robot,
-        human_intention=human,
-        formation=formation,
-        blending=blending,
-        blended=blended,
-        link_start=at.link_start,
-        link_to=at.link_to,
-        component=at.component,
-    )
+def attend(motion: Motion, intent: Intent, recovery_stage: Ints, world: World, params: Parameters) -> Situation:
+    """Perceives the fires, finds the connected components, and updates the progress on the path.
 
-
-@kernel
-def attend(motion: Motion, intent: Intent, recovery_stage: int, world: World, params: Parameters) -> Situation:
-    """What the team knows at the start of a control period; `recovery_stage` is the influenced robot's."""
+    Args:
+        motion: state of the robots, fires and path progress.
+        intent: active path, influenced robot, priorities.
+        recovery_stage: (N,) deadlock recovery stages in this period.
+        world: obstacles, fires and links.
+        params: all tunable parameters.
+    """
     start, to = links(motion.position, world, params)
     component = components(start, to)
     sight = perceive(motion, intent.priority, world, params)
     status = broken_away(motion, intent, sight.fire_value, sight.target, component, params)
-    w, status, idle, gap, left = progress(motion, intent, status, recovery_stage, world, params)
+    stage = recovery_stage[intent.influenced] if recovery_stage.shape[0] > 0 else 0  # a team may have no robots
+    w, status, idle, gap, left = progress(motion, intent, status, stage, world, params)
     human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
     delivered_start, delivered_to = delivered(start, to, motion.tick, params.robots)
     return Situation(
@@ -183,7 +114,11 @@ def attend(motion: Motion, intent: Intent, recovery_stage: int, world: World, pa
 
 @kernel
 def links(position: Floats, world: World, params: Parameters) -> tuple[Ints, Ints]:
-    """Communication links as rows: the operator's where given, else all robots within the communication range."""
+    """Communication links: those of the world if it gives any, else all pairs within the communication range.
+
+    Returns:
+        start (N + 1,) and to (E,): robot i is linked to `to[start[i]:start[i + 1]]`.
+    """
     if world.link_start.shape[0] > 0:
         return world.link_start, world.link_to
     return within(position, params.formation.communication_range)
@@ -191,9 +126,16 @@ def links(position: Floats, world: World, params: Parameters) -> tuple[Ints, Int
 
 @kernel
 def perceive(motion: Motion, priority: Floats, world: World, params: Parameters) -> Sight:
-    """Each robot's observed fire values (N, M), target and intention; no targets before the start delay is over.
+    """Computes each robot's observed fire values (N, M) [rad], target and intention, [10]-[13].
 
-    What the operator gave `priority` (P, 3) to, see `Intent`, a robot values as often more, as if nothing hid it.
+    Prioritised fires are multiplied by their factor, ignoring occlusion. Robots have no target before the start delay
+    is over.
+
+    Args:
+        motion: positions, fires, and the targets so far.
+        priority: (P, 3) robot, fire and factor of each prioritised fire.
+        world: obstacles and fire positions.
+        params: perception, safety, fire and form parameters.
     """
     robots, fires = motion.position.shape[0], world.fire_position.shape[0]
     value = np.zeros((robots, fires))
@@ -201,20 +143,20 @@ def perceive(motion: Motion, priority: Floats, world: World, params: Parameters)
     target_value = np.zeros(robots)
     wanted = np.zeros((robots, 2))
     waiting = motion.tick * params.safety.control_period < params.fires.start_delay
-    hidden = interval_room(world.circles, world.bars)
+    hidden = interval_room(world.capsules)
     for i in range(robots):
         x, y = motion.position[i, 0], motion.position[i, 1]
         for j in range(fires):
             if motion.fire_burning[j]:
                 value[i, j] = fire_value(
                     x, y, world.fire_position[j, 0], world.fire_position[j, 1], float(motion.fire_radius[j]),
-                    params.perception.perception_range, world.circles, world.bars, hidden,
+                    params.perception.perception_range, world.capsules, hidden,
                 )  # fmt: skip
-        for row in range(priority.shape[0]):
-            j = int(priority[row, 1])
-            if int(priority[row, 0]) == i and motion.fire_burning[j]:
+        for entry in range(priority.shape[0]):
+            j = int(priority[entry, 1])
+            if int(priority[entry, 0]) == i and motion.fire_burning[j]:
                 distance = math.hypot(x - world.fire_position[j, 0], y - world.fire_position[j, 1])
-                value[i, j] = priority[row, 2] * 2.0 * half_angle(float(motion.fire_radius[j]), distance)
+                value[i, j] = priority[entry, 2] * 2.0 * half_angle(float(motion.fire_radius[j]), distance)
         if waiting:
             continue
         kept = motion.target[i] if motion.target[i] != NOBODY and motion.fire_burning[motion.target[i]] else NOBODY
@@ -232,7 +174,7 @@ def perceive(motion: Motion, priority: Floats, world: World, params: Parameters)
 
 @kernel
 def guide(leader: int, w: float, motion: Motion, intent: Intent, params: Parameters) -> Floats:
-    """Human intention v_h (N, 2): the guiding vector for the influenced robot, zero for all others."""
+    """Human intention v_h (N, 2), [9]: the guiding vector of the `leader` (NOBODY for none); zero for all others."""
     human = np.zeros(motion.position.shape)
     if leader != NOBODY:
         x, y = motion.position[leader, 0], motion.position[leader, 1]
@@ -242,7 +184,7 @@ def guide(leader: int, w: float, motion: Motion, intent: Intent, params: Paramet
 
 @kernel
 def is_awake(target: Ints, steered: Bools, held: Bools, component: Ints) -> Bools:
-    """(N,) whether anyone in each robot's component has a target or feels the human; else, or `held`, it is idle."""
+    """(N,) whether each robot's component is active: it is not `held`, and a member has a target or it is `steered`."""
     someone = np.zeros(target.shape[0], np.bool_)  # by component
     for i in range(target.shape[0]):
         if (target[i] != NOBODY or steered[i]) and not held[i]:
@@ -254,9 +196,16 @@ def is_awake(target: Ints, steered: Bools, held: Bools, component: Ints) -> Bool
 def share(
     at: Situation, psi: float, robot: Floats, human: Floats, motion: Motion, intent: Intent, params: Parameters
 ) -> Floats:
-    """Shared intention v_s (N, 2) after one period: as before while paused, zero for an idle component.
+    """Shared intentions v_s (N, 2) after one control period, [15], [16]; unchanged while the team is paused.
 
-    The leader receives v_h with `psi`.
+    Args:
+        at: neighbour lists, targets and components; v_s is zero in a component that is not awake, see `is_awake`.
+        psi: receptivity of the leader to the human intention.
+        robot: (N, 2) robot intentions v_t.
+        human: (N, 2) human intentions v_h.
+        motion: holds the present v_s.
+        intent: whether the team is paused.
+        params: weights, forms and control period.
     """
     if intent.paused:
         return motion.intention.copy()
@@ -274,7 +223,7 @@ def share(
 
 @kernel
 def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to: Ints, params: Parameters) -> Floats:
-    """Formation velocities v_f (N, 2) [m/s], each times the robot's `grip` (N,)."""
+    """Formation velocities v_f (N, 2) [m/s], [14], scaled by `grip` (N,), the formation weight of each robot."""
     formation = np.zeros(position.shape)
     for i in range(position.shape[0]):
         formation[i, 0], formation[i, 1] = formation_velocity(
@@ -288,7 +237,7 @@ def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to
 def blend(
     intention: Floats, formation: Floats, steered: Bools, pace: float, params: Parameters
 ) -> tuple[Floats, Floats]:
-    """Blended velocities (N, 2) [m/s], those of robots that are steered times `pace`, and their weights lambda (N,)."""
+    """Blended velocities (N, 2) [m/s] and weights lambda (N,), [17]-[19]; `pace` scales the steered robots."""
     blended, weight = np.zeros(intention.shape), np.zeros(intention.shape[0])
     for i in range(intention.shape[0]):
         blended[i, 0], blended[i, 1], weight[i] = blended_velocity(
@@ -304,9 +253,10 @@ def go_round(
     blended: Floats, at: Situation, circulation: Ints, boundaries: Boundaries, motion: Motion, intent: Intent,
     world: World, params: Parameters,
 ) -> Floats:  # fmt: skip
-    """Velocities (N, 2) [m/s] after the composite step.
+    """Velocities (N, 2) [m/s] after the composite step, [7], [8].
 
-    A robot's own fire is no obstacle to it unless the human leads: then the path, to its destination, may pass it.
+    The fire that a robot targets is no obstacle to it, unless the human intention acts on its component: such a robot
+    heads for the destination of the path, and the path may pass the fire.
     """
     nominal = np.zeros(blended.shape)
     path_goal = destination(intent.path, at.path_parameter)
@@ -327,7 +277,7 @@ def go_round(
 
 @kernel
 def limit_speed(velocity: Floats, intent: Intent, params: Parameters) -> Floats:
-    """Nominal velocities (N, 2) [m/s]: clipped to the speed limit; zero while the team is paused or stopped."""
+    """Scales velocities (N, 2) [m/s] down to the speed limit, and to zero while the team is paused or stopped."""
     nominal = np.zeros(velocity.shape)
     if intent.paused or intent.stopped:
         return nominal

@@ -27,7 +27,7 @@ def kernel(function: _Function) -> _Function:
 
 
 def closed(function: Callable[..., Any]) -> None:
-    """Forbids calls of a kernel that would compile it: a wrong type is then an error at once, not a stall of seconds."""
+    """Forbids to compile a kernel for further types: a wrong one is then an error at once, not a stall of seconds."""
     if isinstance(function, Kernel):
         function.dispatchers.entry.disable_compile()
 

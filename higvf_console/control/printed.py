@@ -1,35 +1,34 @@
-"""The controller with [9], [13] and [14] as printed, "zero-in": velocities fade near obstacles, nothing leads round them.
+"""The controller with [9], [13] and [14] as printed, "zero-in": velocities fade to zero near obstacles.
 
-The corrected method is `controller.compute`; this is what it replaces, kept to show the difference. There is no way out
-of a deadlock. The other doubtful equations take their form one by one, see `forms`.
+Nothing turns a robot round an obstacle, and there is no deadlock recovery. The corrected method is
+`controller.compute`; the other doubtful equations take their form one by one, see `forms`.
 """
 
 import numpy as np
 
-from higvf_console.control.controller import (
-    Plan,
-    attend,
-    blend,
-    guide,
-    keep_formation,
-    limit_speed,
-    planned,
-    share,
-)
+from higvf_console.control.controller import attend, blend, guide, keep_formation, limit_speed, share
 from higvf_console.control.guidance.boundaries import find_boundaries
 from higvf_console.control.guidance.guiding import agree_circulation, zero_in_product
 from higvf_console.control.guidance.recovery import forgotten
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import Parameters
+from higvf_console.control.plan import Plan, planned
 from higvf_console.core.arrays import Floats
 from higvf_console.core.state import Intent, Motion, World
 
 
 @kernel
 def compute(motion: Motion, intent: Intent, world: World, params: Parameters) -> Plan:
-    """One control period as `controller.compute`, each intention and velocity times the zero-in bumps."""
+    """Computes one control period with each intention and formation velocity multiplied by the zero-in bumps.
+
+    Args:
+        motion: state of the robots, fires and path progress.
+        intent: active path, influenced robot, priorities, pause and emergency stop.
+        world: obstacles, fires, links and formation.
+        params: all tunable parameters.
+    """
     team = motion.position.shape[0]
-    at = attend(motion, intent, motion.recovery_stage[intent.influenced], world, params)
+    at = attend(motion, intent, motion.recovery_stage, world, params)
     fade = _bumps(motion, world, params)
     robot = _faded(at.sight.robot_intention, fade)
     human = _faded(guide(at.leader, at.path_parameter, motion, intent, params), fade)

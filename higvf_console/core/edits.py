@@ -27,7 +27,7 @@ class Edit(Command):
 class AddEntity(Edit):
     """A new robot, fire, circle or bar of ordinary size at `point` (2,) [m]."""
 
-    thing: str
+    kind: str
     point: Floats
 
 
@@ -40,18 +40,18 @@ class AddOutlines(Edit):
 
 @dataclass(frozen=True)
 class MoveEntity(Edit):
-    """The thing of that kind and index (from 0) goes to `point` (2,) [m]: its centre, or an obstacle's middle."""
+    """The entity of that kind and index (from 0) moves to `point` (2,) [m]: its centre, or an obstacle's middle."""
 
-    thing: str
+    kind: str
     index: int
     point: Floats
 
 
 @dataclass(frozen=True)
 class ChangeEntity(Edit):
-    """A number of that kind of thing and index (from 0) becomes `value`; names: see `world.editing.entities`."""
+    """A number of the entity of that kind and index (from 0) becomes `value`; see `world.editing.entities`."""
 
-    thing: str
+    kind: str
     index: int
     name: str
     value: float
@@ -59,9 +59,9 @@ class ChangeEntity(Edit):
 
 @dataclass(frozen=True)
 class DeleteEntity(Edit):
-    """The thing of that kind and index (from 0) goes; the numbers of those after it move up."""
+    """The entity of that kind and index (from 0) is removed; the numbers of those after it move up."""
 
-    thing: str
+    kind: str
     index: int
 
 

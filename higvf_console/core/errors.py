@@ -20,12 +20,24 @@ class InputError(HigvfError):
     """A recording or a device cannot be used as operator input."""
 
 
-class PathError(HigvfError):
+class PathError(HigvfError, ValueError):
     """A stroke does not make a path."""
 
 
 class FilterError(HigvfError):
     """A safety filter was set up with a problem that it cannot represent."""
+
+
+class MissingExtraError(HigvfError, ImportError):
+    """A package of an extra is not installed; the message names the extra."""
+
+
+class ArgumentError(HigvfError, ValueError):
+    """An argument of a public function has a wrong shape or value; the message names it, and what is expected."""
+
+
+class ArgumentTypeError(ArgumentError, TypeError):
+    """An argument of a public function is of a kind that cannot be converted."""
 
 
 class ConsoleError(HigvfError):

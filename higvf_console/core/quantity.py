@@ -12,7 +12,7 @@ import reprlib
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
-from higvf_console.core.errors import ScenarioError
+from higvf_console.core.errors import HigvfError, ScenarioError
 
 _BRIEF = reprlib.Repr()
 _BRIEF.maxlevel = 2
@@ -48,22 +48,21 @@ def shown(value: object) -> str:
     return _BRIEF.repr(value)
 
 
-def checked(name: str, value: object, quantity: Quantity) -> float:
+def checked(name: str, value: object, quantity: Quantity, raises: type[HigvfError] = ScenarioError) -> float:
     """`value` as a float within its range.
 
     Raises:
-        ScenarioError: not a finite number, or outside the range; the message gives value, range and unit.
+        HigvfError: of class `raises`: not a number, or outside the range; the message gives value, range and unit.
     """
-    wanted = f"a number from {quantity.low:g} to {quantity.high:g} {quantity.unit}".rstrip(" -")
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ScenarioError(f"{name}: {shown(value)} is not {wanted}")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf if value > 0 else -math.inf
-    inside = quantity.low <= number <= quantity.high
-    if math.isnan(number) or not inside:
-        raise ScenarioError(f"{name}: {shown(value)} is out of range; give {wanted}")
+    number = math.nan
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf if value > 0 else -math.inf
+    if not quantity.low <= number <= quantity.high:
+        wanted = f"a number from {quantity.low:g} to {quantity.high:g} {quantity.unit}".rstrip(" -")
+        raise raises(f"{name}: {shown(value)} is not {wanted}")
     return number
 
 

@@ -146,6 +146,16 @@ class Attentive(Protocol):
 
 
 @runtime_checkable
+class Warned(Protocol):
+    """An interface that has something to warn of in what it was opened with."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What was accepted and should be changed, such as a key under its former name; a sentence each."""
+        ...
+
+
+@runtime_checkable
 class Deciding(Protocol):
     """An interface that weighs decoded labels."""
 

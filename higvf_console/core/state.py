@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.arrays import Bools, Floats, Ints, floats
 
 NOBODY = -1  # no robot, no fire
 
@@ -38,6 +38,10 @@ class PathStatus(IntEnum):
     BLOCKED = 3  # no progress for a while: flagged, then released
     BREAK_AWAY = 4  # left for a fire that was found on the way; w is kept, the team returns when it is out
     HOLDING = 5  # at its end, where the team waits
+
+
+# Statuses with which a human intention acts on the team, be it by holding it.
+ACTING = (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY, PathStatus.HOLDING)
 
 
 class PathEnding(IntEnum):
@@ -199,12 +203,12 @@ class SimState(NamedTuple):
 class World(NamedTuple):
     """What does not change in a run: N robots, M fires, P circles, Q bars, W walls; made by `world.build`.
 
-    Obstacles count twice: as parts, for barrier rows and sight, and as G groups, which the field goes round.
+    Obstacles count twice: as parts, for barrier constraints and sight, and as G groups, which the field goes round.
 
     Attributes:
-        circles: (P, 3) x, y, radius [m].
-        bars: (Q, 5) ax, ay, bx, by, half width [m]; a bar is a capsule round its spine a-b. An irregular obstacle is a
-            closed chain of bars without width.
+        capsules: (P + Q, 5) parts: spine ax, ay, bx, by and radius [m]. Circles come first, their spine is a point;
+            then bars. An irregular obstacle is a closed chain of bars without width.
+        circle_count: P.
         walls: (W, 3) unit inward normal nx, ny and offset w [m]: inside means n.p >= w.
         fire_position: (M, 2) [m].
         fire_growth: (M,) [m/s].
@@ -217,12 +221,12 @@ class World(NamedTuple):
             its pocket: x, y of the first node, cell width [m], columns (0 = no pocket).
         boundary_start: (3, G + 1) group g's rows in `hull`, `part` and `pocket`.
         hull: (H, 2) corners of convex hulls, counter-clockwise [m]; a lone part has none.
-        part: (P + Q,) parts by group: circle k, then bar k - P.
+        part: (P + Q,) rows of `capsules`, by group.
         pocket: (C, 3) grids of hulls, row by row: unit vector of the shortest way out, distance to the parts [m].
     """
 
-    circles: Floats
-    bars: Floats
+    capsules: Floats
+    circle_count: int
     walls: Floats
     fire_position: Floats
     fire_growth: Floats
@@ -236,6 +240,16 @@ class World(NamedTuple):
     part: Ints
     pocket: Floats
 
+    @property
+    def circles(self) -> Floats:
+        """(P, 3) x, y, radius [m]."""
+        return floats(self.capsules[: self.circle_count, [0, 1, 4]])
+
+    @property
+    def bars(self) -> Floats:
+        """(Q, 5) ax, ay, bx, by, half width [m]."""
+        return self.capsules[self.circle_count :]
+
 
 class Trace(NamedTuple):
     """Why the team moved as it did in one tick: every term, for the inspector and the metrics.
@@ -244,8 +258,8 @@ class Trace(NamedTuple):
         fire_value: (N, M) observed fire values theta [rad], [10].
         terms: (N, 5, 2) the vectors that the five properties below name, in their order.
         blending: (N,) lambda, [19].
-        active_constraints: (N,) barrier rows that shaped the robot's velocity.
-        infeasible: (N,) no velocity met all rows: the least violation was taken.
+        active_constraints: (N,) barrier constraints that shaped the robot's velocity.
+        infeasible: (N,) no velocity met all constraints: the least violation was taken.
         deadlocked: (N,) the detector of stalls holds.
         clearance: (N,) smallest of |p_i - p_j| - R_r and |p - o| - R_k of the bodies [m]; negative = violation.
         barrier: (N,) smallest h of [20] and [26], dimensionless; negative = violation.

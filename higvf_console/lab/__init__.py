@@ -1,1 +1,1 @@
-"""Benchmarks and studies: headless users of a session."""
+"""Benchmarks, the fit of Table II and the reproduction of the paper, all headless."""

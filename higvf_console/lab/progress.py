@@ -1,4 +1,4 @@
-"""A bar on standard error that shows how far a long study has come."""
+"""A progress bar on standard error."""
 
 import sys
 from typing import TextIO
@@ -7,16 +7,22 @@ _WIDTH = 40
 
 
 class ProgressBar:
-    """Draws itself over its own line; on anything but a terminal it stays silent."""
+    """A one-line progress bar; draws nothing if the stream is not a terminal."""
 
     def __init__(self, title: str, total: int, stream: TextIO | None = None) -> None:
-        """A bar that is full at `total` steps."""
+        """Draws the empty bar.
+
+        Args:
+            title: text before the bar.
+            total: number of steps of the full bar.
+            stream: output; None = standard error.
+        """
         self._title, self._total, self._done = title, total, 0
         self._stream = sys.stderr if stream is None else stream
         self._draw("")
 
     def advance(self, steps: int) -> None:
-        """Shows that `steps` more are done; ends the line with the last one."""
+        """Adds `steps` finished steps; ends the line after the last one."""
         self._done += steps
         self._draw("\n" if self._done >= self._total else "")
 

@@ -1,1 +1,1 @@
-"""What each operator command means: pure functions from state to state."""
+"""Applies operator commands: pure functions from state and command to the next state."""

@@ -1,4 +1,7 @@
-"""Commands on the desired path: follow another, reshape the one in force, take up an old one, let it be finished."""
+"""Commands on the desired path: follow a path, repair it, resume or remove a listed one, finish it.
+
+The active path is the one that the influenced robot follows. A pending path waits for a Confirm.
+"""
 
 import math
 from collections.abc import Callable
@@ -9,20 +12,18 @@ from higvf_console.control.guidance.paths import EVERYWHERE, nearest, path_point
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import ShapePath, StrokeEnd
 from higvf_console.core.errors import PathError
-from higvf_console.core.state import Path, PathEnding, PathKind, PathStatus, SimState
+from higvf_console.core.events import Event
+from higvf_console.core.state import ACTING, Path, PathEnding, PathKind, PathStatus, SimState
 from higvf_console.operator.outcome import Outcome, path_dropped, refuse, report, with_pointer_state
 from higvf_console.operator.path_edits import reclosed
-from higvf_console.sim.setup import Event
 
 ENDINGS = {ending.name.lower(): ending for ending in PathEnding}
 SLOWEST, FASTEST = 0.2, 1.5  # pace along a path
 PATHS_KEPT = 20
-# Statuses with which a human intention acts on the team, be it by holding it.
-ACTING = (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY, PathStatus.HOLDING)
 
 
 def follow(state: SimState, path: Path) -> SimState:
-    """The same state with `path` as the human intention, joined from where the influenced robot is."""
+    """The state with `path` as the active path; the influenced robot joins it from its present position."""
     intent, motion = state.intent, state.motion
     if path.kind == PathKind.NONE:
         status, w = PathStatus.NONE, 0.0
@@ -37,79 +38,84 @@ def follow(state: SimState, path: Path) -> SimState:
 
 
 def shaped(path: Path, command: ShapePath | StrokeEnd) -> Path:
-    """The path, followed as the command says.
+    """The path with the ending, pace, duration and closure that a command gives; fields of None keep the present value.
 
     Raises:
-        PathError: it cannot be.
+        PathError: a value is outside its range, or the path cannot be closed or opened.
     """
     if isinstance(command, ShapePath) and command.closed is not None:
         path = reclosed(path, command.closed)
     if command.ending is not None:
         if command.ending not in ENDINGS:
-            raise PathError(f"'{command.ending}' is no ending of a path; endings: {', '.join(ENDINGS)}")
+            raise PathError(f"unknown path ending '{command.ending}'; choose {', '.join(ENDINGS)}")
         path = path._replace(ending=int(ENDINGS[command.ending]))
     if command.pace is not None:
         if not SLOWEST <= command.pace <= FASTEST:
-            raise PathError(f"a pace of {command.pace:g} is not within {SLOWEST:g} to {FASTEST:g}")
+            raise PathError(f"pace {command.pace:g} is outside {SLOWEST:g} to {FASTEST:g}")
         path = path._replace(pace=float(command.pace))
     if command.duration is not None:
         if not command.duration >= 0.0:
-            raise PathError(f"a duration of {command.duration:g} s is not from 0 s, which means no limit")
+            raise PathError(f"duration {command.duration:g} s is not at least 0 s (0 means no limit)")
         path = path._replace(duration=float(command.duration) or math.inf)
     return path
 
 
 def in_hand(state: SimState) -> Path:
-    """The path that a repair changes: the one that waits, else the one in force."""
+    """The path that a repair changes: the pending path, else the active one."""
     pending = state.pointer_state.pending
     return state.intent.path if pending.kind == PathKind.NONE else pending
 
 
 def repaired(
-    state: SimState, time: float, repair: Callable[[Path], Path], *, anew: bool = False, waits: bool = False
+    state: SimState, time: float, repair: Callable[[Path], Path], *, restart: bool = False, preview: bool = False
 ) -> Outcome:
-    """The path `in_hand`, repaired.
+    """Repairs the path that `in_hand` returns.
 
     Args:
-        state: now.
-        time: of the session [s].
-        repair: makes the new path of the old one; a PathError is said, and changes nothing.
-        anew: whether the duration of the path in force begins again.
-        waits: whether what becomes of the path in force waits for a Confirm. A path that waits goes on waiting.
+        state: present state.
+        time: session time [s].
+        repair: function from the old path to the new one; its PathError is reported, and the state stays unchanged.
+        restart: whether the duration of the active path restarts.
+        preview: whether the repaired active path becomes pending. A pending path stays pending in either case.
     """
     old = in_hand(state)
     try:
         if old.kind == PathKind.NONE:
-            raise PathError("there is none to change")
+            raise PathError("there is no path to repair")
         path = repair(old)
     except PathError as error:
-        return state, refuse(time, f"The path stays as it is: {error}.")
-    if waits or old is not state.intent.path:
+        return state, refuse(time, f"The path is unchanged: {error}.")
+    if preview or old is not state.intent.path:
         repairs = state.pointer_state.pending_repairs or old is state.intent.path
-        said = report(time, "pending", f"The path that waits is now {path_words(path)}.")
-        return with_pointer_state(state, pending=path, pending_repairs=repairs), said
-    return repair_path(state, path, time, anew=anew)
+        events = report(time, "pending", f"Pending path: {path_words(path)}.")
+        return with_pointer_state(state, pending=path, pending_repairs=repairs), events
+    return repair_path(state, path, time, restart=restart)
 
 
-def repair_path(state: SimState, path: Path, time: float, *, anew: bool | None = None) -> Outcome:
-    """`path` in place of the one in force: it goes on where that is. `anew` = None: if the durations differ.
+def repair_path(state: SimState, path: Path, time: float, *, restart: bool | None = None) -> Outcome:
+    """Replaces the active path by a repair of it; the influenced robot continues from the same place.
 
-    Where the time of the one in force is over, it begins again.
+    Args:
+        state: present state.
+        path: the repaired path.
+        time: session time [s].
+        restart: whether the duration restarts; None restarts it if the two durations differ. It also restarts when the
+            time of the active path is over.
     """
     old, motion = state.intent.path, state.motion
-    anew = path.duration != old.duration if anew is None else anew
+    restart = path.duration != old.duration if restart is None else restart
     motion = motion._replace(
         path_parameter=same_place(old, path, motion.path_parameter), path_status=int(PathStatus.FOLLOWING),
         path_idle=0.0, path_gap=math.inf,
-        path_left=motion.path_left if motion.path_left > 0.0 and not anew else path.duration,
+        path_left=motion.path_left if motion.path_left > 0.0 and not restart else path.duration,
     )  # fmt: skip
     paths = tuple(path if other is old else other for other in state.pointer_state.paths)
     state = with_pointer_state(state._replace(motion=motion, intent=state.intent._replace(path=path)), paths=paths)
-    return state, report(time, "path", f"The path is now {path_words(path)}.")
+    return state, report(time, "path", f"Path changed: {path_words(path)}.")
 
 
 def same_place(old: Path, path: Path, w: float) -> float:
-    """Parameter of `path` at the place that has parameter w on `old`, of which it is a repair."""
+    """Arc length [m] on `path`, a repair of `old`, of the point with arc length w [m] on `old`."""
     if path.spline is old.spline:
         return w
     x, y = path_points(old, floats([w]))[0].tolist()
@@ -117,12 +123,12 @@ def same_place(old: Path, path: Path, w: float) -> float:
 
 
 def ending_word(path: Path) -> str:
-    """What happens at the end of a path, in one word of `ENDINGS`."""
+    """Name in `ENDINGS` of the ending of a path."""
     return next(word for word, ending in ENDINGS.items() if ending == path.ending)
 
 
 def path_words(path: Path) -> str:
-    """What a path is like, in words."""
+    """Describes a path: closure, length, direction, ending, pace and duration."""
     words = (
         "an endless line" if path.length == math.inf else f"{'closed' if path.closed else 'open'}, {path.length:.0f} m"
     )
@@ -133,21 +139,21 @@ def path_words(path: Path) -> str:
 
 
 def take_up(state: SimState, number: int, time: float) -> Outcome:
-    """Follows a path of the list again."""
+    """Makes a listed path the active one again."""
     paths = state.pointer_state.paths
     if not 0 <= number < len(paths):
         return state, _no_path(number, len(paths), time)
-    text = f"Robot {state.intent.influenced + 1} takes up path {number + 1} again, {path_words(paths[number])}."
+    text = f"Robot {state.intent.influenced + 1} follows path {number + 1} again: {path_words(paths[number])}."
     return follow(path_dropped(state), paths[number]), report(time, "path", text)
 
 
 def forget(state: SimState, number: int, time: float) -> Outcome:
-    """Takes a path off the list."""
+    """Removes a path from the list."""
     paths = state.pointer_state.paths
     if not 0 <= number < len(paths):
         return state, _no_path(number, len(paths), time)
     kept = paths[:number] + paths[number + 1 :]
-    return with_pointer_state(state, paths=kept), report(time, "path", f"Path {number + 1} is off the list.")
+    return with_pointer_state(state, paths=kept), report(time, "path", f"Path {number + 1} is removed from the list.")
 
 
 def _no_path(number: int, paths: int, time: float) -> tuple[Event, ...]:
@@ -156,8 +162,9 @@ def _no_path(number: int, paths: int, time: float) -> tuple[Event, ...]:
 
 
 def finish(state: SimState, time: float) -> Outcome:
-    """Ends the human intention; the path stays drawn."""
+    """Ends the human intention; the path stays visible."""
     if state.motion.path_status not in ACTING:
         return state, ()
     motion = state.motion._replace(path_status=int(PathStatus.FINISHED))
-    return state._replace(motion=motion), report(time, "path", "The team goes on with its own task.")
+    text = "The human intention has ended; the team continues its own task."
+    return state._replace(motion=motion), report(time, "path", text)

@@ -1,6 +1,6 @@
-"""Repairs of a desired path: a part drawn anew, a point dragged, an end joined or opened; always a new path.
+"""Repairs of a desired path: redraw a part, move a point, close or open it.
 
-What a path is followed like (direction, ending, pace, duration) stays as it was.
+Each function returns a new path that keeps direction, ending, pace and duration.
 """
 
 import math
@@ -12,22 +12,28 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import PathError
 from higvf_console.core.state import Path, PathKind
 
-JOIN_SHARE, JOIN_LEAST, JOIN_MOST = 0.1, 15.0, 80.0  # of the length, [m], [m]: a stroke's end this close joins the path
-_BEND_SHARE = 1 / 6  # of the length: what gives way on either side of a dragged point, or more if it goes far
+JOIN_SHARE, JOIN_LEAST, JOIN_MOST = 0.1, 15.0, 80.0  # share of the length, [m], [m]: a stroke this close joins the path
+_BEND_SHARE = 1 / 6  # share of the length that a moved point deforms on each side; more for a long move
 _BEND_REACH = 1.5
 
 
 def redrawn(path: Path, stroke: Floats, smoothing: float) -> Path:
-    """The path with the part between the ends of `stroke` (n, 2) [m] drawn anew.
+    """Redraws the part of the path between the two ends of a stroke.
 
-    A stroke that leaves an open path for good becomes its new end. On a closed path the shorter way round is replaced.
+    A stroke that does not return to an open path replaces the rest of it. On a closed path, the stroke replaces the
+    shorter of the two arcs.
+
+    Args:
+        path: path to repair.
+        stroke: (n, 2) [m].
+        smoothing: standard deviation by which the new path may leave the points [m].
 
     Raises:
-        PathError: there is no path to draw on, or the stroke does not start on it.
+        PathError: there is no path, or the stroke is too short or does not start on the path.
     """
     points = floats(stroke, -1, 2)
     if len(points) < 2:
-        raise PathError("a part drawn anew needs a stroke of at least 2 points")
+        raise PathError("redrawing a part needs a stroke of at least 2 points")
     kept = _knots(path)
     reach = min(max(JOIN_SHARE * path.length, JOIN_LEAST), JOIN_MOST)
     (start, off_start), (end, off_end) = (_foot(path, point) for point in (points[0], points[-1]))
@@ -54,7 +60,9 @@ def redrawn(path: Path, stroke: Floats, smoothing: float) -> Path:
 
 
 def bent(path: Path, grip: Floats, point: Floats) -> Path:
-    """The path whose point nearest to `grip` (2,) goes to `point` (2,) [m]; both sides give way smoothly.
+    """Moves the point of the path nearest to `grip` (2,) [m] to `point` (2,) [m].
+
+    The displacement decays to zero along the path on both sides, as the square of a cosine.
 
     Raises:
         PathError: there is no path, or it is an endless line.
@@ -72,7 +80,7 @@ def bent(path: Path, grip: Floats, point: Floats) -> Path:
 
 
 def reclosed(path: Path, closed: bool) -> Path:
-    """The path with its end joined to its start, or opened where it starts.
+    """Closes the path by joining its end to its start, or opens it at its start.
 
     Raises:
         PathError: there is no path, or it is an endless line.
@@ -82,14 +90,14 @@ def reclosed(path: Path, closed: bool) -> Path:
 
 def _knots(path: Path) -> Floats:
     if path.kind == PathKind.NONE:
-        raise PathError("there is no path to change")
+        raise PathError("there is no path to repair")
     if path.length == math.inf:
-        raise PathError("an endless line cannot be reshaped; draw a path")
+        raise PathError("an endless line cannot be repaired; draw a path")
     return path_points(path, np.linspace(0.0, path.length, SEGMENTS + 1))
 
 
 def _foot(path: Path, point: Floats) -> tuple[float, float]:
-    """Arc length of the path's point nearest to `point` (2,), and the distance to it [m]."""
+    """Arc length of the path's point nearest to `point` (2,), and the distance between the two [m]."""
     x, y = float(point[0]), float(point[1])
     w, fx, fy, _, _ = nearest(path, 0.0, EVERYWHERE, x, y)
     return w, math.hypot(fx - x, fy - y)

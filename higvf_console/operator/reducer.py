@@ -1,8 +1,8 @@
-"""What each operator command means: pure, from state to state, with the events that a person should read.
+"""Applies one operator command to the state: a pure reducer that returns the next state and its events.
 
-A command that cannot be carried out changes nothing and says why. Those for the clock (Freeze, Step, SetSpeed), the
-channels (Acknowledge, InjectFault), the history and the world (LoadScenario, Undo, Redo, edits) belong to the session
-and pass through; HandOver is but told.
+A command that cannot be carried out leaves the state unchanged and returns the reason as an event. The session handles
+the commands on the clock (Freeze, Step, SetSpeed), the channels (Acknowledge, InjectFault), the history and the world
+(LoadScenario, Undo, Redo, edits); the reducer ignores them. HandOver is only reported.
 """
 
 import math
@@ -53,6 +53,7 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.edits import Edit
 from higvf_console.core.errors import PathError
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import NO_PATH, NOBODY, Path, PathKind, PointerState, SimState
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.outcome import (
@@ -76,20 +77,29 @@ from higvf_console.operator.path_commands import (
 )
 from higvf_console.operator.path_edits import bent, redrawn
 from higvf_console.operator.priority import prioritise, prioritise_inside
-from higvf_console.sim.setup import Event, Setup, Severity
+from higvf_console.world.setup import Setup
 
 _NO_STROKE = np.zeros((0, 2))
 
 
 def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Outcome:  # noqa: PLR0911, PLR0912
-    """The state after one operator command, and what there is to say about it."""
+    """Applies one operator command.
+
+    Args:
+        state: present state.
+        command: what the operator asks for.
+        setup: arena, world and parameters of the run.
+
+    Returns:
+        The next state, and the events to report.
+    """
     time = state.motion.tick * setup.params.safety.control_period
     match command:
         case StrokeBegin():
             return with_pointer_state(state, stroke=_NO_STROKE, stroke_source=command.source), ()
         case StrokePoints(points=points):
-            return _grow(state, command.source, points), ()
-        case StrokeEnd() | StrokeCancel() if not _draws(state.pointer_state, command.source):
+            return _append_points(state, command.source, points), ()
+        case StrokeEnd() | StrokeCancel() if not _owns_stroke(state.pointer_state, command.source):
             return state, ()
         case StrokeCancel():
             return with_pointer_state(state, stroke=_NO_STROKE, stroke_source=""), ()
@@ -108,17 +118,17 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
         case Discard(proposal=robot_too):
             return _discard(state, time, robot_too=robot_too)
         case Pause():
-            return _pause(state, True), report(time, "paused", "Paused: the team holds and still yields.")
+            return _pause(state, True), report(time, "paused", "Paused: the robots hold and only yield to hazards.")
         case Resume() if state.intent.stopped:
-            return state, refuse(time, "The team is stopped: reset the STOP first.")
+            return state, refuse(time, "The STOP is active: reset it before you resume.")
         case Resume():
-            return _pause(state, False), report(time, "resumed", "The team goes on.")
+            return _pause(state, False), report(time, "resumed", "The team resumes.")
         case EmergencyStop():
             return _stop(state, True), (Event(time, Severity.ALARM, "stop", "STOP: all robots stand still."),)
         case AskReset():
             return with_pointer_state(state, ask_reset=state.intent.stopped), ()
         case ResetEmergencyStop() if not state.pointer_state.ask_reset:
-            return state, refuse(time, "A STOP is reset in two steps: ask for the reset first.")
+            return state, refuse(time, "A STOP is reset in two steps: request the reset first.")
         case ResetEmergencyStop():
             return _stop(state, False), report(time, "stop", "STOP is reset; the team stays paused until you resume.")
         case ClearPath():
@@ -126,10 +136,10 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
         case ReversePath():
             return repaired(state, time, lambda path: path._replace(direction=-path.direction))
         case ShapePath():
-            return repaired(state, time, lambda path: shaped(path, command), anew=command.duration is not None)
-        case MovePathPoint(grip=grip, point=point, preview=waits):
+            return repaired(state, time, lambda path: shaped(path, command), restart=command.duration is not None)
+        case MovePathPoint(grip=grip, point=point, preview=preview):
             place = clipped(floats(point, 1, 2), setup.arena)[0][0]
-            return repaired(state, time, lambda path: bent(path, floats(grip, 2), place), waits=waits)
+            return repaired(state, time, lambda path: bent(path, floats(grip, 2), place), preview=preview)
         case TakeUpPath(number=number):
             return take_up(state, number, time)
         case ForgetPath(number=number):
@@ -139,36 +149,36 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
         case NextTask():
             return finish(state, time)
         case ResetRun():
-            return started_again(state, setup), report(0.0, "reset", "The run starts again.")
+            return started_again(state, setup), report(0.0, "reset", "The run restarts.")
         case Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
             return state, ()
         case LoadScenario() | Undo() | Redo() | Edit():
             return state, ()
         case HandOver():
-            return state, _handed(command, time)
+            return state, _control_events(command, time)
         case _:
             assert_never(command)
 
 
 def clipped(points: Floats, arena: Arena) -> tuple[Floats, bool]:
-    """Stroke points (n, 2) kept within the arena, and whether any had left it."""
+    """Stroke points (n, 2) [m] clipped to the arena, and whether any point lay outside."""
     inside = np.clip(points, [arena.x_min, arena.y_min], [arena.x_max, arena.y_max])
     return inside, bool((inside != points).any())
 
 
 def started_again(now: SimState, setup: Setup) -> SimState:
-    """The start of a run; a STOP of the run before still holds."""
+    """The start state of a run; an active STOP stays active."""
     stopped, start = now.intent.stopped, setup.start
     return start._replace(intent=start.intent._replace(stopped=stopped, paused=start.intent.paused or stopped))
 
 
 def proposal(pointer_state: PointerState, time: float) -> int:
-    """The robot that is proposed at session time `time` [s], or NOBODY: a proposal lapses."""
+    """The proposed robot at session time `time` [s]; NOBODY when there is none or the proposal has expired."""
     return pointer_state.proposed if time <= pointer_state.proposed_until else NOBODY
 
 
 def waiting(pointer_state: PointerState, time: float) -> bool:
-    """Whether a Confirm has something to make real at session time `time` [s]."""
+    """Whether a path or a robot waits for a Confirm at session time `time` [s]."""
     return pointer_state.pending.kind != PathKind.NONE or proposal(pointer_state, time) != NOBODY
 
 
@@ -177,28 +187,28 @@ def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) 
     smoothing = setup.params.path.stroke_smoothing if command.smoothing is None else command.smoothing
     state = with_pointer_state(state, stroke=_NO_STROKE, stroke_source="")
     if command.use not in tuple(StrokeUse):
-        return state, refuse(time, f"A stroke cannot be for '{command.use}': choose {', '.join(StrokeUse)}.")
+        return state, refuse(time, f"Unknown use of a stroke '{command.use}': choose {', '.join(StrokeUse)}.")
     if command.use == StrokeUse.PRIORITY:
         return prioritise_inside(state, points, setup, time)
     if command.use == StrokeUse.REDRAW:
-        return repaired(state, time, lambda path: redrawn(path, points, smoothing), waits=command.preview)
+        return repaired(state, time, lambda path: redrawn(path, points, smoothing), preview=command.preview)
     try:
         path = shaped(sketch_path(points, smoothing), command)
     except PathError as error:
         return state, refuse(time, f"No path: {error}.")
     robot = NOBODY if command.robot is None else int(command.robot)
-    ended, events = (_wait if command.preview else _commit)(state, path, robot, time)
+    ended, events = (_set_pending if command.preview else _commit)(state, path, robot, time)
     if left:
         events += (Event(time, Severity.WARNING, "clipped", "The stroke left the arena and was clipped to it."),)
     return ended, events
 
 
-def _wait(state: SimState, path: Path, robot: int, time: float) -> Outcome:
+def _set_pending(state: SimState, path: Path, robot: int, time: float) -> Outcome:
     robots = len(state.motion.position)
     if robot != NOBODY and not 0 <= robot < robots:
         return state, no_robot(robot, robots, time)
-    said = report(time, "pending", f"A path of {path.length:.0f} m waits to be committed.")
-    return with_pointer_state(state, pending=path, pending_robot=robot, pending_repairs=False), said
+    events = report(time, "pending", f"A path of {path.length:.0f} m is pending: confirm or discard it.")
+    return with_pointer_state(state, pending=path, pending_robot=robot, pending_repairs=False), events
 
 
 def _commit(state: SimState, path: Path, robot: int, time: float) -> Outcome:
@@ -222,12 +232,12 @@ def _propose(state: SimState, command: ProposePick, time: float) -> Outcome:
     if robot == state.intent.influenced:
         return proposal_dropped(state), ()
     trust = "" if command.confidence is None else f" (confidence {command.confidence:.2f})"
-    said = report(time, "proposed", f"Robot {robot + 1} is proposed{trust}: confirm it within {command.within:g} s.")
-    return with_pointer_state(state, proposed=robot, proposed_until=time + float(command.within)), said
+    events = report(time, "proposed", f"Robot {robot + 1} is proposed{trust}: confirm it within {command.within:g} s.")
+    return with_pointer_state(state, proposed=robot, proposed_until=time + float(command.within)), events
 
 
 def _confirm(state: SimState, time: float) -> Outcome:
-    """The proposed robot first, so that a pending path is that robot's."""
+    """Picks the proposed robot first, so that it follows the pending path."""
     pointer_state = state.pointer_state
     if not waiting(pointer_state, time):
         return state, refuse(time, "There is nothing to confirm.")
@@ -237,17 +247,17 @@ def _confirm(state: SimState, time: float) -> Outcome:
     if pointer_state.pending.kind == PathKind.NONE:
         return state, events
     if pointer_state.pending_repairs and state.intent.path.kind != PathKind.NONE:
-        state, said = repair_path(path_dropped(state), pointer_state.pending, time)
+        state, more = repair_path(path_dropped(state), pointer_state.pending, time)
     else:
-        state, said = _commit(state, pointer_state.pending, pointer_state.pending_robot, time)
-    return state, events + said
+        state, more = _commit(state, pointer_state.pending, pointer_state.pending_robot, time)
+    return state, events + more
 
 
 def _discard(state: SimState, time: float, *, robot_too: bool) -> Outcome:
     robot = proposal(state.pointer_state, time) if robot_too else NOBODY
-    waited = state.pointer_state.pending.kind != PathKind.NONE or robot != NOBODY
+    pending = state.pointer_state.pending.kind != PathKind.NONE or robot != NOBODY
     dropped = path_dropped(proposal_dropped(state) if robot_too else state)
-    return dropped, report(time, "discarded", "What waited is discarded.") if waited else ()
+    return dropped, report(time, "discarded", "The pending path or proposal is discarded.") if pending else ()
 
 
 def _pick(state: SimState, robot: int, time: float) -> Outcome:
@@ -258,22 +268,22 @@ def _pick(state: SimState, robot: int, time: float) -> Outcome:
         return state, ()
     motion = state.motion._replace(path_idle=0.0, path_gap=math.inf)
     picked = state._replace(motion=motion, intent=state.intent._replace(influenced=robot))
-    return picked, report(time, "picked", f"Robot {robot + 1} feels the human intention.")
+    return picked, report(time, "picked", f"Robot {robot + 1} is now the influenced robot.")
 
 
-def _grow(state: SimState, source: str, points: Floats) -> SimState:
-    """The stroke belongs to the interface that began it; points of any other are not part of it."""
+def _append_points(state: SimState, source: str, points: Floats) -> SimState:
+    """Appends points to the stroke of the interface that began it; points of other interfaces are ignored."""
     if state.pointer_state.stroke_source != source:
         return state
     return with_pointer_state(state, stroke=np.vstack([state.pointer_state.stroke, floats(points, -1, 2)]))
 
 
-def _draws(pointer_state: PointerState, source: str) -> bool:
-    """Whether a stroke is that of this interface, so that it may end it; the session may end any."""
+def _owns_stroke(pointer_state: PointerState, source: str) -> bool:
+    """Whether this source may end the stroke: the interface that began it, or the session."""
     return pointer_state.stroke_source in ("", source) or source == SESSION
 
 
-def _handed(command: HandOver, time: float) -> tuple[Event, ...]:
+def _control_events(command: HandOver, time: float) -> tuple[Event, ...]:
     by, page = command.operator, command.page
     steers = f"{page} steers" if page else "nobody steers"
     texts: dict[str, str] = {
@@ -286,9 +296,9 @@ def _handed(command: HandOver, time: float) -> tuple[Event, ...]:
         ControlChange.LOST: f"{by}, which steered, is lost: {steers}.",
     }
     if command.how not in texts:
-        return refuse(time, f"{command.how!r} is no change of control; choose {', '.join(ControlChange)}.")
-    stands_out = command.how in (ControlChange.TAKEN, ControlChange.LOST)
-    severity = Severity.WARNING if stands_out else Severity.INFO
+        return refuse(time, f"Unknown change of control {command.how!r}; choose {', '.join(ControlChange)}.")
+    alerts = command.how in (ControlChange.TAKEN, ControlChange.LOST)
+    severity = Severity.WARNING if alerts else Severity.INFO
     return (Event(time, severity, "control", texts[command.how]),)
 
 

@@ -34,11 +34,11 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.edits import AddOutlines, Edit
 from higvf_console.core.errors import ScenarioError
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import PathKind
 from higvf_console.operator.reducer import apply_command, started_again
 from higvf_console.runtime.history import Action, History, RunState, Tally, redo, undo
 from higvf_console.scenario.scenario import parse_scenario
-from higvf_console.sim.setup import Event, Severity
 from higvf_console.world.editing.carry import NEW, same_rows
 from higvf_console.world.editing.edit import edited
 from higvf_console.world.editing.freehand import outline_of

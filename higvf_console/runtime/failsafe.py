@@ -1,7 +1,7 @@
 """What becomes of the team when the engine itself fails: everybody stands, latched, and the operator is told."""
 
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import SimState
-from higvf_console.sim.setup import Event, Severity
 
 
 def halted(state: SimState) -> SimState:

@@ -17,16 +17,16 @@ import numpy as np
 from higvf_console.control.guidance.paths import EVERYWHERE, nearest
 from higvf_console.core.arrays import Ints
 from higvf_console.core.errors import ScenarioError
-from higvf_console.core.state import Intent, Motion, Path, PathKind, PointerState, SimState
+from higvf_console.core.state import ACTING, Intent, Motion, Path, PathKind, PointerState, SimState
 from higvf_console.operator.outcome import proposal_dropped, with_pointer_state
-from higvf_console.operator.path_commands import ACTING, same_place
+from higvf_console.operator.path_commands import same_place
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.certificates import Worst
-from higvf_console.sim.setup import Setup
 from higvf_console.world.editing.carry import NEW, carried, inverse, led_on, same_rows, waiting_on
-from higvf_console.world.editing.layout import Layout, layout_of
 from higvf_console.world.editing.safe_places import crowded, diagonal, nearest_fit, placed, robot_fits
+from higvf_console.world.layout import Layout
+from higvf_console.world.setup import Setup
 
 KEPT = 200  # deeds
 _WAITING = ("pending", "pending_robot", "pending_repairs")  # what a drawing has of the path that waits
@@ -207,13 +207,13 @@ def _turned(
         intent = goal.state.intent._replace(paused=_paused(now, source, goal), stopped=now.state.intent.stopped)
         state = SimState(goal.state.motion, intent, _pointer_state_back(now, source, goal, robots))
         return now._replace(setup=goal.setup, state=state, tally=goal.tally), ""
-    layout = layout_of(goal.setup)
+    layout = goal.setup.layout
     count = len(now.state.motion.fire_radius)
     motion = carried(now.state.motion, robots, fires, now.setup.world, goal.setup.world)
     motion, intent = led_on(motion, now.state.intent, robots, fires, count)
     motion = _fires_back(motion, source, goal, fires)
     motion = _robots_back(motion, source, goal, robots, layout)
-    already = set(crowded(layout_of(now.setup), now.state.motion))
+    already = set(crowded(now.setup.layout, now.state.motion))
     motion, aside = _set_aside(motion, [robot for robot, row in enumerate(robots) if int(row) not in already], layout)
     led_by = led_on(source.state.motion, source.state.intent, robots, fires, count)[1].influenced
     if led_by != goal.state.intent.influenced:

@@ -14,7 +14,7 @@ from higvf_console.core.state import SimState
 from higvf_console.runtime.scheduling import stand_back
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.sections import FilterKind
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 RENEWED = 0.2  # [s] at most between two previews while the team moves, unless one takes longer
 _LOOK = 0.02  # [s] between two looks at the session

@@ -5,9 +5,11 @@ that a replay needs no image.
 
 JSON lines: a header; `{"tick": 120, "command": "Pick", ...}` for each command; `{"mark": 150, "digest": ...}` each
 second of session time; at the end a mark with `"end": true`. The digest is that of `run.TrajectoryDigest`. Numbers that
-JSON does not have are written as {"number": "inf"}; null in an array is NaN. The header
-has the calibration of each input that has one; `{"tick": 90, "calibration": "gaze", ...}` tells of a new one. A replay
-needs neither: the commands are on the ground already.
+JSON does not have are written as {"number": "inf"}; null in an array is NaN. The header has the calibration of each
+input that has one; `{"tick": 90, "calibration": "gaze", ...}` reports a new one. A replay needs neither: the points of
+commands are on the ground already.
+
+Version 0.1 wrote the same format with other names of some commands, which are still read (`_RENAMED`).
 """
 
 import dataclasses
@@ -15,7 +17,7 @@ import json
 import math
 import platform
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, get_args
@@ -23,13 +25,14 @@ from typing import Any, NamedTuple, get_args
 import numpy as np
 
 from higvf_console.control.forms import WORDS, Forms
+from higvf_console.core.arguments import instance
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import Command, LoadScenario, OperatorCommand
 from higvf_console.core.errors import InputError
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.state import Motion
 from higvf_console.runtime.interrupts import held_back
-from higvf_console.runtime.run import Run, TrajectoryDigest
+from higvf_console.runtime.run import Run, Tick, TrajectoryDigest
 from higvf_console.scenario.scenario import Scenario, parse_scenario
 
 FORMAT = 1
@@ -39,13 +42,23 @@ _KINDS: dict[str, type[Command]] = {kind.__name__: kind for kind in get_args(Ope
 _ARRAYS = {"points": (-1, 2), "point": (2,), "grip": (2,), "sides": (4,)}  # fields that hold arrays, and their shapes
 _CHAINS = ("outlines", "polygons")  # fields that hold tuples of arrays (n, 2)
 _NUMBER = "number"
+_RENAMED = {
+    "Stop": "EmergencyStop", "ResetStop": "ResetEmergencyStop", "BendPath": "MovePathPoint", "AddThing": "AddEntity",
+    "MoveThing": "MoveEntity", "ChangeThing": "ChangeEntity", "DeleteThing": "DeleteEntity",
+}  # fmt: skip
+_OF_ENTITIES = ("AddEntity", "MoveEntity", "ChangeEntity", "DeleteEntity")  # their `kind` was `thing`
+_RENAMED_USES = {"amend": "redraw"}  # of StrokeEnd
 
 
 class Recorder:
     """Writes a session down while it runs."""
 
     def __init__(
-        self, file: Path, scenario: Scenario, seed: int, calibrations: Mapping[str, CalibrationReport] = NONE_MEASURED
+        self,
+        file: str | Path,
+        scenario: Scenario,
+        seed: int,
+        calibrations: Mapping[str, CalibrationReport] = NONE_MEASURED,
     ) -> None:
         """Opens the file and writes the header.
 
@@ -58,6 +71,8 @@ class Recorder:
         Raises:
             InputError: the file cannot be written.
         """
+        file = Path(instance("file", file, str, Path))
+        instance("scenario", scenario, Scenario)
         try:
             self._file = file.open("w", encoding="utf-8")
         except OSError as error:
@@ -203,19 +218,22 @@ class Replay(NamedTuple):
         return self.differs_after is None and self.expected is not None
 
 
-def read_recording(file: Path) -> Recording:
+def read_recording(file: str | Path) -> Recording:
     """Reads a recording up to its end, or up to the line that was cut off.
 
     Raises:
-        InputError: not a recording, of another version, or damaged in the middle.
+        InputError: not a recording, of an unknown format, or damaged in the middle.
     """
+    file = Path(instance("file", file, str, Path))
     try:
         lines = file.read_text(encoding="utf-8", errors="replace").split("\n")
     except OSError as error:
         raise InputError(f"{file}: {error.strerror}") from error
     header = _parsed(lines[0])
-    if header is None or header.get("recording") != FORMAT:
-        raise InputError(f"{file}: not a recording of version {FORMAT}: its first line is not a header")
+    if header is None or "recording" not in header:
+        raise InputError(f"{file}: not a recording: its first line is not a header")
+    if header["recording"] != FORMAT:
+        raise InputError(f"{file}: recording format {header['recording']!r} is not known; known formats: {FORMAT}")
     polygons = tuple(floats(chain, -1, 2) for chain in header["polygons"]) if "polygons" in header else None
     scenario = parse_scenario(header["text"], header["source"], polygons)
     if "forms" in header:
@@ -247,15 +265,34 @@ def _parsed(line: str) -> dict[str, Any] | None:
 
 def _command(entry: dict[str, Any], place: str) -> OperatorCommand:
     try:
-        kind = _KINDS[entry["command"]]
-        fields = {name: _given(name, value) for name, value in entry.items() if name not in ("tick", "command")}
-        return kind(**fields)  # pyright: ignore[reportReturnType] (the members of the union)
+        name, fields = _current(entry)
+        return _KINDS[name](**fields)  # pyright: ignore[reportReturnType] (the members of the union)
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{place}: not a command that this console knows: {error}") from error
 
 
-def replay(recording: Recording) -> Replay:
-    """Runs a recording again, as far as it goes, and compares the digests."""
+def _current(entry: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """A command's name and fields, by their present names."""
+    name = _RENAMED.get(entry["command"], entry["command"])
+    fields = {key: _given(key, value) for key, value in entry.items() if key not in ("tick", "command")}
+    if name in _OF_ENTITIES and "thing" in fields:
+        fields["kind"] = fields.pop("thing")
+    if name == "StrokeEnd" and "use" in fields:
+        fields["use"] = _RENAMED_USES.get(fields["use"], fields["use"])
+    return name, fields
+
+
+def replay(recording: Recording, each: Callable[[Tick], object] | None = None) -> Replay:
+    """Runs a recording again, as far as it goes, and compares the digests.
+
+    Args:
+        recording: from `read_recording`.
+        each: called after every control period.
+
+    Raises:
+        ArgumentTypeError: no recording.
+    """
+    instance("recording", recording, Recording)
     run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter, recording.scenario)
     digest = TrajectoryDigest()
     expected = {mark.ticks: mark.digest for mark in recording.marks}
@@ -268,6 +305,8 @@ def replay(recording: Recording) -> Replay:
                 run.apply(command)
             run.step()
             digest.add(run.state.motion)
+            if each is not None:
+                each(Tick(run.time, run.state, run.trace, run.setup))
             if tick in expected and differs_after is None:
                 if digest.hex() != expected[tick]:
                     differs_after = agreed

@@ -4,14 +4,16 @@ Live, headless and replayed sessions all drive this class, so the same commands 
 """
 
 import hashlib
+import math
 import struct
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from higvf_console.analysis.explain import Moved
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, Undo
 from higvf_console.core.errors import ScenarioError
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import Motion, SimState, Trace
 from higvf_console.runtime.dispatch import dispatch
 from higvf_console.runtime.history import History, RunState, Tally
@@ -20,7 +22,24 @@ from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim import simulation
 from higvf_console.sim.certificates import watched
 from higvf_console.sim.events import events_between
-from higvf_console.sim.setup import Event, Setup, Severity
+from higvf_console.world.setup import Setup
+
+
+class Tick(NamedTuple):
+    """What a run has come to after one control period; its arrays do not change.
+
+    Attributes:
+        time: session time [s].
+        state: robots, fires and what the operator asks for.
+        trace: why the team moved so.
+        setup: world and parameters in force.
+    """
+
+    time: float
+    state: SimState
+    trace: Trace
+    setup: Setup
+
 
 Advance: TypeAlias = Callable[[SimState], tuple[SimState, Trace]]
 
@@ -110,7 +129,7 @@ def _counted(tally: Tally, before: Motion, after: Motion, trace: Trace, params: 
         extinguished += tuple(int(fire) for fire in (was & ~burns).nonzero()[0])
     return Tally(
         extinguished,
-        min(tally.min_clearance, float(trace.clearance.min())),
+        min(tally.min_clearance, float(trace.clearance.min(initial=math.inf))),
         tally.infeasible_ticks + bool(trace.infeasible.any()),
         tally.deadlock_ticks + bool(trace.deadlocked.any()),
         watched(tally.worst, after, trace, params),

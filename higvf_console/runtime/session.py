@@ -18,6 +18,7 @@ from higvf_console.channels.channels import Channels
 from higvf_console.channels.input_reports import InputReports, Reporter, calibration_event
 from higvf_console.channels.marker_outlet import MarkerOutlet
 from higvf_console.channels.supervision import Said, Supervisor
+from higvf_console.core.arguments import instance, whole
 from higvf_console.core.command import SESSION
 from higvf_console.core.commands import (
     Cursor,
@@ -32,8 +33,9 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.edits import Edit
 from higvf_console.core.errors import InputError
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
-from higvf_console.core.reports import Calibrated
+from higvf_console.core.reports import Calibrated, Warned
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.failsafe import failure_event, halted
 from higvf_console.runtime.history import rows_before
@@ -44,7 +46,7 @@ from higvf_console.runtime.snapshot import Snapshot
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.metrics import loss_area
-from higvf_console.sim.setup import Event, Setup, Severity
+from higvf_console.world.setup import Setup
 
 SLOWEST, FASTEST = 0.25, 8.0  # speed factors
 CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time
@@ -95,14 +97,17 @@ class Session:
         Raises:
             ScenarioError: the start is not safe with this seed.
             InputError: two interfaces have the same name.
+            ArgumentError: an argument is of another type, or an interface lacks one of its functions.
         """
-        self.seed = seed
+        instance("scenario", scenario, Scenario)
+        self.seed = whole("seed", seed, 0)
         self.baseline: Baseline | None = None
         self.viewport: Viewport | None = None
         self.commands: list[AppliedCommand] = []
         self.error: Exception | None = None
         self.answered = Signal()
         self._run = Run(scenario.setup(seed), scenario.filter, scenario)
+        interfaces = tuple(interfaces)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
@@ -112,6 +117,12 @@ class Session:
         self._steps_due = 0
         self._heartbeats = 0
         self._events = tuple(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings)
+        self._events += tuple(
+            Event(0.0, Severity.WARNING, "input", text)
+            for interface in interfaces
+            if isinstance(interface, Warned)
+            for text in interface.warnings
+        )
         self._publish(perf_counter())
 
     @property

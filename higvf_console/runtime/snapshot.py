@@ -5,12 +5,13 @@ from typing import NamedTuple
 from higvf_console.analysis.explain import Moved
 from higvf_console.channels.input_reports import InputReports
 from higvf_console.core.arrays import Floats
+from higvf_console.core.events import Event
 from higvf_console.core.interface import ChannelHealth
 from higvf_console.core.state import SimState, Trace
 from higvf_console.runtime.history import History
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.sim.certificates import Worst
-from higvf_console.sim.setup import Event, Setup
+from higvf_console.world.setup import Setup
 
 
 class Snapshot(NamedTuple):

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from higvf_console.channels.channel_state import LOST_BY_STALE, Limits, OnLost, default_limits
 from higvf_console.core.quantity import Quantity
-from higvf_console.scenario.reading import Node
+from higvf_console.core.reading.node import Node
 
 _KEYS = ("stale", "lost", "on_lost")
 _SILENCE = Quantity("s", 0.05, 3600.0, "", "Silence of a channel.")
@@ -20,16 +20,12 @@ def read_inputs(node: Node) -> tuple[dict[str, dict[str, object]], dict[str, Lim
     Raises:
         ScenarioError: not sections of settings, or limits that cannot be used.
     """
-    if not isinstance(node.value, dict):
-        raise node.wrong("a section with one entry an interface")
     settings: dict[str, dict[str, object]] = {}
     limits: dict[str, Limits] = {}
-    for name, value in node.value.items():
-        section = Node(value, node.source, f"{node.place}.{name}")
-        if not isinstance(value, dict):
-            raise section.wrong("a section of settings")
-        settings[name] = {key: setting for key, setting in value.items() if key not in _KEYS}
-        limits[name] = _limits(section, value, default_limits(name))
+    for name, section in node.mapping().items():
+        entries = section.mapping()
+        settings[name] = {key: entry.value for key, entry in entries.items() if key not in _KEYS}
+        limits[name] = _limits(section, entries, default_limits(name))
     return settings, limits
 
 
@@ -46,8 +42,7 @@ def _differing(limits: Limits, default: Limits) -> dict[str, object]:
     return {"stale": limits.stale, "lost": limits.lost, "on_lost": limits.on_lost.value}
 
 
-def _limits(section: Node, values: Mapping[str, object], default: Limits) -> Limits:
-    given = {key: Node(values[key], section.source, f"{section.place}.{key}") for key in _KEYS if key in values}
+def _limits(section: Node, given: Mapping[str, Node], default: Limits) -> Limits:
     stale = given["stale"].number(_SILENCE) if "stale" in given else default.stale
     lost = given["lost"].number(_SILENCE) if "lost" in given else max(default.lost, LOST_BY_STALE * stale)
     if lost <= stale:

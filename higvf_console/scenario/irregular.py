@@ -7,7 +7,7 @@ from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.outline import enclosed
 from higvf_console.core.quantity import Quantity
-from higvf_console.scenario.reading import Node
+from higvf_console.core.reading.node import Node
 from higvf_console.world.masks import MaskPlace, read_grey, trace
 from higvf_console.world.polygons import (
     MOST_EDGES,

@@ -10,7 +10,7 @@
     fires: [{at_m: [500, 250], radius_m: 20, growth_m_per_s: 1, robots_needed: 2}, ...]
     obstacles:
       circles: [{at_m: ..., radius_m: 20}]
-      bars: [{from_m: ..., to_m: ..., half_width_m: 6}]
+      bars: [{from_m: ..., to_m: ..., half_width_m: 6}]              # or capsules
       polygons: [{points_m: [[0, 0], [90, 0], [0, 60]]}]               # of any shape that does not cross itself;
           # free_m: [[...], ...], outlines of the free areas in it
       masks: [{image: plan.png, at_m: [0, 0], metres_per_pixel: 2}]    # dark pixels; at_m is its lower left corner;
@@ -38,17 +38,18 @@ from higvf_console.channels.channel_state import Limits
 from higvf_console.channels.channels import unknown_settings
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.parameters import Parameters
-from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.core.arguments import instance, whole
+from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, shown
-from higvf_console.core.state import NO_PATH, Path, World
+from higvf_console.core.reading.document import read_text, read_yaml
+from higvf_console.core.reading.node import Node
+from higvf_console.core.state import NO_PATH, Path
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import follow
 from higvf_console.scenario.channel_settings import read_inputs
-from higvf_console.scenario.reading import Node, read_yaml
 from higvf_console.scenario.sections import (
     FilterKind,
-    Fire,
     Robots,
     ShownStroke,
     read_arena,
@@ -62,9 +63,7 @@ from higvf_console.scenario.sections import (
     read_robots,
     read_strokes,
 )
-from higvf_console.sim.setup import Setup
-from higvf_console.sim.simulation import initial_state
-from higvf_console.world.editing.layout import Layout, world_of
+from higvf_console.world.layout import Fire, Layout, Links
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.placement import (
     Network,
@@ -80,6 +79,7 @@ from higvf_console.world.placement import (
     robot_warnings,
     start_network,
 )
+from higvf_console.world.setup import Setup, make_setup
 
 VERSION = 1
 KEYS = (
@@ -127,7 +127,7 @@ class Scenario:
     arena: Arena
     walls: bool
     robots: Robots
-    links: tuple[tuple[int, int], ...] | None
+    links: Links | None
     formation: Floats | None
     fires: tuple[Fire, ...]
     obstacles: Obstacles
@@ -146,39 +146,35 @@ class Scenario:
         """What a run starts from; the same seed gives the same bytes.
 
         Raises:
+            ArgumentError: the seed is no whole number from 0.
             ScenarioError: the seed's jitter puts a robot where it would violate a safety barrier.
         """
+        seed = whole("seed", seed, 0)
         position = self.robots.controlled(seed, self.params.robots.look_ahead)
-        world = self._world(position)
-        fire_radius = floats([fire.radius for fire in self.fires], -1)
-        check_start(position, fire_radius, world, self.obstacles, self.params, f"{self.source}: robots")
-        start = initial_state(position, fire_radius, world)
-        start = start._replace(
-            motion=start.motion._replace(heading=self.robots.heading),
-            intent=start.intent._replace(influenced=self.influenced),
+        setup = make_setup(self._layout(position, seed), position)
+        fire_radius = setup.layout.fire_radius
+        check_start(position, fire_radius, setup.world, self.obstacles, self.params, f"{self.source}: robots")
+        start = setup.start._replace(
+            motion=setup.start.motion._replace(heading=self.robots.heading),
+            intent=setup.start.intent._replace(influenced=self.influenced),
         )
-        params = self.params._replace(robots=self.params.robots._replace(seed=float(seed % _SEEDS)))
-        return Setup(self.arena, world, params, follow(start, self.path), self.obstacles.polygons)
+        return setup._replace(start=follow(start, self.path))
 
     def with_forms(self, forms: Forms) -> "Scenario":
         """The same scenario with other forms of the equations, and weights with which they converge."""
-        params = self.params._replace(forms=forms)
+        params = self.params._replace(forms=instance("forms", forms, Forms))
         params, warnings = convergent(params, self.robots.points, self.links, self.influenced)
         return replace(self, params=params, warnings=self.warnings + warnings)
 
-    def _world(self, position: Floats) -> World:
-        return world_of(
-            Layout(
-                arena=self.arena,
-                walls=self.walls,
-                obstacles=self.obstacles,
-                fire_position=floats([fire.position for fire in self.fires], -1, 2),
-                fire_growth=floats([fire.growth for fire in self.fires], -1),
-                fire_needs=ints([fire.needs for fire in self.fires], -1),
-                formation=position if self.formation is None else self.formation,
-                links=self.links,
-                params=self.params,
-            )
+    def _layout(self, position: Floats, seed: int) -> Layout:
+        return Layout(
+            arena=self.arena,
+            formation=position if self.formation is None else self.formation,
+            walls=self.walls,
+            obstacles=self.obstacles,
+            fires=self.fires,
+            links=self.links,
+            params=self.params._replace(robots=self.params.robots._replace(seed=float(seed % _SEEDS))),
         )
 
 
@@ -203,7 +199,7 @@ def load_scenario(name_or_path: str | FilePath) -> Scenario:
     Raises:
         ScenarioError: there is no such scenario, or its file cannot be used.
     """
-    given = str(name_or_path)
+    given = str(instance("name_or_path", name_or_path, str, FilePath))
     file = FilePath(given)
     if file.suffix not in (".yaml", ".yml"):
         names = scenario_names()
@@ -212,12 +208,7 @@ def load_scenario(name_or_path: str | FilePath) -> Scenario:
                 f"no scenario '{given}'{closest(given, names)}; known scenarios: {', '.join(names)}, or a .yaml file"
             )
         file = data_folder() / "scenarios" / f"{given}.yaml"
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise ScenarioError(f"{file}: {reason}") from error
-    return parse_scenario(text, str(file))
+    return parse_scenario(read_text(file), str(file))
 
 
 def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None = None) -> Scenario:
@@ -241,12 +232,12 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         )
 
     def entry(key: str, default: object) -> Node:
-        return entries.get(key, Node(default, source, key))
+        return entries.get(key, root.entry(key, default))
 
     arena, walls = read_arena(entries["arena"])
     robots = read_robots(entries["robots"], arena)
     count = len(robots.points)
-    params, renamed = read_parameters(entry("parameters", {}))
+    params = read_parameters(entry("parameters", {}))
     params = params._replace(forms=read_forms(entry("forms", "corrected")))
     inputs, limits = read_inputs(entry("inputs", {}))
     links = read_links(entries["links"], count) if "links" in entries else None
@@ -278,7 +269,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         demo=tuple(item.text() for item in entry("demo", []).items()),
         duration=entry("duration_s", 120.0).number(_DURATION),
         warnings=(
-            *renamed,
+            *root.warnings,
             *_network_warnings(network, links is not None),
             *unknown_settings(inputs),
             *robot_warnings(params),

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from enum import StrEnum
+from itertools import chain
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
@@ -10,16 +11,17 @@ import numpy as np
 
 from higvf_console.control.forms import FORMS, WORDS, Forms
 from higvf_console.control.guidance.paths import circle_path, ellipse_path, line_path, sketch_path
-from higvf_console.control.parameters import RENAMED, Parameters, PathParameters, current_name
+from higvf_console.control.parameters import RENAMED, Parameters, PathParameters
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
 from higvf_console.core.quantity import COORDINATE, Quantity, quantities, with_values
+from higvf_console.core.reading.node import Node
 from higvf_console.core.state import Path
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import ENDINGS, FASTEST, SLOWEST, shaped
 from higvf_console.scenario.irregular import check_edges, read_masks, read_polygons
-from higvf_console.scenario.reading import Node
+from higvf_console.world.layout import Fire, Links
 from higvf_console.world.obstacles import Obstacles
 
 MOST_ROBOTS = 100_000
@@ -39,22 +41,6 @@ class FilterKind(StrEnum):
 
     DISTRIBUTED = "distributed"
     CENTRALISED = "centralised"
-
-
-class Fire(NamedTuple):
-    """A fire at time 0.
-
-    Attributes:
-        position: centre [m].
-        radius: [m].
-        growth: growth of the radius [m/s].
-        needs: robots that it takes to extinguish it.
-    """
-
-    position: tuple[float, float]
-    radius: float
-    growth: float
-    needs: int
 
 
 class Robots(NamedTuple):
@@ -163,7 +149,7 @@ def _grid(count: int, spacing: float, centre: tuple[float, float]) -> Floats:
     return floats(cells * spacing + np.array(centre))
 
 
-def read_links(node: Node, robots: int) -> tuple[tuple[int, int], ...]:
+def read_links(node: Node, robots: int) -> Links:
     """Communication links as pairs of robot indices, each once, the smaller index first."""
     links: set[tuple[int, int]] = set()
     for item in node.items():
@@ -203,13 +189,13 @@ def read_obstacles(node: Node, folders: Sequence[FilePath], polygons: tuple[Floa
         folders: where the images of masks are looked for.
         polygons: what its polygons and masks came to when they were read before; None = read them.
     """
-    entries = node.section(("circles", "bars", "polygons", "masks"))
+    entries = node.section(("circles", "bars", "capsules", "polygons", "masks"))
     circles: list[tuple[float, ...]] = []
     for item in entries["circles"].items() if "circles" in entries else ():
         part = item.section(("at_m", "radius_m"), ("at_m", "radius_m"))
         circles.append((*part["at_m"].point(), part["radius_m"].number(_LENGTH)))
     bars: list[tuple[float, ...]] = []
-    for item in entries["bars"].items() if "bars" in entries else ():
+    for item in chain.from_iterable(entries[key].items() for key in ("bars", "capsules") if key in entries):
         part = item.section(("from_m", "to_m", "half_width_m"), ("from_m", "to_m", "half_width_m"))
         bars.append((*part["from_m"].point(), *part["to_m"].point(), part["half_width_m"].number(_LENGTH)))
     if polygons is None:
@@ -282,42 +268,25 @@ def _sketch(node: Node, direction: float, smoothing: float) -> Path:
 _PATHS = {"line": _line, "circle": _circle, "ellipse": _ellipse, "sketch": _sketch}
 
 
-def read_parameters(node: Node) -> tuple[Parameters, tuple[str, ...]]:
-    """All parameters: the defaults and what the file says otherwise; and a warning for each renamed one."""
-    node, warnings = _renamed(node)
-    params = Parameters()
+def read_parameters(node: Node) -> Parameters:
+    """All parameters: the defaults and what the file says otherwise."""
+    params, given = Parameters(), dict[str, dict[str, Node]]()
     groups = tuple(name for name in Parameters._fields if name != "forms")
-    for group, section in node.section(groups).items():
-        part = getattr(params, group)
-        section.section(tuple(quantities(type(part))))
-        params = params._replace(**{group: with_values(part, section.value, f"{section.source}: {section.place}")})
-    given = {name: set(section) for name, section in node.value.items()}
+    for group, section in node.section(groups, renamed=RENAMED).items():
+        part, former = getattr(params, group), f"{group}."
+        renamed = {old.removeprefix(former): new.removeprefix(former) for old, new in RENAMED.items()}
+        given[group] = section.section(tuple(quantities(type(part))), renamed=renamed)
+        values = {name: entry.value for name, entry in given[group].items()}
+        params = params._replace(**{group: with_values(part, values, section.where)})
     if "cruise_speed" in given.get("blending", ()) and "speed_limit" not in given.get("safety", ()):
         limit = SPEED_LIMIT_FACTOR * params.blending.cruise_speed
         params = params._replace(safety=params.safety._replace(speed_limit=limit))
     reactive, repulsive = params.boundaries.reactive_margin, params.boundaries.repulsive_margin
     if reactive <= repulsive:
-        place = Node(None, node.source, f"{node.place}.boundaries")
-        raise place.error(f"reactive_margin is {reactive:g} m and must be above repulsive_margin, {repulsive:g} m")
-    return params, warnings
-
-
-def _renamed(node: Node) -> tuple[Node, tuple[str, ...]]:
-    """The section with the names of today, and a warning for each name of an earlier version."""
-    sections, warnings = dict[str, Any](), list[str]()
-
-    def current(name: str) -> str:
-        today = current_name(name)
-        if today != name:
-            warnings.append(f"{node.source}: {node.place}.{name}: renamed; write {node.place}.{today}")
-        return today
-
-    for group, entry in node.section([*Parameters._fields, *RENAMED]).items():
-        values = entry.value
-        if isinstance(values, dict):
-            values = {current(f"{current_name(group)}.{key}").partition(".")[2]: values[key] for key in values}
-        sections[current(group)] = values
-    return Node(sections, node.source, node.place), tuple(warnings)
+        raise node.entry("boundaries", None).error(
+            f"reactive_margin is {reactive:g} m and must be above repulsive_margin, {repulsive:g} m"
+        )
+    return params
 
 
 def read_forms(node: Node) -> Forms:

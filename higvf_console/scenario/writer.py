@@ -17,18 +17,18 @@ from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.quantity import quantities
+from higvf_console.core.reading.document import yaml_text
 from higvf_console.core.state import Motion, Path, PathEnding, PathKind, PathStatus, SimState
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import ending_word
 from higvf_console.scenario.channel_settings import written_inputs
-from higvf_console.scenario.reading import yaml_text
 from higvf_console.scenario.scenario import VERSION, Scenario, parse_scenario
 from higvf_console.scenario.sections import Robots
-from higvf_console.sim.setup import Setup
 from higvf_console.world.editing.entities import centres
-from higvf_console.world.editing.layout import layout_of
+from higvf_console.world.layout import Layout
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.polygons import obstacles_of
+from higvf_console.world.setup import Setup
 
 Section = dict[str, Any]
 
@@ -47,7 +47,7 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
     Raises:
         ScenarioError: a run cannot start from what is now, for example because a fire has grown too large.
     """
-    layout, motion = layout_of(setup), state.motion
+    layout, motion = setup.layout, state.motion
     robots = _robots(centres(layout, motion), motion.heading, setup.params)
     content: Section = {"version": VERSION}
     if scenario is not None:
@@ -57,7 +57,7 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
         content["links"] = [[first + 1, second + 1] for first, second in layout.links]
     if layout.formation.tobytes() != robots.controlled(0, setup.params.robots.look_ahead).tobytes():
         content["formation_m"] = layout.formation.tolist()
-    content |= {"fires": _fires(setup, motion), "obstacles": _obstacles(layout.obstacles)}
+    content |= {"fires": _fires(layout, motion), "obstacles": _obstacles(layout.obstacles)}
     content |= {"path": _path(state), "influenced": state.intent.influenced + 1}
     if scenario is not None:
         content["strokes"] = _strokes(scenario, len(motion.position))
@@ -87,14 +87,15 @@ def _robots(centre: Floats, heading: Floats, params: Parameters) -> Robots:
     return Robots(centre, 0.0, turned if unicycles else np.zeros(len(centre)))
 
 
-def _fires(setup: Setup, motion: Motion) -> list[Section]:
-    world = setup.world
+def _fires(layout: Layout, motion: Motion) -> list[Section]:
     return [
         {
-            "at_m": world.fire_position[fire].tolist(), "radius_m": float(motion.fire_radius[fire]),
-            "growth_m_per_s": float(world.fire_growth[fire]), "robots_needed": int(world.fire_needs[fire]),
+            "at_m": list(fire.position), "radius_m": radius,
+            "growth_m_per_s": fire.growth, "robots_needed": fire.needs,
         }
-        for fire in np.flatnonzero(motion.fire_burning).tolist()
+        for fire, radius, burns in zip(
+            layout.fires, motion.fire_radius.tolist(), motion.fire_burning.tolist(), strict=True
+        ) if burns
     ]  # fmt: skip
 
 

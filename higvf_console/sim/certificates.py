@@ -17,9 +17,9 @@ from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import map_radius
 from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.control.safety.barriers.certificate import SAMPLING_LIMIT, sampling_conditions
+from higvf_console.control.safety.hazards import worst_hazards
 from higvf_console.core.arrays import Floats, Ints
-from higvf_console.core.state import Motion, SimState, Trace
-from higvf_console.sim.setup import Setup
+from higvf_console.core.state import Motion, SimState, Trace, World
 
 FORMATION_LIMIT = 2.0  # of dt k_form 2 deg
 CONNECTED = 1e-6  # lambda_2 of a connected graph is above it
@@ -123,12 +123,13 @@ def laplacian(links: Ints, robots: int) -> Floats:
     return matrix - np.diag(matrix.sum(axis=1))
 
 
-def certificates(setup: Setup, state: SimState, trace: Trace, worst: Worst) -> tuple[Certificate, ...]:
-    """All conditions of a run as they are now; those of single ticks at their worst so far."""
-    params, robots = controlled(setup.params), len(state.motion.position)
-    sampling = max(
-        sampling_conditions(setup.world, setup.start.motion.fire_radius, params.safety), key=lambda kind: kind.value
-    )
+def certificates(
+    world: World, params: Parameters, start: SimState, state: SimState, trace: Trace, worst: Worst
+) -> tuple[Certificate, ...]:
+    """All conditions of a run from `start` as they are now; those of single ticks at their worst so far."""
+    params, robots = controlled(params), len(state.motion.position)
+    hazards = worst_hazards(world, start.motion.fire_radius)
+    sampling = max(sampling_conditions(hazards, params.safety), key=lambda kind: kind.value)
     degree = int(np.bincount(trace.links.ravel(), minlength=robots).max(initial=0))
     stiffness = 2.0 * params.safety.control_period * params.formation.formation_rate * degree
     found = [

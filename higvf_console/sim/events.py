@@ -5,8 +5,8 @@ import numpy as np
 from higvf_console.control.guidance.recovery import ASK, MORE_HUMAN, OTHER_DIRECTION
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Bools
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import NOBODY, PathStatus, SimState, Trace
-from higvf_console.sim.setup import Event, Severity
 
 
 def events_between(

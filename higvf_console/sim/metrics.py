@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from higvf_console.control.controller import Plan
-from higvf_console.control.guidance.obstacles import part_at, part_radius
+from higvf_console.control.guidance.obstacles import part_at
 from higvf_console.control.intention.neighbours import within
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import Parameters, SafetyParameters
+from higvf_console.control.plan import Plan
 from higvf_console.control.safety.safety_filter import blocked
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.state import NOBODY, Motion, World
@@ -44,9 +44,9 @@ def clearances(
         for entry in range(start[i], start[i + 1]):
             dx, dy = body[to[entry], 0] - x, body[to[entry], 1] - y
             _note(i, math.sqrt(dx * dx + dy * dy), safety.robot_clearance, math.inf, nearest, barrier)
-        for k in range(world.circles.shape[0] + world.bars.shape[0]):
+        for k in range(world.capsules.shape[0]):
             gap, _, _ = part_at(k, x, y, world)
-            radius = part_radius(k, world)
+            radius = world.capsules[k, 4]
             _note(i, gap + radius, radius + safety.obstacle_clearance, safety.robot_clearance, nearest, barrier)
         for j in range(world.fire_position.shape[0]):
             if fire_burning[j]:

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from higvf_console.control import printed
-from higvf_console.control.controller import Plan, compute
+from higvf_console.control.controller import compute
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import PackedParameters, Parameters, SafetyParameters, packed
+from higvf_console.control.plan import Plan
+from higvf_console.control.safety.hazards import hazard_table
 from higvf_console.control.safety.safety_filter import filter_velocities
 from higvf_console.core.arrays import Bools, Floats, Ints, bools, floats, ints
 from higvf_console.core.state import (
@@ -103,14 +105,14 @@ def advance(state: SimState, world: World, params: Parameters) -> tuple[SimState
     return SimState(motion, state.intent, state.pointer_state), trace
 
 
-def advance_coupled(state: SimState, world: World, params: Parameters, safety: "CoupledFilter") -> tuple[SimState, Trace]:
+def advance_coupled(
+    state: SimState, world: World, params: Parameters, safety: "CoupledFilter"
+) -> tuple[SimState, Trace]:
     """As `advance`, with the centralised filter in place of the distributed one; it has no fast `roll`."""
     plan, crew, rate, seen = decide(state.motion, state.intent, world, packed(params))
     filtered = safety.filter_velocities(
-        seen, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
-        state.motion.fire_radius, _seen_rate(rate, packed(params)), state.motion.fire_burning,
-        _safety_params(packed(params)),
-    )  # fmt: skip
+        seen, plan.nominal, hazards_now(state.motion, rate, world, packed(params)), _safety_params(packed(params))
+    )
     motion, trace = settle(state.motion, state.intent, plan, crew, rate, *filtered, world, packed(params))
     return SimState(motion, state.intent, state.pointer_state), trace
 
@@ -144,9 +146,8 @@ def tick(motion: Motion, intent: Intent, world: World, params: PackedParameters)
     """Perceive, compute, filter, move, burn."""
     plan, crew, rate, seen = decide(motion, intent, world, params)
     velocity, active_constraints, infeasible = filter_velocities(
-        seen, plan.nominal, world.circles, world.bars, world.walls, world.fire_position,
-        motion.fire_radius, _seen_rate(rate, params), motion.fire_burning, _safety_params(params),
-    )  # fmt: skip
+        seen, plan.nominal, hazards_now(motion, rate, world, params), _safety_params(params)
+    )
     return settle(motion, intent, plan, crew, rate, velocity, active_constraints, infeasible, world, params)
 
 
@@ -231,9 +232,12 @@ def _safety_params(params: PackedParameters) -> SafetyParameters:
 
 
 @kernel
-def _seen_rate(rate: Floats, params: PackedParameters) -> Floats:
-    """Growth of the fires (M,) as the filter's rows know it [m/s]; none in [27] as printed."""
-    return np.zeros(rate.shape[0]) if params[0].forms.fire_constraint == PRINTED else rate
+def hazards_now(motion: Motion, rate: Floats, world: World, params: PackedParameters) -> Floats:
+    """The table of hazards (H, 9) that the filter knows; fires grow at `rate` (M,) [m/s], not so in [27] as printed."""
+    known = np.zeros(rate.shape[0]) if params[0].forms.fire_constraint == PRINTED else rate
+    return hazard_table(
+        world.capsules, world.walls, world.fire_position, motion.fire_radius, known, motion.fire_burning
+    )  # fmt: skip
 
 
 @kernel

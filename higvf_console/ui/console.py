@@ -39,7 +39,6 @@ from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.panels.why import WhyPanel
 from higvf_console.ui.panels.widgets.html import SPACER, style_html
 from higvf_console.ui.scene.scene import Scene, View
-from higvf_console.world.editing.layout import layout_of
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
@@ -190,7 +189,7 @@ class Console:
     def _show_scene(self, snapshot: "Snapshot") -> None:
         look = self._view.look
         if self._scene.setup is not snapshot.setup:
-            self._view.keep_choice(layout_of(snapshot.setup))
+            self._view.keep_choice(snapshot.setup.layout)
         if self._scene.setup is not snapshot.setup or self._scene.look != look:
             if self._scene.look != look:
                 theme.wear(self._server, look.palette)

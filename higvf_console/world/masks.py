@@ -2,17 +2,22 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-import cv2
 import numpy as np
-from cv2.typing import MatLike
 from numpy.typing import NDArray
 
 from higvf_console.core.arrays import Bools, Floats, floats
 from higvf_console.core.errors import ScenarioError
+from higvf_console.core.optional import optional
 from higvf_console.core.quantity import shown
 from higvf_console.world.polygons import MOST_EDGES, crossing, oriented, signed_area
+
+if TYPE_CHECKING:
+    import cv2
+    from cv2.typing import MatLike
+else:
+    cv2, MatLike = optional("cv2", "images"), np.ndarray
 
 Grey: TypeAlias = NDArray[np.uint8]
 

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from higvf_console.core.arrays import Floats
+from higvf_console.core.arrays import Floats, floats
 
 
 class Obstacles(NamedTuple):
@@ -10,10 +10,13 @@ class Obstacles(NamedTuple):
 
     Attributes:
         circles: (P, 3) as in `state.World`.
-        bars: (Q, 5) as in `state.World`.
+        bars: (Q, 5) as in `state.World`, without the edges of polygons.
         polygons: closed chains (n, 2) [m] as in `world.polygons`: those of the file, then those of its masks.
     """
 
     circles: Floats
     bars: Floats
     polygons: tuple[Floats, ...]
+
+
+NO_OBSTACLES = Obstacles(floats([], 0, 3), floats([], 0, 5), ())

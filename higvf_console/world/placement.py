@@ -10,7 +10,8 @@ from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import map_radius
 from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.control.safety.barriers.certificate import check_sampling, least_stand_off
-from higvf_console.core.arrays import Floats, Ints, floats, ints
+from higvf_console.control.safety.hazards import worst_hazards
+from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.errors import FilterError, ScenarioError
 from higvf_console.core.state import World
 from higvf_console.core.viewport import Arena
@@ -105,13 +106,6 @@ def buried_fires(fire_position: Floats, fire_radius: Floats, obstacles: Obstacle
         for what, gap in obstacle_gaps(fire_position, obstacles)
         for fire in np.flatnonzero(gap <= -fire_radius)
     )
-
-
-def link_table(links: tuple[tuple[int, int], ...], robots: int) -> tuple[Ints, Ints]:
-    """Links i < j as the rows of neighbours that `state.World` holds: (link_start, link_to)."""
-    both = sorted([*links, *((j, i) for i, j in links)])
-    degree = np.bincount([i for i, _ in both], minlength=robots)
-    return ints(np.concatenate([[0], np.cumsum(degree)])), ints([j for _, j in both], -1)
 
 
 class Network(NamedTuple):
@@ -253,7 +247,7 @@ def check_rates(world: World, fire_radius: Floats, params: Parameters, source: s
         ScenarioError: the sampling condition is missed; the message gives limit and value.
     """
     try:
-        check_sampling(world, fire_radius, controlled(params).safety)
+        check_sampling(worst_hazards(world, fire_radius), controlled(params).safety)
     except FilterError as error:
         raise ScenarioError(f"{source}: parameters.safety: {error}") from error
 

@@ -1,1 +1,1 @@
-"""Adapters from devices and recordings to operator commands."""
+"""Operator interfaces: adapters that turn devices and recordings into operator commands."""

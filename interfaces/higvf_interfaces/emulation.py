@@ -1,11 +1,11 @@
-"""Devices without hardware: a recording or a script passed through the errors that a device and its decoder make.
+"""Emulated devices: apply the errors of a device and its decoder to a recording or a script.
 
-    --input bci=FILE:latency=0.4,confusion=0.8,seed=3          decisions: late, lost, mistaken
-    --input gaze=FILE:noise_deg=0.5,drift_deg_per_min=1        gaze: noisy, drifting, late, lost
-    --input script=FILE:latency=0.3,dropout=0.1                commands of any interface: late, lost
+    --input bci=FILE:latency=0.4,confusion=0.8,seed=3          decisions: delay, loss, confusion
+    --input gaze=FILE:noise_deg=0.5,drift_deg_per_min=1        gaze: noise, drift, delay, loss
+    --input script=FILE:latency=0.3,dropout=0.1                commands of any interface: delay, loss
 
-Each item draws from a generator of its own, seeded by (seed, index): the same seed gives the same commands, whatever
-the speed of the session and however often it polls. Nothing overtakes: a link delivers in order.
+Each item has its own random generator, seeded by (seed, index): the same seed gives the same commands at any session
+speed and polling rate. Delivery preserves order.
 """
 
 import math
@@ -18,6 +18,7 @@ import numpy as np
 from higvf_console.core.arrays import Bools, Floats, bools, floats
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd
 from higvf_console.core.interface import ChannelHealth, Interface, OperatorContext
+from higvf_console.core.reports import Warned
 from higvf_interfaces.decisions.feeds import DecisionFeed, Due
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.records import Decision, GazeRecording
@@ -26,22 +27,22 @@ from higvf_interfaces.streams import CLOCK_GRAIN, Stamp
 DELAYS = ("latency", "jitter", "dropout", "seed")
 ERRORS = (*DELAYS, "confusion")
 GAZE_ERRORS = (*DELAYS, "noise_deg", "drift_deg_per_min")
-_BLACKOUT = 0.2  # gaze is lost for so long at a time [s]
+_BLACKOUT = 0.2  # duration of one loss of gaze [s]
 _MOST_SEED = 2**32
 
 
 class ErrorModel(NamedTuple):
-    """The errors of a device.
+    """Parameters of a device's errors.
 
     Attributes:
-        latency: by which everything comes later [s].
-        jitter: mean of a further, exponentially distributed delay [s].
-        dropout: share in [0, 1] that is lost.
-        confusion: probability that a label is right, or what each label is taken for, by probability; what a row leaves
-            of 1 is the label itself.
+        latency: constant delay [s].
+        jitter: mean of an additional, exponentially distributed delay [s].
+        dropout: probability in [0, 1] that an item is lost.
+        confusion: probability that a label is correct, or the confusion probabilities of each label; the rest of a row
+            is the probability of the label itself.
         noise_deg: standard deviation of gaze on each axis [deg].
-        drift_deg_per_min: speed at which gaze wanders off in one direction [deg/min].
-        seed: of all of it.
+        drift_deg_per_min: drift speed of gaze, in one constant direction [deg/min].
+        seed: seed of all random draws.
     """
 
     latency: float = 0.0
@@ -54,10 +55,10 @@ class ErrorModel(NamedTuple):
 
 
 def error_model(options: Fields) -> ErrorModel | None:
-    """The errors that an input's options ask for; None where they ask for none.
+    """Return the error model of an input's options, or None if they set none.
 
     Raises:
-        InputError: a value that cannot be used.
+        InputError: If a value is invalid.
     """
     asked = [key for key in {*ERRORS, *GAZE_ERRORS} - {"seed"} if options.has(key)]
     seed = options.number("seed", 0.0, 0.0, float(_MOST_SEED))
@@ -75,20 +76,30 @@ def error_model(options: Fields) -> ErrorModel | None:
 
 
 def emulate(decision: Decision, index: int, labels: Sequence[str], model: ErrorModel) -> Decision | None:
-    """Decision number `index` as the device gives it: late, perhaps mistaken for another of `labels`; None = lost."""
+    """Return a decision as the emulated device delivers it.
+
+    Args:
+        decision: the original decision.
+        index: its number in the log, which seeds the random draws.
+        labels: labels it may be confused with.
+        model: error parameters.
+
+    Returns:
+        The delayed, possibly confused decision; None if it is lost.
+    """
     draw = np.random.default_rng((model.seed, index))
     lost, delay, choice, other = draw.random(), draw.exponential(), draw.random(), draw.random()
     if lost < model.dropout:
         return None
-    label = _mistaken(decision.label, labels, model, choice, other)
+    label = _confused(decision.label, labels, model, choice, other)
     return decision._replace(time=decision.time + model.latency + model.jitter * delay, label=label)
 
 
 class EmulatedFeed:
-    """A feed of decisions with a device's errors."""
+    """A decision feed with the errors of an emulated device."""
 
     def __init__(self, feed: DecisionFeed, model: ErrorModel) -> None:
-        """Makes `feed` worse by `model`."""
+        """Apply the errors of `model` to `feed`."""
         self._feed, self._model = feed, model
         self._waiting: deque[Due] = deque()
         self._now = -math.inf
@@ -97,30 +108,30 @@ class EmulatedFeed:
 
     @property
     def notes(self) -> Sequence[str]:
-        """Those of the feed, and that its errors are made."""
+        """The notes of the feed and the emulated errors."""
         return (*self._feed.notes, f"emulated: {describe(self._model)}")
 
     @property
     def started(self) -> bool:
-        """Whether anything has been played."""
+        """Whether at least one decision has been delivered."""
         return self._played
 
     @property
     def ended(self) -> bool:
-        """Whether everything has been played."""
+        """Whether all decisions have been delivered."""
         return self._feed.ended and not self._waiting
 
     def due(self, now: float) -> list[Due]:
-        """Decisions that reach the session by time `now` [s]."""
+        """Return the decisions that arrive by session time `now` [s]."""
         if now < self._now:
             self._waiting.clear()
             self._played = False
         self._now = now
         for index, decision in self._feed.due(now):
-            worse = emulate(decision, index, self.labels, self._model)
-            if worse is not None:
+            emulated = emulate(decision, index, self.labels, self._model)
+            if emulated is not None:
                 after = self._waiting[-1].decision.time if self._waiting else -math.inf
-                self._waiting.append(Due(index, worse._replace(time=max(worse.time, after))))
+                self._waiting.append(Due(index, emulated._replace(time=max(emulated.time, after))))
         given: list[Due] = []
         while self._waiting and self._waiting[0].decision.time <= now + CLOCK_GRAIN:
             given.append(self._waiting.popleft())
@@ -129,28 +140,33 @@ class EmulatedFeed:
 
 
 class EmulatedInterface:
-    """Any interface behind a link that delays and loses commands; the ends of strokes are delayed and never lost."""
+    """An interface behind a lossy link: commands are delayed or lost; stroke begin and end are delayed, never lost."""
 
     def __init__(self, interface: Interface, model: ErrorModel) -> None:
-        """Puts `interface` behind the link."""
+        """Wrap `interface` in a link with the errors of `model`."""
         self._interface, self._model = interface, model
         self._stamp = Stamp(interface.name)
         self._waiting: deque[OperatorCommand] = deque()
         self._due: deque[float] = deque()
         self._now = -math.inf
-        self._heard = 0
+        self._count = 0
 
     @property
     def name(self) -> str:
         """Channel name, shown in the status line."""
         return self._interface.name
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Those of the interface."""
+        return self._interface.warnings if isinstance(self._interface, Warned) else ()
+
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
-        """Commands that have come through, stamped with the time at which they did."""
+        """Return the commands that have arrived, stamped with their times of arrival."""
         if context.time < self._now:
             self._waiting.clear()
             self._due.clear()
-            self._heard = 0
+            self._count = 0
         self._now = context.time
         for command in self._interface.poll(context):
             self._send(command)
@@ -160,17 +176,17 @@ class EmulatedInterface:
         return given
 
     def health(self, now: float) -> ChannelHealth:
-        """That of the interface, and that its errors are made."""
+        """The health of the interface, with the emulated errors in its detail."""
         health = self._interface.health(now)
         return health._replace(detail=f"{health.detail}; emulated: {describe(self._model)}")
 
     def close(self) -> None:
-        """Closes the interface."""
+        """Close the interface."""
         self._interface.close()
 
     def _send(self, command: OperatorCommand) -> None:
-        draw = np.random.default_rng((self._model.seed, self._heard))
-        self._heard += 1
+        draw = np.random.default_rng((self._model.seed, self._count))
+        self._count += 1
         lost, delay = draw.random(), draw.exponential()
         if lost < self._model.dropout and not isinstance(command, StrokeBegin | StrokeEnd | StrokeCancel):
             return
@@ -180,14 +196,14 @@ class EmulatedInterface:
 
 
 class GazeErrors:
-    """Makes gaze worse block by block, as a worse eye tracker would have given it."""
+    """Adds noise, drift, delay and loss to gaze, block by block."""
 
     def __init__(self, model: ErrorModel, units_per_deg: float) -> None:
-        """Starts a recording.
+        """Start at the beginning of a recording.
 
         Args:
-            model: the errors; jitter of gaze is a delay of the whole, as a tracker sends at a steady rate.
-            units_per_deg: units of the points' frame in one degree of visual angle.
+            model: error parameters; jitter delays gaze as a whole, because a tracker sends at a steady rate.
+            units_per_deg: units of the points' frame per degree of visual angle.
         """
         self._model, self._units = model, units_per_deg
         self._draw = np.random.default_rng((model.seed, 0))
@@ -197,7 +213,7 @@ class GazeErrors:
         self._first: float | None = None
 
     def __call__(self, time: Floats, points: Floats, valid: Bools) -> tuple[Floats, Floats, Bools]:
-        """The next block: times (n,) [s], points (n, 2), and whether each is valid (n,)."""
+        """Return the next block with errors: times (n,) [s], points (n, 2) and validity (n,)."""
         if len(time) and self._first is None:
             self._first = float(time[0])
         minutes = (time - (self._first or 0.0))[:, None] / 60.0
@@ -212,18 +228,18 @@ class GazeErrors:
         )
 
     def _dark(self, blackout: int) -> bool:
-        """Whether a stretch of time is lost, whatever block it is met in."""
+        """Whether gaze is lost in blackout interval `blackout`; independent of the division into blocks."""
         return bool(np.random.default_rng((self._model.seed, 1, abs(blackout))).random() < self._model.dropout)
 
 
 def emulate_gaze(recording: GazeRecording, model: ErrorModel, units_per_deg: float) -> GazeRecording:
-    """A gaze recording as a worse eye tracker would have given it: `GazeErrors` of the whole."""
+    """Return a gaze recording with the errors of `model`; see `GazeErrors`."""
     time, points, valid = GazeErrors(model, units_per_deg)(recording.time, recording.points, recording.valid)
     return recording._replace(time=time, points=points, valid=valid)
 
 
 def describe(model: ErrorModel) -> str:
-    """The errors that a model makes, as its options."""
+    """Return the errors of a model in the syntax of its options."""
     default = ErrorModel()._asdict()
     given = {key: value for key, value in model._asdict().items() if value != default[key] and key != "confusion"}
     parts = [f"{key}={value:g}" for key, value in given.items()]
@@ -234,15 +250,15 @@ def describe(model: ErrorModel) -> str:
     return ", ".join(parts)
 
 
-def _mistaken(label: str, labels: Sequence[str], model: ErrorModel, choice: float, other: float) -> str:
+def _confused(label: str, labels: Sequence[str], model: ErrorModel, choice: float, other: float) -> str:
     if not isinstance(model.confusion, Mapping):
         others = [known for known in labels if known != label]
         return label if choice < model.confusion or not others else others[int(other * len(others))]
     reached = 0.0
-    for said, probability in model.confusion.get(label.strip().casefold(), {}).items():
+    for other_label, probability in model.confusion.get(label.strip().casefold(), {}).items():
         reached += probability
         if choice < reached:
-            return said
+            return other_label
     return label
 
 
@@ -252,8 +268,10 @@ def _confusion(options: Fields) -> float | dict[str, dict[str, float]]:
     rows: dict[str, dict[str, float]] = {}
     for label, row in options.mapping("confusion").items():
         shares = cast(dict[object, object], row) if isinstance(row, dict) else {}
-        good = {str(said): float(share) for said, share in shares.items() if is_number(share) and 0 <= share <= 1}
+        good = {str(name): float(share) for name, share in shares.items() if is_number(share) and 0 <= share <= 1}
         if not shares or len(good) < len(shares) or sum(good.values()) > 1 + 1e-9:
-            options.fail(f"confusion: {label}: {shown(row)} is not a mapping from labels to shares of 1")
+            options.fail(
+                f"confusion: {label}: {shown(row)} is not a mapping from labels to probabilities of sum 1 or less"
+            )
         rows[str(label).strip().casefold()] = good
     return rows

@@ -1,18 +1,21 @@
-"""Takes checked values out of options and YAML mappings: what is wrong is said with its place, value and choices."""
+"""The entries of one mapping, options or YAML, taken with a default where they may be missing.
 
-import math
-import reprlib
+The checks and their messages are those of `core.reading.node`.
+"""
+
 from collections.abc import Mapping, Sequence
-from typing import NoReturn, TypeGuard, cast
+from typing import NoReturn
 
-from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import HigvfError, InputError
 from higvf_console.core.interface import InputSpec
+from higvf_console.core.quantity import Quantity, shown
+from higvf_console.core.reading.node import NOTHING_RENAMED, Node, is_number
+
+__all__ = ["NAMES", "Fields", "is_number", "option_fields", "shown"]
 
 _NAMING = "stream marker_stream x y name type source_id host channels format calibration markers"
 NAMES = frozenset(_NAMING.split())  # options that name something, which may be called by a number
-_REPR = reprlib.Repr()
-_REPR.maxlevel, _REPR.maxstring, _REPR.maxother = 3, 80, 80
 
 
 class Fields:
@@ -26,116 +29,101 @@ class Fields:
         Args:
             values: the mapping as it was read.
             known: every key that it may hold.
-            place: how an error message calls it, e.g. "priority.yaml, entry 2".
+            place: how an error message calls it, e.g. "input gaze".
             error: class of the errors raised.
 
         Raises:
             HigvfError: of class `error`: an unknown key; the message lists the known ones.
         """
-        self.values = values
-        self.place = place
-        self._error = error
-        for key in values:
-            if key not in known:
-                self.fail(f"unknown key {shown(key)}; known keys: {', '.join(known)}")
+        self._take(Node(values, place, raises=error), known, NOTHING_RENAMED)
+
+    @classmethod
+    def of(cls, node: Node, known: Sequence[str], renamed: Mapping[str, str] = NOTHING_RENAMED) -> "Fields":
+        """The entries of a node, see `Node.section`."""
+        fields = cls.__new__(cls)
+        fields._take(node, known, renamed)
+        return fields
+
+    def _take(self, node: Node, known: Sequence[str], renamed: Mapping[str, str]) -> None:
+        self.node = node
+        self.known = known
+        self.entries = node.section(known, renamed=renamed)
+
+    @property
+    def values(self) -> dict[str, object]:
+        """The values as they were read."""
+        return {name: entry.value for name, entry in self.entries.items()}
+
+    @property
+    def place(self) -> str:
+        """How an error message calls the mapping."""
+        return self.node.where
 
     def fail(self, text: str, error: type[HigvfError] | None = None) -> NoReturn:
         """Raises the error of this mapping, or `error`, with its place before `text`."""
-        raise (error or self._error)(f"{self.place}: {text}")
+        raise (error or self.node.raises)(f"{self.place}: {text}")
 
     def has(self, key: str) -> bool:
         """Whether `key` is given."""
-        return key in self.values
+        return key in self.entries
+
+    def required(self, key: str) -> Node:
+        """The entry `key`.
+
+        Raises:
+            HigvfError: it is missing.
+        """
+        if key not in self.entries:
+            self.node.missing(key, self.known)
+        return self.entries[key]
 
     def number(self, key: str, default: float | None, low: float, high: float, unit: str = "") -> float:
-        """A finite number in [low, high]; `default` None makes it required."""
-        if key not in self.values and default is not None:
+        """A number in [low, high]; `default` None makes it required."""
+        if key not in self.entries and default is not None:
             return default
-        value = self._required(key)
-        if not is_number(value) or not low <= value <= high:
-            self.fail(f"{key}: {shown(value)} is not a number from {low:g} to {high:g} {unit}".rstrip())
-        return float(value)
+        return self.required(key).number(Quantity(unit, low, high, "", ""))
 
     def whole(self, key: str, low: int) -> int:
         """A required whole number, at least `low`."""
-        value = self._required(key)
-        if isinstance(value, bool) or not isinstance(value, int) or value < low:
-            self.fail(f"{key}: {shown(value)} is not a whole number from {low} up")
-        return value
+        return self.required(key).integer(low)
 
     def flag(self, key: str, default: bool | None = None) -> bool:
         """True or false; `default` None makes it required."""
-        if key not in self.values and default is not None:
+        if key not in self.entries and default is not None:
             return default
-        value = self._required(key)
-        if not isinstance(value, bool):
-            self.fail(f"{key}: {shown(value)} is neither true nor false")
-        return bool(value)
+        return self.required(key).flag()
 
-    def choice(self, key: str, default: str, choices: Sequence[str]) -> str:
+    def choice(
+        self, key: str, default: str, choices: Sequence[str], renamed: Mapping[str, str] = NOTHING_RENAMED
+    ) -> str:
         """One of `choices`."""
-        value = self.values.get(key, default)
-        if value not in choices:
-            self.fail(f"{key}: {shown(value)} is not one of {', '.join(choices)}")
-        return str(value)
+        return self.entries[key].choice(choices, renamed) if key in self.entries else default
 
     def text(self, key: str) -> str:
         """A required, non-empty text."""
-        value = self._required(key)
-        if not isinstance(value, str) or not value.strip():
-            self.fail(f"{key}: {shown(value)} is not a text")
-        return value
+        return self.required(key).text(blank=False)
 
     def mapping(self, key: str) -> Mapping[str, object]:
         """A mapping; empty where `key` is not given."""
-        value = self.values.get(key, {})
-        if not isinstance(value, dict):
-            self.fail(f"{key}: {shown(value)} is not a mapping")
-        return cast(dict[str, object], value)
+        if key not in self.entries:
+            return {}
+        return {name: entry.value for name, entry in self.entries[key].mapping().items()}
 
     def items(self, key: str) -> list[object]:
         """A list; empty where `key` is not given."""
-        value = self.values.get(key, [])
-        if not isinstance(value, list):
-            self.fail(f"{key}: {shown(value)} is not a list")
-        return cast(list[object], value)
+        return [item.value for item in self.nodes(key)]
+
+    def nodes(self, key: str) -> list[Node]:
+        """The items of a list with their places; none where `key` is not given."""
+        return self.entries[key].items() if key in self.entries else []
 
     def numbers(self, key: str, count: int) -> list[float]:
-        """A required list of `count` finite numbers."""
-        value = self._required(key)
-        if not (isinstance(value, list) and len(value) == count and all(is_number(item) for item in value)):
-            self.fail(f"{key}: {shown(value)} is not a list of {count} numbers")
-        return [float(item) for item in cast(list[float], value)]
+        """A required list of `count` numbers."""
+        return self.required(key).numbers(count)
 
     def points(self, key: str) -> Floats:
         """Required ground points (n, 2) [m], n >= 1."""
-        value = self._required(key)
-        if not isinstance(value, list) or not value:
-            self.fail(f"{key}: {shown(value)} is not a list of points [x, y]")
-        for number, point in enumerate(cast(list[object], value), start=1):
-            if not (isinstance(point, list) and len(point) == 2 and all(is_number(part) for part in point)):
-                self.fail(f"{key}: point {number}: {shown(point)} is not [x, y] in metres")
-        return floats(cast(list[list[float]], value))
-
-    def _required(self, key: str) -> object:
-        if key not in self.values:
-            self.fail(f"{key} is missing")
-        return self.values[key]
-
-
-def shown(value: object) -> str:
-    """`value` as a message shows it, shortened where it is long."""
-    return _REPR.repr(value)
-
-
-def is_number(value: object) -> TypeGuard[int | float]:
-    """Whether `value` is a finite int or float (a bool is neither)."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    try:
-        return math.isfinite(value)
-    except OverflowError:  # an integer beyond the floats
-        return False
+        return self.required(key).points(least=1)
 
 
 def option_fields(spec: InputSpec, known: Sequence[str]) -> Fields:

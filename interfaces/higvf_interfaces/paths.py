@@ -1,10 +1,10 @@
-"""Files as an operator names them."""
+"""Expand file names that an operator typed."""
 
 from pathlib import Path
 
 
 def named(text: str) -> Path:
-    """The file that `text` names, with `~` for a home; where nobody has that home, as it is written."""
+    """Return `text` as a path, with a leading `~` expanded; left as written if that home does not exist."""
     path = Path(text)
     try:
         return path.expanduser()

@@ -14,8 +14,8 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.commands import EmergencyStop, OperatorCommand, Pause, Prioritise, ResetRun, ShapePath
 from higvf_console.core.state import PathStatus
 from higvf_console.runtime.run import Run
-from higvf_console.sim.setup import Setup
 from higvf_console.world.polygons import segment_distance
+from higvf_console.world.setup import Setup, with_params
 from tests.teams import stroke, team
 
 PATH = ((150.0, 350.0), (400.0, 300.0), (700.0, 420.0), (1000.0, 350.0))
@@ -158,7 +158,7 @@ def test_some_robots_are_explained_as_in_the_whole_team() -> None:
 
 
 def test_tight_rows_are_those_that_the_velocity_meets_with_equality() -> None:
-    setup = crowded(0)._replace(params=CROWD)
+    setup = with_params(crowded(0), CROWD)
     least = controlled(CROWD).safety
     named: set[str] = set()
     for moved in periods(setup, stroke(PATH, 4), 900):

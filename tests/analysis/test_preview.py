@@ -18,8 +18,8 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.state import SimState
 from higvf_console.operator.reducer import apply_command
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup
 from tests.teams import stroke, team
 
 LINE = [(100.0, 350.0), (300.0, 400.0), (500.0, 350.0)]

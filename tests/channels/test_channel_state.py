@@ -15,8 +15,8 @@ from higvf_console.channels.channel_state import (
 )
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.interface import ChannelHealth, ChannelState
+from higvf_console.core.reading.document import read_yaml
 from higvf_console.scenario.channel_settings import read_inputs
-from higvf_console.scenario.reading import read_yaml
 
 LIVE, STALE, LOST, BACK = ChannelState.LIVE, ChannelState.STALE, ChannelState.LOST, ChannelState.RECOVERED
 LIMITS = Limits(0.5, 2.0)
@@ -77,7 +77,7 @@ def test_the_limits_of_a_scenario_go_over_the_defaults_and_do_not_reach_the_inte
     [
         ("{gaze: {stale: 3, lost: 2}}", "gaze: lost: 2 s is not longer than stale, 3 s"),
         ("{gaze: {stale: soon}}", "gaze.stale"),
-        ("{gaze: {on_lost: panic}}", "'panic' is not one of: autonomy, hold, keep"),
+        ("{gaze: {on_lost: panic}}", "'panic' is not one of autonomy, hold, keep"),
     ],
 )
 def test_limits_that_cannot_be_are_refused(text: str, said: str) -> None:

@@ -17,7 +17,7 @@ from higvf_console.scenario.scenario import scenario_names
 
 @pytest.fixture(scope="module", autouse=True)
 def _compiled() -> None:
-    """A compiling engine says so on stderr, where these tests count lines."""
+    """Compiles the engine beforehand, since a compilation writes a line to stderr, where these tests count lines."""
     assert main(["compile"]) == 0
 
 
@@ -66,18 +66,18 @@ def test_a_recorded_run_replays_and_a_forged_one_does_not(tmp_path: Path, capsys
     assert main(["run", "firefighting", "--headless", "--duration", "1.5", "--record", str(file)]) == 0
     digest = json.loads(capsys.readouterr().out)["digest"]
     assert main(["replay", str(file)]) == 0
-    assert capsys.readouterr().out == f"The run of 75 ticks agrees: {digest}\n"
+    assert capsys.readouterr().out == f"The replay of 75 ticks matches the recording: digest {digest}\n"
     file.write_text(file.read_text().replace("[700, 300]", "[700, 301]"))
     assert main(["replay", str(file)]) == 1
-    assert "The run differs after tick 0" in capsys.readouterr().out
+    assert "The replay differs after tick 0" in capsys.readouterr().out
 
 
-def test_a_replay_of_a_cut_recording_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_replay_reports_a_truncated_recording(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "run.jsonl"
     assert main(["run", "empty", "--headless", "--duration", "2.5", "--record", str(file)]) == 0
     file.write_text(file.read_text()[:-40])
     assert main(["replay", str(file)]) == 0
-    assert "the recording was cut off; its readable part has 100 ticks" in capsys.readouterr().err
+    assert "the recording is truncated after 100 ticks" in capsys.readouterr().err
 
 
 def test_a_script_steers_a_headless_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -94,7 +94,7 @@ def test_a_script_steers_a_headless_run(tmp_path: Path, capsys: pytest.CaptureFi
     [
         (["run", "nowhere", "--headless"], "higvf: no scenario 'nowhere'"),
         (["run", "nowhere.yaml", "--headless"], "higvf: nowhere.yaml: No such file"),
-        (["run", "empty", "--report", "x.json"], "higvf: --report is written by a headless run: add --headless"),
+        (["run", "empty", "--report", "x.json"], "higvf: --report needs a headless run: add --headless"),
         (["run", "empty", "--headless", "--speed", "9"], "higvf: --speed 9: choose 0.25 to 8"),
         (["run", "empty", "--headless", "--demo"], "higvf: scenario 'empty' has no section 'demo'"),
         (["run", "empty", "--headless", "--input", "gase=x"], "higvf: no interface 'gase' (did you mean 'gaze'?)"),
@@ -113,10 +113,10 @@ def test_bad_input_is_one_line_and_exit_2(
     arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(arguments) == 2
-    told = capsys.readouterr()
-    assert sentence in told.err
-    assert told.err.count("\n") == 1
-    assert told.out == ""
+    output = capsys.readouterr()
+    assert sentence in output.err
+    assert output.err.count("\n") == 1
+    assert output.out == ""
 
 
 @pytest.mark.parametrize(
@@ -124,10 +124,10 @@ def test_bad_input_is_one_line_and_exit_2(
     [
         ([], "higvf: the following arguments are required: COMMAND"),
         (["fly"], "invalid choice: 'fly'"),
-        (["run", "--duration", "-1"], "argument --duration: '-1' is not a number above 0"),
-        (["run", "--duration", "soon"], "argument --duration: 'soon' is not a number above 0"),
-        (["run", "--seed", "-1"], "argument --seed: '-1' is not a whole number from 0"),
-        (["run", "--port", "http"], "argument --port: 'http' is not a port from 1 to 65535, or auto for a free one"),
+        (["run", "--duration", "-1"], "argument --duration: '-1' is not a number greater than 0"),
+        (["run", "--duration", "soon"], "argument --duration: 'soon' is not a number greater than 0"),
+        (["run", "--seed", "-1"], "argument --seed: '-1' is not a whole number from 0 up"),
+        (["run", "--port", "http"], "argument --port: 'http' is not a port from 1 to 65535, or auto for a free port"),
         (["bench"], "the following arguments are required: --suite"),
         (["bench", "--suite", "all"], "invalid choice: 'all'"),
     ],
@@ -138,13 +138,13 @@ def test_a_wrong_command_line_is_one_line_and_exit_2(
     with pytest.raises(SystemExit) as ended:
         main(arguments)
     assert ended.value.code == 2
-    told = capsys.readouterr()
-    assert sentence in told.err
-    assert told.err.count("\n") == 1
+    output = capsys.readouterr()
+    assert sentence in output.err
+    assert output.err.count("\n") == 1
 
 
-# A shell's background jobs, and so their children, are started deaf to Ctrl-C.
-_LISTENS_TO_CTRL_C = """
+# The background jobs of a shell, and their children, ignore SIGINT.
+_HANDLES_SIGINT = """
 import signal, sys
 from higvf_console.cli.main import main
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -155,7 +155,7 @@ sys.exit(main(sys.argv[1:]))
 @pytest.mark.parametrize("interruption", [signal.SIGINT, signal.SIGTERM])
 def test_a_console_is_served_until_it_is_interrupted(tmp_path: Path, interruption: signal.Signals) -> None:
     file = tmp_path / "run.jsonl"
-    command = [sys.executable, "-c", _LISTENS_TO_CTRL_C, "run", "empty", "--port", "auto", "--no-browser"]
+    command = [sys.executable, "-c", _HANDLES_SIGINT, "run", "empty", "--port", "auto", "--no-browser"]
     process = subprocess.Popen([*command, "--record", str(file)], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     try:
@@ -167,7 +167,7 @@ def test_a_console_is_served_until_it_is_interrupted(tmp_path: Path, interruptio
     assert read_recording(file).complete
 
 
-def test_a_live_run_may_end_by_itself() -> None:
+def test_a_live_run_ends_after_its_duration() -> None:
     command = [sys.executable, "-m", "higvf_console", "run", "empty", "--port", "auto", "--no-browser"]
     done = subprocess.run([*command, "--duration", "0.1", "--token", "abc"], capture_output=True, text=True, check=True)
     assert "/?token=abc\n" in done.stdout
@@ -178,7 +178,7 @@ def test_an_address_that_cannot_be_served_is_one_line_and_exit_2(capsys: pytest.
     assert "higvf: host 203.0.113.7 is no address of this machine" in capsys.readouterr().err
 
 
-def test_compile_says_how_long_it_took(capsys: pytest.CaptureFixture[str]) -> None:
+def test_compile_reports_its_duration(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["compile"]) == 0
     assert capsys.readouterr().out.startswith("The engine is compiled (")
 

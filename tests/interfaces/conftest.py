@@ -1,4 +1,4 @@
-"""What the adapter tests share: an operator's context, files made on the spot."""
+"""Fixtures of the interface tests: an operator's context, files, and an isolated Lab Streaming Layer."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +15,7 @@ ContextAt = Callable[..., OperatorContext]
 
 @pytest.fixture
 def at() -> ContextAt:
-    """Makes the context of a session at a time; three robots, nothing pressed, nothing burnt out."""
+    """Returns a function that makes the context at a session time: three robots, clutch open, no fire extinguished."""
 
     def context(
         time: float,
@@ -42,7 +42,7 @@ def at() -> ContextAt:
 
 @pytest.fixture
 def write(tmp_path: Path) -> Callable[..., str]:
-    """Writes a file and returns its name."""
+    """Returns a function that writes a file and returns its name."""
 
     def written(content: str | bytes, name: str = "file.txt") -> str:
         path = tmp_path / name
@@ -54,5 +54,5 @@ def write(tmp_path: Path) -> Callable[..., str]:
 
 @pytest.fixture(scope="session")
 def lsl(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
-    """The Lab Streaming Layer, alone on this machine; skips the test where it is not installed."""
+    """The module `pylsl`, isolated from the network; skips the test if it is not installed."""
     return isolated_library(tmp_path_factory.mktemp("lsl"))

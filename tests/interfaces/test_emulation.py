@@ -1,4 +1,4 @@
-"""A device's errors can be made: as large as asked for, and the same for the same seed."""
+"""Emulated errors have the given sizes and are reproducible by the seed."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -27,7 +27,7 @@ def worse(model: ErrorModel) -> list[Decision | None]:
     return [emulate(decision, k, LABELS, model) for k, decision in enumerate(MANY)]
 
 
-def test_a_decoder_of_given_accuracy_is_right_that_often_and_wrong_evenly() -> None:
+def test_an_emulated_decoder_has_the_given_accuracy_and_uniform_errors() -> None:
     said = [
         (true.label, given.label) for true, given in zip(MANY, worse(ErrorModel(confusion=0.7)), strict=True) if given
     ]
@@ -44,7 +44,7 @@ def test_a_confusion_matrix_is_kept_row_by_row() -> None:
     assert all(true == given for true, given in said if true != "left")
 
 
-def test_latency_jitter_and_loss_are_as_large_as_asked_for() -> None:
+def test_latency_jitter_and_dropout_have_the_given_sizes() -> None:
     given = worse(ErrorModel(latency=0.4, jitter=0.2, dropout=0.3))
     late = [g.time - true.time for true, g in zip(MANY, given, strict=True) if g]
     assert len(late) / len(MANY) == pytest.approx(0.7, abs=0.03)
@@ -52,7 +52,7 @@ def test_latency_jitter_and_loss_are_as_large_as_asked_for() -> None:
     assert np.mean(late) == pytest.approx(0.6, abs=0.02)
 
 
-def test_the_delivery_of_a_feed_does_not_depend_on_how_often_it_is_asked() -> None:
+def test_the_delivery_of_a_feed_does_not_depend_on_the_polling_rate() -> None:
     model = ErrorModel(latency=0.3, jitter=0.5, dropout=0.2, confusion=0.8, seed=7)
 
     def played(period: float) -> list[Decision]:
@@ -80,7 +80,7 @@ def test_the_same_seed_gives_the_same_commands_and_another_one_others(write: Wri
     assert [command.sequence for command in first] == list(range(len(first)))
 
 
-def test_an_emulated_channel_says_so_and_plays_again_after_a_reset(write: Write, at: ContextAt) -> None:
+def test_an_emulated_channel_is_marked_as_such_and_replays_after_a_reset(write: Write, at: ContextAt) -> None:
     replay = open_bci(InputSpec("bci", write("time,label\n1,robot1\n"), options={"latency": "0.5", "confusion": "1"}))
     assert replay.poll(at(1.2)) == []
     assert replay.health(1.2).state is ChannelState.NEVER_SEEN
@@ -91,14 +91,14 @@ def test_an_emulated_channel_says_so_and_plays_again_after_a_reset(write: Write,
     assert [command.time for command in replay.poll(at(2.0))] == [1.5]
 
 
-def test_a_reset_drops_what_was_under_way(write: Write, at: ContextAt) -> None:
+def test_a_reset_drops_delayed_commands(write: Write, at: ContextAt) -> None:
     replay = open_bci(InputSpec("bci", write("time,label\n1,robot1\n"), options={"latency": "5"}))
     assert replay.poll(at(3.0)) == []
     assert [replay.poll(at(time)) for time in (0.0, 0.5, 0.99)] == [[], [], []]
     assert len(replay.poll(at(6.0))) == 1
 
 
-def test_a_script_can_be_late_and_lossy_but_its_strokes_stay_whole(write: Write, at: ContextAt) -> None:
+def test_a_script_can_be_delayed_and_lossy_but_its_strokes_stay_complete(write: Write, at: ContextAt) -> None:
     text = "- {at_s: 1, do: stroke, points_m: [[0, 0], [10, 0], [20, 5]]}\n- {at_s: 2, do: pause}\n"
     script = open_script(InputSpec("script", write(text), options={"latency": "0.3", "dropout": "1"}))
     assert script.poll(at(1.2)) == []
@@ -123,7 +123,7 @@ def gaze() -> GazeRecording:
     )
 
 
-def test_gaze_is_as_noisy_and_drifts_as_fast_as_asked_for() -> None:
+def test_gaze_has_the_given_noise_and_drift() -> None:
     worse = emulate_gaze(gaze(), ErrorModel(noise_deg=0.5, drift_deg_per_min=1.5, seed=2), 38.0)
     off = (worse.points - [900.0, 500.0]) / 38.0
     assert np.linalg.norm(off[-1000:].mean(axis=0)) == pytest.approx(1.5 * 115 / 60, abs=0.1)
@@ -133,7 +133,7 @@ def test_gaze_is_as_noisy_and_drifts_as_fast_as_asked_for() -> None:
     )
 
 
-def test_gaze_is_lost_in_blackouts_and_comes_late() -> None:
+def test_gaze_is_lost_in_blackouts_and_delayed() -> None:
     worse = emulate_gaze(gaze(), ErrorModel(dropout=0.25, latency=0.1), 38.0)
     assert worse.valid.mean() == pytest.approx(0.75, abs=0.06)
     edges = np.count_nonzero(np.diff(worse.valid.astype(int)))
@@ -154,7 +154,7 @@ def test_emulated_gaze_is_opened_by_its_options(write: Write, at: ContextAt) -> 
         ({"confusion": 1.5}, "confusion: 1.5 is not a number from 0 to 1"),
         (
             {"confusion": {"left": {"right": 1.2}}},
-            "confusion: left: {'right': 1.2} is not a mapping from labels to shares",
+            "confusion: left: {'right': 1.2} is not a mapping from labels to probabilities",
         ),
         ({"confusion": {"left": 0.5}}, "confusion: left: 0.5 is not a mapping"),
         ({"latency": -1}, "latency: -1 is not a number from 0 to 60 s"),
@@ -162,7 +162,7 @@ def test_emulated_gaze_is_opened_by_its_options(write: Write, at: ContextAt) -> 
         ({"seed": -1}, "seed: -1 is not a number from 0"),
     ],
 )
-def test_errors_that_no_device_makes_are_refused(write: Write, options: dict[str, object], message: str) -> None:
+def test_invalid_error_models_are_refused(write: Write, options: dict[str, object], message: str) -> None:
     with pytest.raises(InputError) as refusal:
         open_bci(InputSpec("bci", write("time,label\n1,robot1\n"), settings=options))
     assert message in str(refusal.value)

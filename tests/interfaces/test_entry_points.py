@@ -1,4 +1,4 @@
-"""Every adapter that the project names can be opened by its name, and keeps the contract."""
+"""Every interface can be opened by its entry point and keeps the contract."""
 
 from collections.abc import Callable
 from importlib.metadata import entry_points

@@ -1,4 +1,4 @@
-"""What interfaces/README.md shows can be used as it stands."""
+"""The examples and tables of interfaces/README.md agree with the code."""
 
 import re
 from collections.abc import Callable
@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
+from higvf_console.core.reading.document import read_yaml
 from higvf_interfaces.decisions.actions import ACTIONS
 from higvf_interfaces.decisions.bci import CLASSES
 from higvf_interfaces.decisions.emg import GESTURES, open_emg
@@ -18,14 +18,14 @@ from higvf_interfaces.gaze.calibration import read_calibration
 from higvf_interfaces.gaze.interface import OPTIONS as GAZE_OPTIONS
 from higvf_interfaces.recordings.plan import make_recordings
 from higvf_interfaces.scripts.file import DETAILS, EVENTS, read_script
-from higvf_interfaces.yaml_files import read_yaml
 
 README = (Path(__file__).parents[2] / "interfaces" / "README.md").read_text(encoding="utf-8")
 INPUTS, CALIBRATION, SCRIPT, PLAN = re.findall(r"```yaml\n(.*?)```", README, re.DOTALL)
 
 
 def test_the_shown_script_is_accepted(write: Callable[..., str]) -> None:
-    assert len(read_script(Path(write(SCRIPT)))) == 2
+    script = read_script(Path(write(SCRIPT)))
+    assert (len(script.entries), script.warnings) == (2, ())
 
 
 def test_the_shown_plan_makes_its_recordings(write: Callable[..., str]) -> None:
@@ -33,8 +33,7 @@ def test_the_shown_plan_makes_its_recordings(write: Callable[..., str]) -> None:
 
 
 def test_the_shown_settings_are_accepted(write: Callable[..., str]) -> None:
-    content = read_yaml(Path(write(INPUTS)), InputError)
-    assert isinstance(content, dict)
+    content = read_yaml(INPUTS, "README.md").value
     open_emg(InputSpec("emg", write("time,label\n1,fist\n", "log.csv"), settings=content["inputs"]["emg"]))
 
 

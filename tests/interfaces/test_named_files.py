@@ -1,4 +1,4 @@
-"""Files are named as operators do, and a home that nobody has is no crash."""
+"""File names are expanded, and unusable ones are refused."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -15,12 +15,12 @@ from higvf_interfaces.scripts.interface import open_script
 NOBODY = "~nobody-of-this-name/file"
 
 
-def test_a_home_is_found_and_that_of_nobody_stays_as_written() -> None:
+def test_a_home_folder_is_expanded_and_an_unknown_one_stays_as_written() -> None:
     assert named("~/look.tsv") == Path.home() / "look.tsv"
     assert named(NOBODY) == Path(NOBODY)
 
 
-def test_a_file_in_the_home_of_nobody_is_refused(write: Callable[..., str]) -> None:
+def test_a_file_in_an_unknown_home_folder_is_refused(write: Callable[..., str]) -> None:
     table = write("time,x [px],y [px]\n0,1,1\n")
     for opened in (
         lambda: open_gaze(InputSpec("gaze", NOBODY)),
@@ -34,7 +34,7 @@ def test_a_file_in_the_home_of_nobody_is_refused(write: Callable[..., str]) -> N
 @pytest.mark.parametrize(
     ("options", "expected"), [({}, "decisions (.*command-csv"), ({"decoder": "ssvep"}, "a signal (.*signal-csv")]
 )
-def test_a_folder_where_a_file_is_due_is_refused_with_what_is(
+def test_a_folder_instead_of_a_file_is_refused_with_the_formats(
     tmp_path: Path, options: dict[str, str], expected: str
 ) -> None:
     with pytest.raises(InputError, match=f"{tmp_path}: is a folder; give a file of {expected}".replace("(", r"\(")):

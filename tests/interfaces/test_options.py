@@ -1,4 +1,4 @@
-"""Options of the command line are numbers where they can be, and names where they must be."""
+"""Options that look like numbers are read as names where names are expected; misplaced options are refused."""
 
 from collections.abc import Callable
 
@@ -12,7 +12,7 @@ from higvf_interfaces.emulation import GAZE_ERRORS
 from higvf_interfaces.fields import NAMES, option_fields
 from higvf_interfaces.gaze.interface import open_gaze
 from higvf_interfaces.live import lsl
-from higvf_interfaces.live.lsl import Wish, wish_of
+from higvf_interfaces.live.lsl import StreamQuery, query_of
 from tests.interfaces.formats.xdf_files import Stream, xdf
 
 
@@ -20,7 +20,7 @@ from tests.interfaces.formats.xdf_files import Stream, xdf
 def test_a_name_that_looks_like_a_number_is_a_name(text: str) -> None:
     options = option_fields(InputSpec("bci", "lsl", dict.fromkeys(NAMES, text)), tuple(NAMES))
     assert {key: word(options, key) for key in NAMES} == dict.fromkeys(NAMES, text)
-    assert wish_of(options, Wish()) == Wish(text, text, text, text)
+    assert query_of(options, StreamQuery()) == StreamQuery(text, text, text, text)
 
 
 def test_a_name_that_a_scenario_gives_as_a_number_keeps_its_digits() -> None:
@@ -37,7 +37,7 @@ def test_a_stream_of_digits_can_be_chosen(write: Callable[..., str]) -> None:
     ("opened", "head"), [(open_gaze, "time,x [px],y [px]\n0,1,1\n"), (open_bci, "time,label\n1,stop\n")]
 )
 @pytest.mark.parametrize("key", lsl.OPTIONS)
-def test_an_option_of_a_live_stream_beside_a_file_is_refused(
+def test_an_option_of_live_streams_is_refused_for_a_file(
     write: Callable[..., str], opened: Callable[[InputSpec], object], head: str, key: str
 ) -> None:
     file = write(head)
@@ -53,9 +53,7 @@ def test_an_option_of_a_live_stream_beside_a_file_is_refused(
         *((open_bci, key) for key in ("format", "stream", "start", "rate", "period")),
     ],
 )
-def test_an_option_of_a_recording_beside_a_live_stream_is_refused(
-    opened: Callable[[InputSpec], object], key: str
-) -> None:
+def test_an_option_of_recordings_is_refused_for_a_live_stream(opened: Callable[[InputSpec], object], key: str) -> None:
     with pytest.raises(InputError, match=f"{key} is for recordings, and this is a live stream; give a file"):
         opened(InputSpec("input", "lsl", {key: "1", "within": "0.1"}))
 
@@ -70,7 +68,7 @@ def test_an_option_of_a_recording_beside_a_live_stream_is_refused(
         ({"decoder": "ssvep", "calibration": "today.xdf"}, "calibration is for decoder=lda"),
     ],
 )
-def test_an_option_of_a_decoder_that_is_not_asked_for_is_refused(
+def test_an_option_of_another_decoder_is_refused(
     write: Callable[..., str], options: dict[str, str], refusal: str
 ) -> None:
     with pytest.raises(InputError, match=refusal):

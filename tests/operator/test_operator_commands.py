@@ -1,4 +1,4 @@
-"""What each operator command means, and what refusing one leaves untouched."""
+"""The effect of each operator command, and that a refused command changes nothing."""
 
 import math
 from collections.abc import Sequence
@@ -32,10 +32,11 @@ from higvf_console.core.commands import (
     StrokeEnd,
     StrokePoints,
 )
+from higvf_console.core.events import Event
 from higvf_console.core.state import NO_PATH, NOBODY, PathKind, PathStatus, SimState
 from higvf_console.operator.reducer import apply_command
-from higvf_console.sim.setup import Event, Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup
 from tests.teams import stroke, team
 
 LINE = [(100.0, 350.0), (300.0, 350.0), (500.0, 350.0)]
@@ -51,8 +52,8 @@ def after(
 ) -> tuple[SimState, list[Event]]:
     state, events = state or setup.start, []
     for command in commands:
-        state, said = apply_command(state, command, setup)
-        events += said
+        state, new = apply_command(state, command, setup)
+        events += new
     return state, events
 
 
@@ -65,7 +66,7 @@ def test_a_stroke_becomes_the_path_of_the_robot_that_it_names(setup: Setup) -> N
     assert len(state.pointer_state.stroke) == 0
 
 
-def test_a_growing_stroke_is_seen_and_not_felt(setup: Setup) -> None:
+def test_a_growing_stroke_is_visible_and_influences_no_robot(setup: Setup) -> None:
     state, _ = after(setup, [StrokeBegin(), StrokePoints(floats(LINE)), StrokePoints(floats([(600, 400)]))])
     assert len(state.pointer_state.stroke) == 4
     assert state.intent.path.kind == PathKind.NONE
@@ -90,7 +91,7 @@ def test_a_stroke_under_three_distinct_points_is_refused_with_the_reason_and_the
     assert state.intent == before.intent
 
 
-def test_a_stroke_that_leaves_the_arena_is_clipped_and_said(setup: Setup) -> None:
+def test_a_stroke_that_leaves_the_arena_is_clipped_and_reported(setup: Setup) -> None:
     state, events = after(setup, stroke([(100, 350), (800, 600), (900, 900), (1100, 600)]))
     points = path_points(state.intent.path, floats(np.linspace(0, state.intent.path.length, 300)))
     assert points[:, 1].max() < 710.0
@@ -114,7 +115,7 @@ def test_picking_another_robot_keeps_path_and_progress(setup: Setup) -> None:
     assert picked.intent.influenced == 2
     assert picked.intent.path is state.intent.path
     assert picked.motion.path_parameter == state.motion.path_parameter
-    assert events[0].text == "Robot 3 feels the human intention."
+    assert events[0].text == "Robot 3 is now the influenced robot."
 
 
 @pytest.mark.parametrize("robot", [-1, 3, 99])
@@ -128,31 +129,31 @@ UP = [(100, 350), (100, 500), (100, 600)]
 
 
 def drawn(robot: int | None = None) -> list[OperatorCommand]:
-    """A stroke that waits."""
+    """A stroke that becomes a pending path."""
     return [*stroke(LINE)[:2], StrokeEnd(robot=robot, preview=True)]
 
 
-def test_a_stroke_that_waits_changes_nothing_that_a_robot_feels(setup: Setup) -> None:
+def test_a_pending_path_influences_no_robot(setup: Setup) -> None:
     before, _ = after(setup, [*stroke(UP), Pick(1)])
     state, events = after(setup, drawn(robot=2), before)
     assert (state.motion, state.intent) == (before.motion, before.intent)
     assert state.pointer_state.pending.length == pytest.approx(400.0, abs=1.0)
-    assert "400 m waits" in events[-1].text
+    assert "400 m is pending" in events[-1].text
 
 
-def test_a_confirmed_path_is_joined_from_where_the_robot_is_by_then(setup: Setup) -> None:
+def test_a_confirmed_path_is_joined_from_the_present_position_of_the_robot(setup: Setup) -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 200)
     circle = floats(np.stack([600.0 + 150.0 * np.cos(turn), 350.0 + 150.0 * np.sin(turn)], axis=1))
-    waits, _ = after(setup, [*stroke(circle)[:2], StrokeEnd(preview=True)])
-    position = waits.motion.position + np.array([600.0 - waits.motion.position[0, 0], 200.0])  # above the centre
-    state, events = after(setup, [Confirm()], waits._replace(motion=waits.motion._replace(position=position)))
+    pending, _ = after(setup, [*stroke(circle)[:2], StrokeEnd(preview=True)])
+    position = pending.motion.position + np.array([600.0 - pending.motion.position[0, 0], 200.0])  # above the centre
+    state, events = after(setup, [Confirm()], pending._replace(motion=pending.motion._replace(position=position)))
     assert state.motion.path_parameter == pytest.approx(150.0 * np.pi / 2, abs=2.0)
-    assert state.intent.path is waits.pointer_state.pending
+    assert state.intent.path is pending.pointer_state.pending
     assert state.pointer_state.pending is NO_PATH
     assert "Robot 1 follows" in events[-1].text
 
 
-def test_a_path_that_waits_is_the_named_robot_s_or_that_of_the_one_influenced_at_its_confirmation(setup: Setup) -> None:
+def test_a_confirmed_path_goes_to_the_named_robot_else_to_the_influenced_one(setup: Setup) -> None:
     assert after(setup, [*drawn(robot=2), Confirm()])[0].intent.influenced == 2
     assert after(setup, [*drawn(), Pick(1), Confirm()])[0].intent.influenced == 1
 
@@ -161,7 +162,7 @@ def test_a_path_that_waits_is_the_named_robot_s_or_that_of_the_one_influenced_at
     "ending",
     [[Discard()], [Discard(proposal=False)], [EmergencyStop()], [ResetRun()], [ClearPath(), *stroke(UP), ClearPath()]],
 )
-def test_a_discard_a_stop_a_reset_and_a_new_path_drop_the_path_that_waits(
+def test_a_discard_a_stop_a_reset_and_a_new_path_drop_the_pending_path(
     setup: Setup, ending: list[OperatorCommand]
 ) -> None:
     state, _ = after(setup, [*drawn(), *ending])
@@ -172,7 +173,7 @@ def test_a_discard_a_stop_a_reset_and_a_new_path_drop_the_path_that_waits(
 
 
 @pytest.mark.parametrize("end", [StrokeCancel(), StrokeEnd(preview=True), StrokeEnd(use="scribble")])
-def test_a_stroke_that_comes_to_nothing_leaves_the_path_that_waits(setup: Setup, end: OperatorCommand) -> None:
+def test_a_refused_stroke_keeps_the_pending_path(setup: Setup, end: OperatorCommand) -> None:
     before, _ = after(setup, drawn())
     state, _ = after(setup, [StrokeBegin(), StrokePoints(floats([(600, 400)])), end], before)
     assert state.pointer_state.pending is before.pointer_state.pending
@@ -181,11 +182,11 @@ def test_a_stroke_that_comes_to_nothing_leaves_the_path_that_waits(setup: Setup,
 def test_a_path_alone_can_be_discarded_and_the_proposed_robot_stays(setup: Setup) -> None:
     state, events = after(setup, [*drawn(), ProposePick(2, within=5.0), Discard(proposal=False)])
     assert (state.pointer_state.pending, state.pointer_state.proposed) == (NO_PATH, 2)
-    assert events[-1].text == "What waited is discarded."
+    assert events[-1].text == "The pending path or proposal is discarded."
     assert after(setup, [Discard(proposal=False)], state) == (state, [])
 
 
-def test_a_stroke_that_waits_for_a_robot_that_does_not_exist_is_refused(setup: Setup) -> None:
+def test_a_pending_path_for_an_unknown_robot_is_refused(setup: Setup) -> None:
     state, events = after(setup, drawn(robot=7))
     assert state.pointer_state.pending is NO_PATH
     assert "no robot 8" in events[-1].text
@@ -199,20 +200,18 @@ def test_a_proposed_robot_waits_and_is_picked_by_a_confirm(setup: Setup) -> None
     assert (picked.intent.influenced, picked.pointer_state.proposed) == (2, NOBODY)
 
 
-def test_a_confirm_makes_all_real_that_waits_the_path_for_the_proposed_robot(setup: Setup) -> None:
+def test_a_confirm_gives_the_pending_path_to_the_proposed_robot(setup: Setup) -> None:
     state, _ = after(setup, [ProposePick(1), *drawn(), Confirm()])
     assert (state.intent.influenced, state.intent.path.kind) == (1, PathKind.SPLINE)
 
 
 @pytest.mark.parametrize("ending", [Discard(), EmergencyStop(), ResetRun(), Pick(1), ProposePick(0)])
-def test_a_discard_a_stop_a_reset_and_a_sure_pick_drop_the_proposed_robot(
-    setup: Setup, ending: OperatorCommand
-) -> None:
+def test_a_discard_a_stop_a_reset_and_a_pick_drop_the_proposed_robot(setup: Setup, ending: OperatorCommand) -> None:
     state, _ = after(setup, [ProposePick(2), ending, Confirm()])
     assert state.intent.influenced != 2
 
 
-def test_a_proposal_lapses(setup: Setup) -> None:
+def test_a_proposal_expires(setup: Setup) -> None:
     state, _ = after(setup, [ProposePick(2, within=0.5)])
     for _ in range(26):
         state, _ = advance(state, setup.world, setup.params)
@@ -221,7 +220,7 @@ def test_a_proposal_lapses(setup: Setup) -> None:
     assert events[-1].kind == "refused"
 
 
-def test_a_proposal_of_a_robot_that_does_not_exist_is_refused(setup: Setup) -> None:
+def test_a_proposal_of_an_unknown_robot_is_refused(setup: Setup) -> None:
     state, events = after(setup, [ProposePick(3)])
     assert state.pointer_state.proposed == NOBODY
     assert "no robot 4" in events[-1].text
@@ -236,7 +235,7 @@ def test_clear_removes_and_reverse_turns_the_path(setup: Setup) -> None:
     assert after(setup, [ReversePath()], cleared)[1][0].kind == "refused"
 
 
-def test_next_task_ends_the_human_intention_and_keeps_the_path_to_see(setup: Setup) -> None:
+def test_next_task_ends_the_human_intention_and_keeps_the_path_visible(setup: Setup) -> None:
     state, _ = after(setup, [*stroke(LINE), NextTask()])
     assert state.motion.path_status == PathStatus.FINISHED
     assert state.intent.path.kind == PathKind.SPLINE
@@ -253,7 +252,7 @@ def test_a_stop_is_latched_until_two_steps_and_leaves_the_team_paused(setup: Set
     assert not after(setup, [Resume()], free)[0].intent.paused
 
 
-def test_a_second_stop_forgets_a_half_made_reset(setup: Setup) -> None:
+def test_a_second_stop_cancels_the_first_step_of_a_reset(setup: Setup) -> None:
     state, _ = after(setup, [EmergencyStop(), AskReset(), EmergencyStop(), ResetEmergencyStop()])
     assert state.intent.stopped
 
@@ -270,7 +269,7 @@ def test_pause_resume_clutch_and_cursor_are_state(setup: Setup) -> None:
     assert np.isnan(state.pointer_state.cursor).all()
 
 
-def test_a_reset_run_starts_from_the_scenarios_own_state(setup: Setup) -> None:
+def test_a_reset_run_restarts_from_the_initial_state_of_the_scenario(setup: Setup) -> None:
     state, _ = after(setup, stroke(LINE))
     for _ in range(20):
         state, _ = advance(state, setup.world, setup.params)
@@ -278,25 +277,25 @@ def test_a_reset_run_starts_from_the_scenarios_own_state(setup: Setup) -> None:
 
 
 @pytest.mark.parametrize("how", ControlChange)
-def test_a_change_of_control_is_told_with_its_page_and_moves_nothing(setup: Setup, how: ControlChange) -> None:
+def test_a_change_of_control_is_reported_with_its_page_and_moves_nothing(setup: Setup, how: ControlChange) -> None:
     state, events = after(setup, [HandOver("Browser 2", how, operator="Browser 1")])
     assert state is setup.start
     assert [event.kind for event in events] == ["control"]
     assert "Browser 2" in events[0].text
 
 
-def test_control_that_nobody_takes_over_is_told_to_be_nobody_s(setup: Setup) -> None:
+def test_the_report_of_a_lost_control_states_that_nobody_steers(setup: Setup) -> None:
     _, events = after(setup, [HandOver("", how, operator="Browser 1") for how in ("released", "lost")])
     assert all("Browser 1" in event.text and "nobody steers" in event.text for event in events)
 
 
-def test_a_change_of_control_that_there_is_not_is_refused(setup: Setup) -> None:
+def test_an_unknown_change_of_control_is_refused(setup: Setup) -> None:
     _, events = after(setup, [HandOver("Browser 2", "stolen")])
     assert events[0].kind == "refused"
     assert "'stolen'" in events[0].text
 
 
-def test_a_stroke_for_nothing_that_is_known_is_refused_with_the_choices() -> None:
+def test_an_unknown_use_of_a_stroke_is_refused_with_the_choices() -> None:
     setup = team()
     given = [StrokeBegin(), StrokePoints(floats(LINE, -1, 2)), StrokeEnd(use="nonsense")]
     state, events = after(setup, given)
@@ -312,7 +311,7 @@ def test_a_reset_of_the_run_leaves_a_stop_latched(setup: Setup) -> None:
     assert not state.intent.stopped and not state.intent.paused
 
 
-def test_a_stroke_for_a_robot_that_is_not_there_is_refused_as_a_whole(setup: Setup) -> None:
+def test_a_stroke_for_an_unknown_robot_is_refused_as_a_whole(setup: Setup) -> None:
     state, events = after(setup, stroke(LINE, robot=8))
     assert [event.kind for event in events] == ["refused"]
     assert "There is no robot 9" in events[0].text
@@ -321,7 +320,7 @@ def test_a_stroke_for_a_robot_that_is_not_there_is_refused_as_a_whole(setup: Set
 
 
 @pytest.mark.parametrize("end", [StrokeEnd, StrokeCancel])
-def test_a_stroke_is_ended_by_nobody_but_the_interface_that_draws_it_and_the_session(
+def test_only_the_drawing_interface_and_the_session_may_end_a_stroke(
     setup: Setup, end: type[StrokeEnd | StrokeCancel]
 ) -> None:
     begin, points, _ = stroke(LINE)

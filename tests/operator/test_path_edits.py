@@ -1,4 +1,4 @@
-"""A path that is repaired keeps what was not touched, and is followed as before."""
+"""A repaired path keeps its other parts and is followed as before."""
 
 import math
 from collections.abc import Sequence
@@ -27,8 +27,8 @@ from higvf_console.core.errors import PathError
 from higvf_console.core.state import NO_PATH, Path, PathEnding, PathStatus, SimState
 from higvf_console.operator.path_edits import bent, reclosed, redrawn
 from higvf_console.operator.reducer import apply_command
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup
 from tests.teams import stroke, team
 
 WAY = floats([[100.0, 350.0], [300.0, 360.0], [500.0, 340.0], [700.0, 360.0], [900.0, 350.0]])
@@ -47,7 +47,7 @@ def along(path: Path, count: int = 80) -> Floats:
     return path_points(path, floats(np.linspace(0.0, path.length, count)))
 
 
-def test_a_part_drawn_anew_replaces_what_lies_between_its_ends_and_nothing_else() -> None:
+def test_redrawing_a_part_replaces_only_the_part_between_the_ends_of_the_stroke() -> None:
     detour = floats([[400.0, 352.0], [450.0, 500.0], [550.0, 500.0], [600.0, 350.0]])
     new = redrawn(OPEN, detour, 0.0)
     assert distances(new, detour[1:-1]).max() < 5.0
@@ -58,7 +58,7 @@ def test_a_part_drawn_anew_replaces_what_lies_between_its_ends_and_nothing_else(
     assert not new.closed
 
 
-def test_a_part_may_be_drawn_against_the_path() -> None:
+def test_a_part_may_be_redrawn_against_the_direction_of_the_path() -> None:
     detour = floats([[600.0, 350.0], [550.0, 500.0], [450.0, 500.0], [400.0, 352.0]])
     new = redrawn(OPEN, detour, 0.0)
     np.testing.assert_allclose(along(new)[[0, -1]], along(OPEN)[[0, -1]], atol=1e-6)
@@ -66,7 +66,7 @@ def test_a_part_may_be_drawn_against_the_path() -> None:
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
-def test_a_stroke_that_leaves_an_open_path_is_its_new_end_as_it_is_followed(direction: float) -> None:
+def test_a_stroke_that_leaves_an_open_path_becomes_its_new_end(direction: float) -> None:
     path = OPEN._replace(direction=direction)
     new = redrawn(path, floats([[500.0, 345.0], [520.0, 450.0], [520.0, 600.0]]), 0.0)
     points = along(new) if direction > 0.0 else along(new)[::-1]
@@ -76,7 +76,7 @@ def test_a_stroke_that_leaves_an_open_path_is_its_new_end_as_it_is_followed(dire
 
 
 @pytest.mark.parametrize("turn", [1, -1])
-def test_on_a_closed_path_the_shorter_way_round_is_replaced(turn: int) -> None:
+def test_on_a_closed_path_the_stroke_replaces_the_shorter_arc(turn: int) -> None:
     bulge = floats([[684.0, 430.0], [800.0, 350.0], [684.0, 270.0]])[::turn]
     new = redrawn(CLOSED, bulge, 0.0)
     assert new.closed
@@ -96,7 +96,7 @@ def test_on_a_closed_path_the_shorter_way_round_is_replaced(turn: int) -> None:
         (CLOSED, [[684, 430], [900, 350]], "the stroke ends 200 m from the closed path; end it within 80 m"),
     ],
 )
-def test_a_part_that_cannot_be_drawn_is_refused(path: Path, points: list[list[float]], message: str) -> None:
+def test_a_part_that_cannot_be_redrawn_is_refused(path: Path, points: list[list[float]], message: str) -> None:
     with pytest.raises(PathError, match=message):
         redrawn(path, floats(points), 0.0)
 
@@ -104,7 +104,7 @@ def test_a_part_that_cannot_be_drawn_is_refused(path: Path, points: list[list[fl
 @pytest.mark.parametrize("path", [OPEN, CLOSED], ids=["open", "closed"])
 @settings(max_examples=30)
 @given(share=st.floats(0.0, 1.0), x=st.floats(-100.0, 100.0), y=st.floats(-100.0, 100.0))
-def test_a_dragged_point_takes_the_path_with_it_and_leaves_what_is_far_alone(
+def test_a_moved_point_deforms_the_path_near_it_and_leaves_the_rest_unchanged(
     path: Path, share: float, x: float, y: float
 ) -> None:
     foot = path_points(path, floats([share * path.length]))[0]
@@ -117,7 +117,7 @@ def test_a_dragged_point_takes_the_path_with_it_and_leaves_what_is_far_alone(
     assert new.closed == path.closed
 
 
-def test_an_end_may_be_joined_to_the_start_and_opened_again() -> None:
+def test_a_path_may_be_closed_and_opened_again() -> None:
     arc = sketch_path(along(CLOSED)[:60], 0.0, closed=False)
     joined = reclosed(arc, closed=True)
     assert joined.closed
@@ -152,7 +152,7 @@ def gone_on(setup: Setup, state: SimState, ticks: int) -> SimState:
     return state
 
 
-def test_a_path_repaired_while_it_is_followed_goes_on_from_where_it_is() -> None:
+def test_a_robot_continues_from_its_place_when_its_path_is_repaired() -> None:
     setup, state = following()
     done = state.motion.path_parameter
     assert 50.0 < done < 400.0
@@ -172,19 +172,19 @@ DETOUR = floats([[600.0, 350.0], [650.0, 450.0], [700.0, 360.0]])
 GRIP, POINT = floats([700.0, 350.0]), floats([700.0, 420.0])
 
 
-def repairs(waits: bool) -> dict[str, list[OperatorCommand]]:
+def repairs(preview: bool) -> dict[str, list[OperatorCommand]]:
     return {
-        "redraw": [StrokeBegin(), StrokePoints(DETOUR), StrokeEnd(use="redraw", preview=waits)],
-        "move_point": [MovePathPoint(GRIP, POINT, preview=waits)],
+        "redraw": [StrokeBegin(), StrokePoints(DETOUR), StrokeEnd(use="redraw", preview=preview)],
+        "move_point": [MovePathPoint(GRIP, POINT, preview=preview)],
     }
 
 
 @pytest.mark.parametrize("repair", ["redraw", "move_point"])
-def test_a_repair_that_waits_moves_nothing_and_once_confirmed_is_the_repair_at_once(repair: str) -> None:
+def test_a_pending_repair_moves_nothing_and_equals_an_immediate_repair_once_confirmed(repair: str) -> None:
     setup, state = following()
-    waits = commanded(setup, state, repairs(True)[repair])
-    assert (waits.motion, waits.intent) == (state.motion, state.intent)
-    confirmed, at_once = commanded(setup, waits, [Confirm()]), commanded(setup, state, repairs(False)[repair])
+    pending = commanded(setup, state, repairs(True)[repair])
+    assert (pending.motion, pending.intent) == (state.motion, state.intent)
+    confirmed, at_once = commanded(setup, pending, [Confirm()]), commanded(setup, state, repairs(False)[repair])
     assert confirmed.intent.path.length == at_once.intent.path.length > state.intent.path.length
     assert confirmed.motion.path_parameter == at_once.motion.path_parameter > 50.0, "it goes on where it was"
     assert confirmed.pointer_state.paths == (confirmed.intent.path,), "in the list it takes the place of the old one"
@@ -199,13 +199,13 @@ def test_a_repair_that_waits_moves_nothing_and_once_confirmed_is_the_repair_at_o
         ([ShapePath(pace=0.5, ending="hold")], False),
     ],
 )
-def test_while_a_path_waits_it_is_the_one_that_is_repaired(commands: list[OperatorCommand], longer: bool) -> None:
+def test_repairs_change_the_pending_path_if_there_is_one(commands: list[OperatorCommand], longer: bool) -> None:
     setup, state = following()
     drawn = stroke(WAY.tolist())
-    waits = commanded(setup, state, [*drawn[:2], StrokeEnd(smoothing=0.0, preview=True)])
-    new = commanded(setup, waits, commands)
+    pending = commanded(setup, state, [*drawn[:2], StrokeEnd(smoothing=0.0, preview=True)])
+    new = commanded(setup, pending, commands)
     assert (new.motion, new.intent) == (state.motion, state.intent)
-    path, old = new.pointer_state.pending, waits.pointer_state.pending
+    path, old = new.pointer_state.pending, pending.pointer_state.pending
     assert path is not old
     assert (path.length > old.length) is longer
     confirmed = commanded(setup, new, [Confirm()])
@@ -213,7 +213,7 @@ def test_while_a_path_waits_it_is_the_one_that_is_repaired(commands: list[Operat
     assert len(confirmed.pointer_state.paths) == 2, "it is a path of its own"
 
 
-def test_a_repair_that_waits_for_a_path_that_has_been_cleared_since_becomes_a_path_of_its_own() -> None:
+def test_a_pending_repair_of_a_path_cleared_meanwhile_becomes_a_new_path() -> None:
     setup, state = following()
     state = commanded(setup, state, [*repairs(True)["move_point"], ClearPath(), Confirm()])
     assert state.motion.path_status == PathStatus.FOLLOWING
@@ -238,21 +238,21 @@ def test_without_a_path_every_repair_is_refused_and_changes_nothing() -> None:
 @pytest.mark.parametrize(
     ("command", "message"),
     [
-        (ShapePath(ending="stop"), "'stop' is no ending of a path; endings: release, hold, loop"),
-        (ShapePath(pace=3.0), "a pace of 3 is not within 0.2 to 1.5"),
-        (ShapePath(duration=-1.0), "a duration of -1 s is not from 0 s"),
-        (ShapePath(duration=math.nan), "a duration of nan s is not from 0 s"),
+        (ShapePath(ending="stop"), "unknown path ending 'stop'; choose release, hold, loop"),
+        (ShapePath(pace=3.0), "pace 3 is outside 0.2 to 1.5"),
+        (ShapePath(duration=-1.0), "duration -1 s is not at least 0 s"),
+        (ShapePath(duration=math.nan), "duration nan s is not at least 0 s"),
         (MovePathPoint(floats([500.0, 350.0]), floats([math.nan, 0.0])), "not finite"),
     ],
 )
-def test_what_a_path_cannot_be_is_refused_with_the_choices(command: OperatorCommand, message: str) -> None:
+def test_an_invalid_property_of_a_path_is_refused_with_the_choices(command: OperatorCommand, message: str) -> None:
     setup, state = following(10)
     after, events = apply_command(state, command, setup)
     assert after is state
     assert message in events[0].text
 
 
-def test_paths_are_taken_up_again_and_leave_the_list_by_number() -> None:
+def test_listed_paths_are_followed_again_and_removed_by_number() -> None:
     setup, state = following(20)
     first = state.intent.path
     state = commanded(setup, state, stroke([(100.0, 300.0), (300.0, 100.0), (600.0, 100.0)]))

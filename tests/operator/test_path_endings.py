@@ -1,4 +1,4 @@
-"""How a path is followed: at its pace, for its time, and what happens at its end."""
+"""Pace, duration and ending of a path."""
 
 import math
 
@@ -8,8 +8,8 @@ import pytest
 from higvf_console.core.commands import OperatorCommand, Pause, Resume, ReversePath, ShapePath
 from higvf_console.core.state import PathStatus, SimState
 from higvf_console.operator.reducer import apply_command
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup
 from tests.teams import stroke, team
 
 WAY = ((100.0, 350.0), (200.0, 360.0), (300.0, 350.0), (400.0, 350.0))
@@ -34,14 +34,14 @@ def statuses(states: list[SimState]) -> list[int]:
     return [state.motion.path_status for state in states]
 
 
-def test_a_path_that_is_released_lets_the_team_go_on_with_its_own_task() -> None:
+def test_after_a_released_path_the_team_continues_its_own_task() -> None:
     setup = team(fires=AWAY)
     states = histories(setup, led(setup), 1200)
     assert states[-1].motion.path_status == PathStatus.FINISHED
     assert np.hypot(*(states[-1].motion.position[0] - (1000.0, 600.0))) < 100.0
 
 
-def test_a_path_that_holds_keeps_the_team_at_its_end_and_the_others_too() -> None:
+def test_a_holding_path_keeps_the_whole_team_at_its_end() -> None:
     setup = team(fires=AWAY)
     states = histories(setup, led(setup, ShapePath(ending="hold")), 800)
     assert PathStatus.FINISHED not in statuses(states)
@@ -79,7 +79,7 @@ def test_the_pace_is_a_share_of_the_velocity(pace: float) -> None:
     assert paced == pytest.approx(pace * usual, rel=0.1)
 
 
-def test_nobody_is_ever_faster_than_the_limit_at_any_pace() -> None:
+def test_no_robot_exceeds_the_speed_limit_at_any_pace() -> None:
     setup = team()
     limit = setup.params.safety.speed_limit
     for state in histories(setup, led(setup, ShapePath(pace=1.5)), 200):
@@ -97,7 +97,7 @@ def test_when_its_time_is_over_a_path_ends(ending: str, status: str) -> None:
 
 
 @pytest.mark.parametrize("ending", ["release", "hold"])
-def test_a_path_repaired_after_its_time_is_given_that_time_again(ending: str) -> None:
+def test_the_duration_restarts_when_a_path_is_repaired_after_it_is_over(ending: str) -> None:
     setup = team()
     over = histories(setup, led(setup, ShapePath(ending=ending, duration=1.0)), 80)[-1]
     assert over.motion.path_left == 0.0
@@ -106,7 +106,7 @@ def test_a_path_repaired_after_its_time_is_given_that_time_again(ending: str) ->
     assert histories(setup, back, 30)[-1].motion.path_status == PathStatus.FOLLOWING
 
 
-def test_the_time_of_a_path_stands_while_the_team_is_paused() -> None:
+def test_the_duration_of_a_path_does_not_run_while_the_team_is_paused() -> None:
     setup = team()
     state, _ = apply_command(histories(setup, led(setup, ShapePath(duration=1.0)), 20)[-1], Pause(), setup)
     left = state.motion.path_left
@@ -116,13 +116,13 @@ def test_the_time_of_a_path_stands_while_the_team_is_paused() -> None:
     assert histories(setup, state, 45)[-1].motion.path_status == PathStatus.FINISHED
 
 
-def test_a_new_duration_counts_from_then_and_any_other_change_leaves_the_time_alone() -> None:
+def test_only_a_new_duration_restarts_the_time_of_a_path() -> None:
     setup = team()
     state = histories(setup, led(setup, ShapePath(duration=5.0)), 50)[-1]
     assert state.motion.path_left == pytest.approx(4.0)
     paced, _ = apply_command(state, ShapePath(pace=0.5), setup)
     assert paced.motion.path_left == state.motion.path_left
-    anew, _ = apply_command(state, ShapePath(duration=2.0), setup)
-    assert anew.motion.path_left == 2.0
+    renewed, _ = apply_command(state, ShapePath(duration=2.0), setup)
+    assert renewed.motion.path_left == 2.0
     endless, _ = apply_command(state, ShapePath(duration=0.0), setup)
     assert endless.motion.path_left == math.inf

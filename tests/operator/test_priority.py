@@ -1,4 +1,4 @@
-"""Priority: the operator points one robot to a fire, and that robot values it more than what it sees."""
+"""Priority: the operator multiplies the value of a fire for one robot."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,8 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand, Prioritise, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.core.state import SimState
 from higvf_console.operator.reducer import apply_command
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup
 from tests.teams import team
 
 FIRES = [(300.0, 350.0, 30.0), (600.0, 350.0, 10.0)]
@@ -26,13 +26,13 @@ def targets(setup: Setup, state: SimState) -> list[int]:
     return advance(state, setup.world, setup.params)[0].motion.target.tolist()
 
 
-def test_a_robot_goes_to_the_fire_that_it_is_pointed_to_and_the_others_by_what_they_see() -> None:
+def test_a_robot_goes_to_its_prioritised_fire_and_the_others_follow_their_perception() -> None:
     setup = team(fires=FIRES)
     assert targets(setup, setup.start) == [0, 0, 0]
     assert targets(setup, after(setup, Prioritise(fires=(1,), robot=2))) == [0, 0, 1]
 
 
-def test_a_fire_behind_an_obstacle_is_valued_as_if_nothing_hid_it() -> None:
+def test_the_value_of_a_prioritised_fire_ignores_occlusion() -> None:
     setup = team([(100.0, 350.0)], FIRES, bars=[(400.0, 200.0, 400.0, 500.0, 6.0)])
     plain, pointed = (
         advance(state, setup.world, setup.params)[1].fire_value[0]
@@ -44,7 +44,7 @@ def test_a_fire_behind_an_obstacle_is_valued_as_if_nothing_hid_it() -> None:
     assert pointed.tolist() == [plain[0], pytest.approx(3.0 * seen)]
 
 
-def test_a_stroke_round_a_fire_gives_it_priority_with_the_influenced_robot() -> None:
+def test_a_stroke_round_a_fire_prioritises_it_for_the_influenced_robot() -> None:
     setup = team(fires=FIRES)
     state = after(setup, StrokeBegin(), StrokePoints(floats(ROUND_SECOND)), StrokeEnd(use="priority"))
     assert state.intent.priority.tolist() == [[0.0, 1.0, setup.params.perception.priority]]
@@ -63,17 +63,17 @@ def test_a_stroke_round_no_burning_fire_is_refused() -> None:
     assert events[0].text == "No priority: no burning fire has its centre inside the stroke."
 
 
-def test_new_priorities_of_a_robot_take_the_place_of_its_old_ones_alone() -> None:
+def test_new_priorities_replace_only_those_of_the_same_robot() -> None:
     setup = team(fires=FIRES)
     state = after(setup, Prioritise(fires=(0, 1), robot=1), Prioritise(fires=(1,), robot=2, factor=2.0))
     state, _ = apply_command(state, Prioritise(fires=(0,), robot=1, factor=5.0), setup)
     assert sorted(state.intent.priority.tolist()) == [[1.0, 0.0, 5.0], [2.0, 1.0, 2.0]]
     state, events = apply_command(state, Prioritise(robot=1), setup)
     assert state.intent.priority.tolist() == [[2.0, 1.0, 2.0]]
-    assert events[0].text == "Robot 2 has no priority any more."
+    assert events[0].text == "Robot 2 has no prioritised fires."
 
 
-def test_a_priority_of_a_fire_that_is_out_means_nothing() -> None:
+def test_a_priority_of_an_extinguished_fire_has_no_effect() -> None:
     setup = team(fires=FIRES)
     state = after(setup, Prioritise(fires=(1,)))
     burning = state.motion._replace(fire_burning=np.array([True, False]))
@@ -85,11 +85,11 @@ def test_a_priority_of_a_fire_that_is_out_means_nothing() -> None:
     [
         (Prioritise(fires=(2,)), "There is no fire 3: the fires are 1 to 2."),
         (Prioritise(fires=(0,), robot=3), "There is no robot 4: the team has robots 1 to 3."),
-        (Prioritise(fires=(0,), factor=0.5), "A priority of 0.5 is not at least 1."),
-        (Prioritise(fires=(0,), factor=float("nan")), "A priority of nan is not at least 1."),
+        (Prioritise(fires=(0,), factor=0.5), "Priority factor 0.5 is below 1."),
+        (Prioritise(fires=(0,), factor=float("nan")), "Priority factor nan is below 1."),
     ],
 )
-def test_a_priority_that_cannot_be_is_refused_and_changes_nothing(command: OperatorCommand, message: str) -> None:
+def test_an_invalid_priority_is_refused_and_changes_nothing(command: OperatorCommand, message: str) -> None:
     setup = team(fires=FIRES)
     state, events = apply_command(setup.start, command, setup)
     assert state is setup.start

@@ -106,7 +106,7 @@ def test_the_history_says_what_was_done_and_when() -> None:
     run = edited_run(ticks=50)
     give(run, Pick(1), ChangeEntity("fire", 0, "growth", 2.0), Undo())
     assert [(entry.time, entry.text, entry.undone) for entry in run.history.entries()] == [
-        (1.0, "Robot 2 feels the human intention.", False),
+        (1.0, "Robot 2 is now the influenced robot.", False),
         (1.0, "Fire 1 has growth 2 m/s.", True),
     ]
 

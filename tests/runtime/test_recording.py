@@ -50,6 +50,7 @@ from higvf_console.core.edits import (
 from higvf_console.core.errors import InputError
 from higvf_console.runtime.headless import run_headless
 from higvf_console.runtime.recording import Recorder, read_recording, replay
+from higvf_console.runtime.run import Run
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario, parse_scenario
 from tests.fake_interfaces import FakeInterface
@@ -168,7 +169,7 @@ def test_other_versions_are_named(team: Scenario, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [
-        ('{"recording": 1', '{"recording": 2', "not a recording of version 1"),
+        ('{"recording": 1', '{"recording": 2', "recording format 2 is not known; known formats: 1"),
         ('{"mark": 50', '{"mark": 50 oops', r"line \d+ is damaged"),
         ('{"mark": 50', '{"foo": 50', r"line \d+ is damaged"),
         ('{"mark": 50', '{"mark": "50"', r"line \d+ is damaged"),
@@ -209,6 +210,45 @@ def test_a_full_disk_ends_the_recording_and_not_the_run(
     assert session.ticks == 5
     alarms = [event.text for event in session.snapshot.events if event.kind == "recording"]
     assert alarms == ["The recording ends here: No space left on device."]
+
+
+FORMER = {
+    '"AddThing"': '"AddEntity"', '"MoveThing"': '"MoveEntity"', '"ChangeThing"': '"ChangeEntity"',
+    '"DeleteThing"': '"DeleteEntity"', '"BendPath"': '"MovePathPoint"', '"Stop"': '"EmergencyStop"',
+    '"ResetStop"': '"ResetEmergencyStop"', '"thing"': '"kind"', '"amend"': '"redraw"',
+}  # fmt: skip
+
+
+def test_a_recording_of_version_0_1_replays_as_with_the_names_of_today(tmp_path: Path) -> None:
+    old = Path(__file__).parent / "recording_of_version_0_1.jsonl"
+    text = old.read_text(encoding="utf-8")
+    for former, name in FORMER.items():
+        assert former in text
+        text = text.replace(former, name)
+    (tmp_path / "new.jsonl").write_text(text, encoding="utf-8")
+    first, second = read_recording(old), read_recording(tmp_path / "new.jsonl")
+    assert [type(command).__name__ for tick in sorted(first.commands) for command in first.commands[tick]] == [
+        "AddEntity", "StrokeBegin", "StrokePoints", "StrokeEnd", "MovePathPoint", "StrokeBegin", "StrokePoints",
+        "StrokeEnd", "MoveEntity", "ChangeEntity", "EmergencyStop", "AskReset", "ResetEmergencyStop", "Resume",
+        "SetParameters", "DeleteEntity",
+    ]  # fmt: skip
+    assert replay(first).digest == replay(second).digest
+    assert [warning.partition(": ")[2] for warning in first.scenario.warnings] == [
+        "parameters.rings: renamed; write parameters.boundaries",
+        "parameters.path.patience: renamed; write parameters.path.progress_timeout",
+    ]
+
+
+def test_every_command_of_the_recording_of_version_0_1_is_obeyed() -> None:
+    recording = read_recording(Path(__file__).parent / "recording_of_version_0_1.jsonl")
+    run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter, recording.scenario)
+    said: list[str] = []
+    for tick in range(130):
+        for command in recording.commands.get(tick, ()):
+            said += [f"{event.kind}: {event.text}" for event in run.apply(command)]
+        run.step()
+    assert not [text for text in said if text.startswith("refused")]
+    assert "edited: safety.pair_gain is 2 1/s. safety.pair_rate is renamed; write safety.pair_gain." in said
 
 
 OUTLINE = floats([[100.0, 500.0], [200.0, 500.0], [150.0, 600.0 + 1.0 / 3.0]])

@@ -51,7 +51,7 @@ def report_of(text: str, duration: float) -> Any:
 def test_an_odd_scenario_runs_without_a_violation(text: str) -> None:
     report = report_of(text, 15.0)
     assert report["infeasible_ticks"] == 0
-    assert report["min_clearance_m"] is None or report["min_clearance_m"] >= 0.0
+    assert report["min_clearance_margin_m"] is None or report["min_clearance_margin_m"] >= 0.0
 
 
 def test_one_robot_extinguishes_a_fire_alone() -> None:

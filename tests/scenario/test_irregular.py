@@ -37,7 +37,7 @@ def test_the_edges_of_a_polygon_follow_the_bars_and_have_no_width() -> None:
   polygons: [{points_m: [[300, 100], [300, 200], [400, 100], [300, 100]]}]"""
     setup = parse_scenario(BASE + obstacles, "t.yaml").setup()
     assert setup.world.bars[0].tolist() == [100, 100, 200, 100, 6]
-    (chain,) = setup.polygons
+    (chain,) = setup.layout.obstacles.polygons
     assert signed_area(chain) == 5000.0
     for edge, point, following in zip(setup.world.bars[1:], chain, np.roll(chain, -1, axis=0), strict=True):
         assert edge.tolist() == [*point, *following, 0.0]
@@ -130,13 +130,21 @@ def test_a_polygon_hides_of_a_fire_what_lies_behind_it() -> None:
     text = f"{BASE}fires: [{{at_m: [300, 300], radius_m: 40}}]\n"
     setup = parse_scenario(f"{text}obstacles: {{polygons: [{{points_m: {star.tolist()}}}]}}", "t.yaml").setup()
     world, reach = setup.world, setup.params.perception.perception_range
-    room = interval_room(world.circles, world.bars)
+    room = interval_room(world.capsules)
     seen: list[float] = []
     for x, y in ((700.0, 300.0), (700.0, 260.0), (680.0, 420.0), (650.0, 150.0), (300.0, 600.0)):
         half = np.arcsin(40 / np.hypot(300 - x, 300 - y))
         to_corners = np.angle((star - [x, y]) @ [1, 1j] / complex(300 - x, 300 - y))  # from the bearing of the fire
         low, high = np.clip([to_corners.min(), to_corners.max()], -half, half)
-        seen.append(fire_value(x, y, 300.0, 300.0, 40.0, reach, world.circles, world.bars, room))
+        seen.append(fire_value(x, y, 300.0, 300.0, 40.0, reach, world.capsules, room))
         assert seen[-1] == pytest.approx(2 * half - (high - low))
     assert seen[0] == 0.0
     assert 0.0 < seen[2] < seen[4]
+
+
+def test_a_bar_may_be_called_a_capsule() -> None:
+    text = "version: 1\narena: {size_m: [900, 700]}\nrobots: {start_m: [[100, 100]]}\nobstacles: "
+    part = "[{from_m: [300, 350], to_m: [400, 350], half_width_m: 30}]"
+    bars, capsules = (parse_scenario(f"{text}{{{key}: {part}}}", "t.yaml") for key in ("bars", "capsules"))
+    assert bars.obstacles.bars.tolist() == capsules.obstacles.bars.tolist() == [[300, 350, 400, 350, 30]]
+    assert capsules.warnings == ()

@@ -27,7 +27,7 @@ from higvf_console.core.state import Motion, PathEnding, PathKind, PathStatus
 from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario, scenario_names
 from higvf_console.scenario.writer import scenario_yaml
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 from tests.teams import stroke
 
 SMALL = tuple(name for name in scenario_names() if name != "swarm")
@@ -67,7 +67,9 @@ def assert_same_start(run: Run, again: Setup) -> None:
     else:
         assert start.position.tobytes() == motion.position.tobytes()
     assert again.arena == run.setup.arena
-    assert [chain.tobytes() for chain in again.polygons] == [chain.tobytes() for chain in run.setup.polygons]
+    assert [chain.tobytes() for chain in again.layout.obstacles.polygons] == [
+        chain.tobytes() for chain in run.setup.layout.obstacles.polygons
+    ]
     assert again.start.intent.influenced == run.state.intent.influenced
 
 
@@ -109,7 +111,7 @@ obstacles:
               free_m: [[[120, 120], [120, 150], [150, 150], [150, 120]]]}]
 """
 PLACES = st.tuples(st.floats(60.0, 1140.0), st.floats(60.0, 640.0)).map(floats)
-THINGS = st.sampled_from(["robot", "fire", "circle", "bar", "polygon"])
+KINDS = st.sampled_from(["robot", "fire", "circle", "bar", "polygon"])
 NUMBERS = st.sampled_from(["x", "y", "radius", "growth", "needs", "length", "half width", "angle", "size"])
 PARAMETERS = st.one_of(
     st.floats(30.0, 80.0).map(lambda speed: {"blending.cruise_speed": speed}),
@@ -117,12 +119,12 @@ PARAMETERS = st.one_of(
     st.floats(1.0, 9.0).map(lambda factor: {"perception.priority": factor}),
 )
 EDITS = st.one_of(
-    st.builds(AddEntity, thing=THINGS, point=PLACES),
-    st.builds(MoveEntity, thing=THINGS, index=st.integers(0, 3), point=PLACES),
+    st.builds(AddEntity, kind=KINDS, point=PLACES),
+    st.builds(MoveEntity, kind=KINDS, index=st.integers(0, 3), point=PLACES),
     st.builds(
-        ChangeEntity, thing=THINGS, index=st.integers(0, 3), name=NUMBERS, value=st.floats(0.3, 180.0)
+        ChangeEntity, kind=KINDS, index=st.integers(0, 3), name=NUMBERS, value=st.floats(0.3, 180.0)
     ),
-    st.builds(DeleteEntity, thing=THINGS, index=st.integers(0, 3)),
+    st.builds(DeleteEntity, kind=KINDS, index=st.integers(0, 3)),
     st.builds(ToggleLink, first=st.integers(0, 3), second=st.integers(0, 3)),
     st.builds(LinkByRange),
     st.builds(SetArena, sides=st.just(floats([-10.5, 0.0, 1300.25, 720.0])), walls=st.booleans()),

@@ -11,8 +11,8 @@ from higvf_console.control.parameters import Parameters, PerceptionParameters
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.state import PathStatus, SimState, Trace
 from higvf_console.operator.path_commands import follow
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup, with_params
 from tests.teams import team
 
 U = floats([(500, 250), (640, 250), (640, 450), (500, 450), (500, 430), (620, 430), (620, 270), (500, 270)])
@@ -79,7 +79,7 @@ def test_the_operator_is_asked_when_nothing_else_has_helped() -> None:
 def test_fires_that_grow_to_obstacles_are_passed_without_violation() -> None:
     setup = team(circles=[(500, 300, 25), (500, 420, 25)], fires=[(560, 360, 20)], growth=2.0, needs=3)
     params = setup.params._replace(perception=PerceptionParameters(perception_range=0.0))
-    state, traces = led(setup._replace(params=params), floats([(100, 350), (400, 350), (900, 350)]), 60.0)
+    state, traces = led(with_params(setup, params), floats([(100, 350), (400, 350), (900, 350)]), 60.0)
     assert state.motion.path_status == PathStatus.FINISHED
     assert min(trace.clearance.min() for trace in traces) >= 0.0
 

@@ -16,8 +16,9 @@ from higvf_console.control.parameters import (
     controlled,
     packed,
 )
+from higvf_console.control.safety.hazards import hazards_of
 from higvf_console.control.safety.safety_filter import filter_velocities
-from higvf_console.core.arrays import Floats, bools, floats
+from higvf_console.core.arrays import Floats, floats
 from higvf_console.operator.reducer import apply_command
 from higvf_console.sim.disturbances import measured, noise_limit
 from higvf_console.sim.simulation import advance
@@ -142,12 +143,11 @@ def test_a_robot_yields_where_it_measures_itself_not_where_it_is() -> None:
 
 def one_step(robots: Floats, errors: Floats, nominal: Floats, safety: SafetyParameters, **dangers: Floats) -> Floats:
     """True positions after one control period of robots that measure theirs with errors (all (N, 2))."""
-    fire = dangers.get("fire", np.zeros((0, 4)))
-    velocity, _, infeasible = filter_velocities(
-        floats(robots + errors), nominal, dangers.get("circles", np.zeros((0, 3))),
-        dangers.get("bars", np.zeros((0, 5))), dangers.get("walls", np.zeros((0, 3))), floats(fire[:, :2]),
-        floats(fire[:, 2]), floats(fire[:, 3]), bools([True] * len(fire)), safety,
+    hazards = hazards_of(
+        dangers.get("circles", np.zeros((0, 3))), dangers.get("bars", np.zeros((0, 5))),
+        dangers.get("walls", np.zeros((0, 3))), dangers.get("fire", np.zeros((0, 4))),
     )  # fmt: skip
+    velocity, _, infeasible = filter_velocities(floats(robots + errors), nominal, hazards, safety)
     assert not infeasible.any()
     return robots + safety.control_period * velocity
 

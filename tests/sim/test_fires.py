@@ -10,8 +10,8 @@ from higvf_console.core.state import SimState
 from higvf_console.operator.reducer import apply_command
 from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.events import events_between
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance
+from higvf_console.world.setup import Setup
 from tests.teams import stroke, team
 
 PRIORITY = [(520.0, 190.0), (450.0, 130.0), (370.0, 100.0), (300.0, 90.0)]

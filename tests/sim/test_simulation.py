@@ -14,8 +14,8 @@ from higvf_console.core.state import NOBODY, PathStatus, SimState
 from higvf_console.operator.path_commands import follow
 from higvf_console.operator.reducer import apply_command
 from higvf_console.scenario.scenario import load_scenario
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance, advance_coupled, roll
+from higvf_console.world.setup import Setup, with_params
 from tests.teams import stroke, team
 
 FIRES = ((600.0, 350.0, 30.0), (900.0, 500.0, 20.0))
@@ -53,7 +53,7 @@ def test_another_process_computes_the_same_bytes() -> None:
     program = (
         "from tests.sim.test_simulation import digest, firefighting\n"
         "from higvf_console.sim.simulation import roll\n"
-        "s = firefighting(); print(digest(roll(s.start, s.world, s.gains, 900)[0]))"
+        "s = firefighting(); print(digest(roll(s.start, s.world, s.params, 900)[0]))"
     )
     there = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     setup = firefighting()
@@ -111,7 +111,7 @@ def test_an_idle_team_has_no_intention() -> None:
 
 def test_robots_set_out_after_the_start_delay() -> None:
     base = team(fires=FIRES)
-    setup = base._replace(params=base.params._replace(fires=base.params.fires._replace(start_delay=1.0)))
+    setup = with_params(base, base.params._replace(fires=base.params.fires._replace(start_delay=1.0)))
     waiting = ran(setup, 50)
     assert (waiting.motion.position == setup.start.motion.position).all()
     assert ran(setup, 60, waiting).motion.position[0, 0] > setup.start.motion.position[0, 0]

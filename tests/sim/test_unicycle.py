@@ -9,9 +9,9 @@ from higvf_console.control.parameters import Parameters, RobotParameters, Safety
 from higvf_console.control.safety.coupled_filter import CoupledFilter
 from higvf_console.core.arrays import Floats
 from higvf_console.scenario.scenario import load_scenario
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import advance, advance_coupled, roll
 from higvf_console.sim.unicycle import body_centres, drive
+from higvf_console.world.setup import Setup
 from tests.teams import team
 
 DT = Parameters().safety.control_period

@@ -20,6 +20,7 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
+from higvf_console.control.compilation.progress import compiling
 from higvf_console.control.compilation.store import Store
 
 
@@ -46,6 +47,7 @@ class KernelCache(_Cache):
     """The compiled signatures of one function, as Numba's dispatcher asks for them."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
+        """Touches nothing yet."""
         self._function = function
         self._enabled = True
 
@@ -59,13 +61,13 @@ class KernelCache(_Cache):
         target_context.refresh()  # installs what the unpickled code calls
         name = self._file_name(sig, target_context.codegen())
         payload = STORE.read(name) if self._enabled else None
-        if payload is None:
-            return None
-        try:
-            return CompileResult._rebuild(target_context, *pickle.loads(payload))
-        except Exception as error:
-            STORE.discard(name, f"{type(error).__name__}: {error}")
-            return None
+        if payload is not None:
+            try:
+                return CompileResult._rebuild(target_context, *pickle.loads(payload))
+            except Exception as error:  # whatever another build left there
+                STORE.discard(name, f"{type(error).__name__}: {error}")
+        compiling(self._function.__name__)
+        return None
 
     def save_overload(self, sig: Any, data: CompileResult) -> None:
         """Keeps the machine code for a signature."""
@@ -84,7 +86,7 @@ class KernelCache(_Cache):
         """Nothing: the folder is named after the sources, so its files are never stale."""
 
     def _file_name(self, sig: Any, codegen: Any) -> str:
-        """Unique for the function, its code and signature, the processor, and the versions that wrote the machine code."""
+        """Unique for the function, its code and signature, the processor, and the versions of the compiler."""
         code = self._function.__code__
         where = (self._function.__module__, self._function.__qualname__, code.co_code, _digest_of(code.co_filename))
         versions = (numba.__version__, np.__version__, platform.python_version())

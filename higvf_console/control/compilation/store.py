@@ -15,6 +15,7 @@ from pathlib import Path
 
 _log = logging.getLogger(__name__)
 _KEPT_FOR = 14 * 86400.0  # [s]; folders that nobody has used for so long are removed
+_PROBE = "probe"  # a file that nobody reads
 _DIGEST = hashlib.sha256().digest_size
 
 
@@ -54,6 +55,11 @@ class Store:
             return payload
         self.discard(name, "its checksum is wrong")
         return None
+
+    def writable(self) -> bool:
+        """Whether files can be stored; the first failure is reported."""
+        self.write(_PROBE, b"")
+        return self._usable
 
     def write(self, name: str, payload: bytes) -> None:
         """Stores a file, in one piece or not at all."""

@@ -1,1 +1,1 @@
-"""Guiding vector fields: desired paths, progress along them, the way round obstacles, recovery from deadlock."""
+"""Guidance: desired paths, progress along them, circulation round obstacles, deadlock recovery."""

@@ -1,11 +1,12 @@
-"""Rings: what the vector field goes round. Ring g is a group of still obstacles, ring G + j is fire j.
+"""Shapes round which the vector field circulates. Shape g is obstacle group g, shape G + j is fire j.
 
-    a lone circle or bar, a fire      its own capsule
-    parts without a way between       their convex hull: nobody is led into a gap or a pocket that has no other end
-    rings that a growing fire joins   one cluster: one side for all, and the hull of all
+    single circle or bar, fire              its own capsule
+    obstacles with impassable gaps          their convex hull, so that no robot enters a gap or a pocket without an exit
+    shapes that a growing fire connects     one cluster, with one circulation direction and the convex hull of all
 
-The hulls shape the field alone; barrier rows keep to the parts. A goal inside a hull, such as a fire in a courtyard,
-opens it: the field then goes round the parts.
+The reactive and the repulsive boundary lie at fixed margins outside these shapes. Hulls shape only the vector field;
+safety constraints use the obstacles themselves. If a robot's goal lies inside a hull, such as a fire in a courtyard,
+the field circulates round the single obstacles instead.
 """
 
 import math
@@ -18,20 +19,20 @@ from higvf_console.control.kernel import kernel
 from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.state import NOBODY, Motion, World
 
-NO_BOUNDARY = -math.inf  # radius of a ring that is not there: an extinguished fire
-ALONE, TOGETHER = 0, 1  # a ring by itself, or as one with its cluster
-_CORNERS = 16  # of the polygon that stands for a disc in a hull
+NO_BOUNDARY = -math.inf  # radius of an extinguished fire, which has no boundary
+ALONE, TOGETHER = 0, 1  # a shape by itself, or merged with its cluster
+_CORNERS = 16  # of the polygon that approximates a disc in a hull
 
 
 class Boundaries(NamedTuple):
-    """The rings of one tick, K = G + M.
+    """The K = G + M shapes of one tick.
 
     Attributes:
-        capsule: (K, 5) spine ax, ay, bx, by and radius [m]; of a hull, the circle round it.
-        corner_start: (2, K + 1) ring k's hull is `corner[corner_start[row, k]:corner_start[row, k + 1]]`, row ALONE or
-            (by the cluster's name) TOGETHER; empty for a capsule.
-        corner: (V, 2) corners of hulls, counter-clockwise [m].
-        cluster: (K,) rings with a gap that no robot can pass; named by the smallest index.
+        capsule: (K, 5) spine ax, ay, bx, by and radius [m]; for a hull, a circle that encloses it.
+        corner_start: (2, K + 1) the hull of shape k is `corner[corner_start[row, k]:corner_start[row, k + 1]]`, where
+            `row` is ALONE, or TOGETHER for the cluster named k; empty for a capsule.
+        corner: (V, 2) corners of the hulls, counter-clockwise [m].
+        cluster: (K,) name of each shape's cluster, its smallest index; gaps within a cluster are impassable.
     """
 
     capsule: Floats
@@ -42,7 +43,7 @@ class Boundaries(NamedTuple):
 
 @kernel
 def find_boundaries(motion: Motion, world: World, clearance: float) -> Boundaries:
-    """The rings as the fires are now; `clearance` is R_o [m], so a gap below 2 R_o has no way through."""
+    """Builds the shapes for the present fire radii; with `clearance` R_o [m], a gap below 2 R_o is impassable."""
     groups, fires = world.boundary.shape[0], world.fire_position.shape[0]
     capsule = np.empty((groups + fires, 5))
     corner_start = np.zeros((2, groups + fires + 1), np.int64)
@@ -62,7 +63,7 @@ def find_boundaries(motion: Motion, world: World, clearance: float) -> Boundarie
 
 @kernel
 def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Boundaries:
-    """Fires join the rings that they have grown to; each cluster gets its hull."""
+    """Merges each fire with the shapes that it has grown up to, and adds the hull of each cluster."""
     cluster, joined = boundaries.cluster, False
     count = cluster.shape[0]
     for k in range(groups, count):
@@ -98,7 +99,7 @@ def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Bou
 
 @kernel
 def _corners_of(boundaries: Boundaries, name: int) -> Floats:
-    """Points (n, 2) whose hull holds every ring of a cluster."""
+    """Points (n, 2) [m] whose convex hull contains every shape of a cluster."""
     points = np.empty((0, 2))
     for k in range(boundaries.cluster.shape[0]):
         if boundaries.cluster[k] == name:
@@ -110,7 +111,10 @@ def _corners_of(boundaries: Boundaries, name: int) -> Floats:
 
 @kernel
 def capsule_corners(capsule: Floats) -> Floats:
-    """Corners (n, 2) of a polygon round a capsule (5,), two discs' circumscribed polygons; spine ends without width."""
+    """Corners (n, 2) [m] of the polygons circumscribed about both end discs of a capsule (5,).
+
+    A capsule of zero radius gives the two ends of its spine.
+    """
     radius = capsule[4]
     corners = _CORNERS if radius > 0.0 else 1
     points = np.empty((2 * corners, 2))
@@ -125,7 +129,7 @@ def capsule_corners(capsule: Floats) -> Floats:
 
 @kernel
 def convex_hull(points: Floats) -> Floats:
-    """Corners (h, 2), counter-clockwise, of the convex hull of points (n, 2): gift wrapping."""
+    """Corners (h, 2), counter-clockwise, of the convex hull of points (n, 2), by gift wrapping."""
     count = points.shape[0]
     start = 0
     for k in range(1, count):
@@ -159,12 +163,14 @@ def convex_hull(points: Floats) -> Floats:
 
 @kernel
 def boundary_at(boundaries: Boundaries, row: int, k: int, x: float, y: float) -> tuple[float, float, float]:
-    """Ring k from (x, y): gap to its surface [m], negative inside, and outward unit normal; far from a hull, a bound.
+    """Gap from (x, y) to the surface of shape k [m], negative inside, and the outward unit normal there.
+
+    Far from a hull, the gap to the enclosing circle is returned, a lower bound.
 
     Args:
         boundaries: from `find_boundaries`.
-        row: ALONE, or TOGETHER for the cluster that k names.
-        k: ring.
+        row: ALONE, or TOGETHER for the cluster named k.
+        k: index of the shape.
         x: position [m].
         y: position [m].
     """
@@ -181,7 +187,7 @@ def boundary_at(boundaries: Boundaries, row: int, k: int, x: float, y: float) ->
 
 @kernel
 def _hull_at(corner: Floats, first: int, last: int, x: float, y: float) -> tuple[float, float, float]:
-    """Signed distance to a convex polygon and its gradient."""
+    """Signed distance from (x, y) to a convex polygon [m], and its gradient."""
     inside, least, nx, ny = -math.inf, math.inf, 1.0, 0.0
     in_nx, in_ny = 1.0, 0.0
     for k in range(first, last):
@@ -204,13 +210,13 @@ def _hull_at(corner: Floats, first: int, last: int, x: float, y: float) -> tuple
 
 @kernel
 def has_hull(boundaries: Boundaries, row: int, k: int) -> bool:
-    """Whether ring k (row ALONE), or the cluster that k names (TOGETHER), is a hull."""
+    """Whether shape k (row ALONE), or the cluster named k (row TOGETHER), is a hull."""
     return boundaries.corner_start[row, k + 1] > boundaries.corner_start[row, k]
 
 
 @kernel
 def opened(boundaries: Boundaries, row: int, k: int, goal_x: float, goal_y: float) -> bool:
-    """Whether a hull holds the goal, so that a robot must be let in; never for a goal that is not a number."""
+    """Whether the hull contains the goal, so that a robot must be able to enter; False for a goal of NaN."""
     return (
         math.isfinite(goal_x)
         and has_hull(boundaries, row, k)
@@ -220,14 +226,16 @@ def opened(boundaries: Boundaries, row: int, k: int, goal_x: float, goal_y: floa
 
 @kernel
 def row_of(boundaries: Boundaries, k: int, own_boundary: int, goal_x: float, goal_y: float) -> int:
-    """How a robot goes round ring k: ALONE or TOGETHER; NOBODY where another ring stands for it, or it is the goal.
+    """Which shape a robot circulates round at index k: ALONE for shape k, TOGETHER for the cluster named k.
+
+    NOBODY if shape k is the robot's own target, is extinguished, or is represented by its cluster at another index.
 
     Args:
         boundaries: from `find_boundaries`.
-        k: ring.
-        own_boundary: ring of the robot's target, or NOBODY.
-        goal_x: where the robot is bound for [m]; NaN for nowhere.
-        goal_y: where the robot is bound for [m].
+        k: index of the shape.
+        own_boundary: index of the shape of the robot's target, or NOBODY.
+        goal_x: goal of the robot [m]; NaN for none.
+        goal_y: goal of the robot [m].
     """
     name = boundaries.cluster[k]
     if k == own_boundary or boundaries.capsule[k, 4] == NO_BOUNDARY:
@@ -243,5 +251,5 @@ def row_of(boundaries: Boundaries, k: int, own_boundary: int, goal_x: float, goa
 
 @kernel
 def fire_boundary(fire: int, world: World) -> int:
-    """The ring of a fire; NOBODY for none."""
+    """Index of the shape of a fire; NOBODY for no fire."""
     return NOBODY if fire == NOBODY else world.boundary.shape[0] + fire

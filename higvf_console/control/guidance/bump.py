@@ -9,10 +9,16 @@ from higvf_console.control.parameters import BoundaryParameters
 
 @kernel
 def zero_in(distance: float, radius: float, boundaries: BoundaryParameters, forms: Forms) -> float:
-    """S at `distance` [m] from the centre of an obstacle of `radius` [m]: 0 inside Q, 1 outside R, C-infinity between.
+    """Zero-in bump S: 0 inside the repulsive boundary Q, 1 outside the reactive boundary R, C-infinity between.
 
-    With varphi = distance^2 / rho_R^2 - 1 and c = rho_Q^2 / rho_R^2 - 1 both dimensionless, S falls over the whole
-    ring; in squared lengths, as printed, it jumps within 0.01 m.
+    With varphi = distance^2 / rho_R^2 - 1 and c = rho_Q^2 / rho_R^2 - 1, both dimensionless, S rises over the whole
+    width between Q and R. In squared lengths, as printed, it jumps within 0.01 m.
+
+    Args:
+        distance: from the centre of the obstacle [m].
+        radius: of the obstacle [m].
+        boundaries: margins of Q and R [m] and the rates of the bump.
+        forms: whether the dimensionless or the printed form is used.
     """
     reactive = radius + boundaries.reactive_margin
     repulsive = radius + boundaries.repulsive_margin

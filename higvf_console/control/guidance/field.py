@@ -1,4 +1,4 @@
-"""The vector field as it is drawn: the controller's own equations on a grid of points."""
+"""Evaluates the vector field at arbitrary points, with the equations of the controller, for drawing."""
 
 import math
 from enum import IntEnum
@@ -29,11 +29,21 @@ class FieldKind(IntEnum):
 
 
 def field_at(kind: FieldKind, points: Floats, state: SimState, world: World, params: Parameters) -> Floats:
-    """The vector field at ground points (G, 2) [m]: velocities (G, 2) [m/s].
+    """Evaluates a vector field at ground points.
 
-    PATH is the guiding vector field [2] at cruise speed; COMPOSITE the same round the obstacles [8]; BLENDED what the
-    influenced robot would want if it stood there, its neighbours being as they are. Without a path in force the first
-    two are zero.
+    PATH is the guiding vector field [2] at cruise speed, and COMPOSITE its composition with the obstacles [8]; both are
+    zero without an active path. BLENDED is the velocity [18] that the influenced robot would want at the point, with
+    its neighbours at their present positions.
+
+    Args:
+        kind: which field.
+        points: (G, 2) [m].
+        state: present state.
+        world: obstacles, fires, links and formation.
+        params: all tunable parameters.
+
+    Returns:
+        Velocities (G, 2) [m/s].
     """
     return _field(int(kind), points, state.motion, state.intent, world, packed(params))
 
@@ -47,7 +57,7 @@ def _field(
     human = following(motion, intent)
     target = motion.target[robot]
     start, to = links(motion.position, world, params)
-    hidden = interval_room(world.circles, world.bars)
+    hidden = interval_room(world.capsules)
     boundaries = find_boundaries(motion, world, params.safety.obstacle_clearance)
     own_boundary = NOBODY if human else fire_boundary(target, world)
     goal_x, goal_y = destination(intent.path, motion.path_parameter)
@@ -96,11 +106,11 @@ def _field(
 def _wanted(
     robot: int, x: float, y: float, motion: Motion, world: World, params: Parameters, hidden: Floats
 ) -> tuple[float, float]:
-    """Robot intention v_t of a robot if it stood at (x, y), its target unchanged."""
+    """Robot intention v_t, [11], of a robot at (x, y) [m] with its present target."""
     j = motion.target[robot]
     if j == NOBODY:
         return 0.0, 0.0
     fx, fy, radius = world.fire_position[j, 0], world.fire_position[j, 1], float(motion.fire_radius[j])
-    value = fire_value(x, y, fx, fy, radius, params.perception.perception_range, world.circles, world.bars, hidden)
+    value = fire_value(x, y, fx, fy, radius, params.perception.perception_range, world.capsules, hidden)
     seen = value if value > 0.0 else motion.target_value[robot]
     return robot_intention(x, y, seen, fx, fy, radius, params.perception, params.safety, params.fires, params.forms)

@@ -1,4 +1,4 @@
-"""How far the influenced robot has come along the desired path, and when the human intention ends by itself."""
+"""Progress of the influenced robot along the desired path, and the conditions that end the human intention."""
 
 import math
 
@@ -10,12 +10,12 @@ from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.state import NOBODY, Intent, Motion, Path, PathEnding, PathKind, PathStatus, World
 
-VAIN_TIMEOUTS = 10.0  # as EN_ROUTE_TIMEOUTS, where no robot can come near enough to the path's end
+VAIN_TIMEOUTS = 10.0  # as EN_ROUTE_TIMEOUTS, for a path whose end no robot can reach
 
 
 @kernel
 def following(motion: Motion, intent: Intent) -> bool:
-    """Whether a human intention acts on the team."""
+    """Whether the human intention acts on the team."""
     return intent.path.kind != PathKind.NONE and motion.path_status == PathStatus.FOLLOWING
 
 
@@ -23,18 +23,18 @@ def following(motion: Motion, intent: Intent) -> bool:
 def broken_away(
     motion: Motion, intent: Intent, value: Floats, target: Ints, component: Ints, params: Parameters
 ) -> int:
-    """Path status (a `PathStatus`) after a look at the fires: a great one makes the team leave its path for the time.
+    """Path status (a `PathStatus`) after perception: a fire of high observed value makes the team leave its path.
 
-    A fire that looks larger than `break_away` to a robot of the influenced one's component starts it; it ends, with w
-    kept, when nobody there has a target any more.
+    The break-away starts when a robot in the component of the influenced robot observes its target with a value of at
+    least `break_away`. It ends when no robot of the component has a target; the path parameter w is kept meanwhile.
 
     Args:
-        motion: with the status so far.
+        motion: holds the present status.
         intent: path and influenced robot.
         value: (N, M) observed fire values [rad].
-        target: (N,) the fires that the robots want.
-        component: (N,) names of connected components.
-        params: with the threshold.
+        target: (N,) target of each robot, or NOBODY.
+        component: (N,) connected component of each robot.
+        params: holds the threshold `break_away` [rad].
     """
     leaving = following(motion, intent) and params.perception.break_away < math.inf
     away = motion.path_status == PathStatus.BREAK_AWAY
@@ -51,13 +51,25 @@ def broken_away(
 def progress(
     motion: Motion, intent: Intent, status: int, recovery_stage: int, world: World, params: Parameters
 ) -> tuple[float, int, float, float, float]:
-    """Path parameter w [m], status, idle time [s], least travel [m] and time [s] left, one control period on.
+    """Advances the progress along the path by one control period.
 
-    An open path is finished when w is at its end and the robot within the end radius of it; a looping one then starts
-    again. When its time is over, any path is finished. Without progress (no new
-    least travel left, or on an endless path no motion) for `progress_timeout` it is given up and flagged as BLOCKED.
-    A robot that still moves, or is in a stage of deadlock recovery (`recovery_stage` is its own), is granted forty
-    times that; ten times where no robot can come near enough to the end.
+    An open path ends when w is at its end and the robot within the end radius; a looping path then restarts. Every path
+    ends when its duration is over.
+
+    A path is BLOCKED after `progress_timeout` without progress: without a new minimum of the remaining travel, or on an
+    endless path without motion. A robot that moves or recovers from a deadlock has forty times that time, or ten times
+    if no robot can reach the end of the path.
+
+    Args:
+        motion: present progress and velocities.
+        intent: active path and influenced robot.
+        status: present `PathStatus`.
+        recovery_stage: of the influenced robot.
+        world: obstacles and fires.
+        params: end radius and timeouts.
+
+    Returns:
+        Path parameter w [m], status, idle time [s], minimum of the remaining travel [m], remaining duration [s].
     """
     idle, gap, time = motion.path_idle, motion.path_gap, motion.path_left
     if intent.path.kind == PathKind.NONE or status != PathStatus.FOLLOWING:
@@ -95,18 +107,18 @@ def progress(
 
 @kernel
 def _ended(path: Path) -> int:
-    """Status (a `PathStatus`) of a path that is over."""
+    """Status (a `PathStatus`) at the end of a path: HOLDING or FINISHED."""
     return PathStatus.HOLDING.value if path.ending == PathEnding.HOLD else PathStatus.FINISHED.value
 
 
 @kernel
 def beyond_reach(path: Path, motion: Motion, world: World, params: Parameters) -> bool:
-    """Whether every point within the end radius of an open path's end is too near to one obstacle or burning fire."""
+    """Whether one obstacle or burning fire blocks every point within the end radius of the end of an open path."""
     x, y = destination(path, 0.0)
     room = params.safety.obstacle_clearance - params.path.end_radius
     if path.closed or math.isnan(x):
         return False
-    for k in range(world.circles.shape[0] + world.bars.shape[0]):
+    for k in range(world.capsules.shape[0]):
         if part_at(k, x, y, world)[0] < room:
             return True
     for j in range(world.fire_position.shape[0]):
@@ -118,7 +130,7 @@ def beyond_reach(path: Path, motion: Motion, world: World, params: Parameters) -
 
 @kernel
 def destination(path: Path, w: float) -> tuple[float, float]:
-    """Where a path leads [m]: an open one to its end, a closed one half a lap ahead of w; a line nowhere, NaN."""
+    """Destination of a path [m]: the end of an open path, half a lap ahead of w on a closed one, NaN for a line."""
     if path.kind == PathKind.NONE or path.length == math.inf:
         return math.nan, math.nan
     if path.closed:

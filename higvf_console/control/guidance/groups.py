@@ -1,8 +1,8 @@
-"""Which still obstacles the field treats as one: parts that leave no way between them, and how to leave their pockets.
+"""Groups static obstacles with impassable gaps, and computes the way out of the pockets that they form.
 
-Computed once for a world. Two parts with a gap below 2 R_o are one group, and so are groups whose hulls come as near;
-a group's ring is its convex hull. A robot that finds itself inside a hull (in a U, between two arms) is led out along
-the shortest way that keeps R_o, found on a grid.
+Computed once per world. Two parts with a gap below 2 R_o belong to one group, and so do groups whose convex hulls have
+such a gap; the vector field circulates round the hull of a group. A robot inside a hull (in a U, between two arms)
+leaves along the shortest way that keeps R_o, found by Dijkstra's algorithm on a grid.
 """
 
 import math
@@ -13,14 +13,23 @@ import numpy as np
 from higvf_console.control.guidance.boundaries import capsule_corners, convex_hull
 from higvf_console.core.arrays import Bools, Floats, Ints, floats, ints
 
-_CELLS = 48  # of a pocket's grid along its longer side, at most
+_CELLS = 48  # most cells of a pocket's grid along its longer side
 _LEAST_CELL = 4.0  # [m]
-_CROWDED = 30.0  # how much longer a metre counts where a robot would be too near to a part
-_STEPS = ((0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (1, -2), (2, -1))  # to half of a cell's neighbours
+_CROWDED = 30.0  # extra cost of a metre where a robot violates the clearance
+_STEPS = (
+    (0, 1),
+    (1, 0),
+    (1, 1),
+    (1, -1),
+    (1, 2),
+    (2, 1),
+    (1, -2),
+    (2, -1),
+)  # offsets to half of the neighbours of a cell
 
 
 class Groups(NamedTuple):
-    """Groups of parts, as `state.World` holds them; see there."""
+    """Groups of parts; fields as in `state.World`."""
 
     boundary: Floats
     boundary_start: Ints
@@ -29,15 +38,13 @@ class Groups(NamedTuple):
     pocket: Floats
 
 
-def group_obstacles(circles: Floats, bars: Floats, clearance: float) -> Groups:
+def group_obstacles(parts: Floats, clearance: float) -> Groups:
     """Groups the parts of a world.
 
     Args:
-        circles: (P, 3) x, y, radius [m].
-        bars: (Q, 5) ax, ay, bx, by, half width [m].
+        parts: (K, 5) capsules ax, ay, bx, by, radius [m].
         clearance: R_o [m].
     """
-    parts = np.concatenate([circles[:, [0, 1, 0, 1, 2]], bars]) if len(circles) + len(bars) else np.zeros((0, 5))
     label = _labels(parts, 2.0 * clearance)
     members = [np.flatnonzero(label == name) for name in range(label.max(initial=-1) + 1)]
     boundary = np.zeros((len(members), 9))
@@ -66,7 +73,7 @@ def group_obstacles(circles: Floats, bars: Floats, clearance: float) -> Groups:
 
 
 def _labels(parts: Floats, least: float) -> Ints:
-    """Group number (n,) of each part: first by the parts' gaps, then by the gaps of the hulls that these make."""
+    """Group (n,) of each part: by the gaps between parts, then repeatedly by the gaps between the hulls."""
     label = _joined(len(parts), _gaps(parts) < least)
     while True:
         sizes = np.bincount(label)
@@ -90,7 +97,7 @@ def _neighbours(hulls: list[Floats], least: float) -> list[tuple[int, int]]:
     """Pairs i > j of hulls whose bounding boxes are nearer than `least` [m]."""
     if not hulls:
         return []
-    low, high = (np.array([circulation(hull, axis=0) for hull in hulls]) for circulation in (np.min, np.max))
+    low, high = (np.array([extreme(hull, axis=0) for hull in hulls]) for extreme in (np.min, np.max))
     apart = np.maximum(low[:, None] - high[None], low[None] - high[:, None]).max(axis=2)
     return [(int(i), int(j)) for i, j in np.argwhere(np.tril(apart < least, -1))]
 
@@ -104,13 +111,13 @@ def _gaps(parts: Floats) -> Floats:
     a, b, radius = parts[:, :2], parts[:, 2:4], parts[:, 4]
     ends = np.minimum(_to_spines(a, a, b), _to_spines(b, a, b))
     distance = np.minimum(ends, ends.T)
-    across = _side(a, b, a) * _side(a, b, b) < 0.0
+    across = _orientation(a, b, a) * _orientation(a, b, b) < 0.0
     distance[across & across.T] = 0.0
     return distance - radius[:, None] - radius[None]
 
 
-def _side(a: Floats, b: Floats, points: Floats) -> Floats:
-    """On which side of line i through a (n, 2) and b point j of (m, 2) lies: (n, m), positive to the left."""
+def _orientation(a: Floats, b: Floats, points: Floats) -> Floats:
+    """Orientation (n, m) of point j of (m, 2) about the line i through a (n, 2) and b (n, 2); positive to the left."""
     along, to = (b - a)[:, None], points[None] - a[:, None]
     return along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]
 
@@ -123,31 +130,36 @@ def _to_spines(points: Floats, a: Floats, b: Floats) -> Floats:
 
 
 def _polygon_gap(a: Floats, b: Floats) -> float:
-    """Gap between two convex polygons [m]; 0 where they overlap, as no edge of either then parts them."""
-    if not (_parted(a, b) or _parted(b, a)):
+    """Gap between two convex polygons [m]; 0 if they overlap, that is, if no edge of either separates them."""
+    if not (_separated(a, b) or _separated(b, a)):
         return 0.0
     return float(min(_to_spines(b, a, np.roll(a, -1, 0)).min(), _to_spines(a, b, np.roll(b, -1, 0)).min()))
 
 
-def _parted(a: Floats, b: Floats) -> bool:
-    """Whether an edge of a convex polygon has the whole other one outside."""
+def _separated(a: Floats, b: Floats) -> bool:
+    """Whether an edge of convex polygon `a` separates it from `b`."""
     along = np.roll(a, -1, 0) - a
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
     return bool((((b[None] - a[:, None]) * outward[:, None]).sum(axis=2).min(axis=1) > 0.0).any())
 
 
 def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floats]:
-    """The way out of a hull, on a grid: none, with 0 columns, for a hull without room for a robot.
+    """Grid of directions out of a hull; empty, with 0 columns, if the hull has no room for a robot.
+
+    Args:
+        parts: (n, 5) capsules of the group [m].
+        hull: (h, 2) corners of its convex hull [m].
+        clearance: R_o [m].
 
     Returns:
         (4,) x, y of the first node and cell width [m], number of columns.
-        (rows * columns, 3) unit vectors and distances to the parts [m], row by row.
+        (rows * columns, 3) unit vector out and distance to the parts [m] of each node, row by row.
     """
     from scipy.ndimage import label  # noqa: PLC0415
 
     low, high = hull.min(axis=0), hull.max(axis=0)
     cell = max(_LEAST_CELL, float((high - low).max()) / _CELLS)
-    columns, rows = (math.ceil(circulation / cell) + 3 for circulation in high - low)
+    columns, rows = (math.ceil(extent / cell) + 3 for extent in high - low)
     xs, ys = low[0] + cell * (np.arange(columns) - 1), low[1] + cell * (np.arange(rows) - 1)
     nodes = np.stack([axis.ravel() for axis in np.meshgrid(xs, ys)], axis=1)
     depth = _depth(hull, nodes)
@@ -167,14 +179,14 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
 
 
 def _depth(hull: Floats, points: Floats) -> Floats:
-    """How deep points (n, 2) lie inside a convex polygon (n,) [m]; negative outside."""
+    """Depth (n,) of points (n, 2) inside a convex polygon [m]; negative outside."""
     along = np.roll(hull, -1, 0) - hull
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
     return -((points[:, None] - hull[None]) * outward[None]).sum(axis=2).max(axis=1)
 
 
 def _travel(room: Floats, out: Bools, clearance: float, cell: float, rows: int, columns: int) -> Floats:
-    """Shortest travel (n,) from each node to the outside of the hull [m]."""
+    """Cost (n,) of the cheapest way from each node to the outside of the hull [m]."""
     from scipy.sparse import coo_array  # noqa: PLC0415
     from scipy.sparse.csgraph import dijkstra  # noqa: PLC0415
 

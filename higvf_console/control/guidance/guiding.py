@@ -1,9 +1,9 @@
 """Guiding vector field of the desired path, [2], and the composite field round obstacles, [7], [8].
 
-The composite step is applied once, to the blended velocity: inside a reactive boundary that the robot heads into, its
-velocity turns towards circulation, fully so at the repulsive boundary. The whole team circulates on one side of a ring:
-that side is agreed in each connected component and kept until the ring is empty. Robots that each choose a side split
-round a bar and hold each other there.
+The composite step acts once, on the blended velocity. Inside the reactive boundary, the velocity of a robot that heads
+inward turns towards circulation, and circulates fully at the repulsive boundary. Each connected component agrees on one
+circulation direction per boundary and keeps it until none of its robots is inside. Robots that chose their directions
+independently would split round a bar and block each other.
 """
 
 import math
@@ -13,7 +13,7 @@ import numpy as np
 from higvf_console.control.forms import Forms
 from higvf_console.control.guidance.boundaries import ALONE, TOGETHER, Boundaries, boundary_at, has_hull, opened, row_of
 from higvf_console.control.guidance.bump import zero_in
-from higvf_console.control.guidance.obstacles import part_at, part_radius
+from higvf_console.control.guidance.obstacles import part_at
 from higvf_console.control.guidance.paths import nearest
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import BoundaryParameters, PathParameters
@@ -25,9 +25,17 @@ from higvf_console.core.state import NOBODY, Motion, Path, World
 def guiding_vector(
     path: Path, w: float, window: float, x: float, y: float, params: PathParameters
 ) -> tuple[float, float]:
-    """Unit guiding vector at (x, y), [2] with signed distance over capture distance.
+    """Unit guiding vector at (x, y), [2], with the signed distance e in units of the capture distance 1/k.
 
-    X_hat = (gamma t - k e n) / sqrt(1 + (k e)^2); past the end of an open path it points back to the end.
+    X_hat = (gamma t - k e n) / sqrt(1 + (k e)^2). Beyond the end of an open path it points back to the end.
+
+    Args:
+        path: desired path.
+        w: last arc length of the nearest point [m].
+        window: half width of the search for the nearest point [m].
+        x: position [m].
+        y: position [m].
+        params: holds the capture distance [m].
     """
     w, fx, fy, tx, ty = nearest(path, w, window, x, y)
     gamma = path.direction
@@ -48,11 +56,12 @@ def composite_velocity(
     vx: float, vy: float, x: float, y: float, i: int, circulation: Ints, own_boundary: int, goal_x: float,
     goal_y: float, boundaries: Boundaries, world: World, margins: BoundaryParameters, forms: Forms,
 ) -> tuple[float, float]:  # fmt: skip
-    """Turns robot i's velocity towards circulation inside the rings it heads into, [8].
+    """Turns the velocity of robot i towards circulation inside the reactive boundaries that it heads into, [8].
 
-    v <- w_P v + |v| sum_i w_i tau_i,  w_P = prod S_i,  w_i = (1 - w_P) Z_i / sum Z,  tau_i = side_i E n_i.
+    v <- w_P v + |v| sum_k w_k tau_k,  w_P = prod S_k,  w_k = (1 - w_P) Z_k / sum Z,  tau_k = c_k E n_k,
 
-    Inside a hull that is not opened for its goal the robot leaves on the shortest way.
+    with the circulation direction c_k of shape k. Inside a hull that does not contain its goal, the robot leaves along
+    the shortest way.
 
     Args:
         vx: velocity [m/s].
@@ -60,14 +69,14 @@ def composite_velocity(
         x: position [m].
         y: position [m].
         i: robot index.
-        circulation: (N, K) circulation sides.
-        own_boundary: ring of the robot's goal, no obstacle to it, or NOBODY.
-        goal_x: where the robot is bound for [m]; NaN for nowhere.
-        goal_y: where the robot is bound for [m].
+        circulation: (N, K) circulation directions, positive counter-clockwise.
+        own_boundary: index of the shape of the robot's target, which is no obstacle to it, or NOBODY.
+        goal_x: goal of the robot [m]; NaN for none.
+        goal_y: goal of the robot [m].
         boundaries: from `boundaries.find_boundaries`.
-        world: the parts of the rings.
-        margins: margins and bump rates.
-        forms: of the bump.
+        world: the obstacles of each group.
+        margins: margins of the boundaries [m] and rates of the bump.
+        forms: form of the bump.
     """
     speed = math.sqrt(vx * vx + vy * vy)
     path_weight, bump_sum, turn_x, turn_y = 1.0, 0.0, 0.0, 0.0
@@ -91,7 +100,8 @@ def composite_velocity(
             for p in range(world.boundary_start[1, k], world.boundary_start[1, k + 1]):
                 part = world.part[p]
                 gap, nx, ny = part_at(part, x, y, world)
-                zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, part_radius(part, world), around, False, margins, forms)
+                radius = float(world.capsules[part, 4])
+                zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, radius, around, False, margins, forms)
                 path_weight *= 1.0 - zero_out
                 bump_sum += zero_out
                 turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
@@ -116,9 +126,10 @@ def _turn(
     vx: float, vy: float, gap: float, nx: float, ny: float, radius: float, around: float, hull: bool,
     margins: BoundaryParameters, forms: Forms,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Bump Z of a ring and the direction tau that it wants; Z = 0 for a robot outside or heading out.
+    """Zero-out bump Z of a shape and circulation vector tau; Z = 0 for a robot outside or heading outward.
 
-    Near a hull, where no barrier need be, tau also leads outwards, so that nobody slides along an opening into an edge.
+    Near a hull, tau has an outward component too: a hull may span an opening without an obstacle, along which a robot
+    would slide into an edge.
     """
     if gap >= margins.reactive_margin or vx * nx + vy * ny >= 0.0:
         return 0.0, 0.0, 0.0
@@ -129,7 +140,7 @@ def _turn(
 
 @kernel
 def way_out(boundaries: Boundaries, row: int, k: int, x: float, y: float, world: World) -> tuple[float, float]:
-    """Unit vector of the shortest way out of the hull that holds (x, y); zero where there is no grid for it."""
+    """Unit vector of the shortest way out of the hull that contains (x, y); zero if there is no grid for it."""
     for g in range(world.boundary.shape[0]):
         member = g == k if row == ALONE else boundaries.cluster[g] == k
         columns = int(world.boundary[g, 8])
@@ -155,10 +166,10 @@ def way_out(boundaries: Boundaries, row: int, k: int, x: float, y: float, world:
 
 @kernel
 def smoothed_gap(g: int, x: float, y: float, world: World) -> tuple[float, float, float]:
-    """Gap to the parts of group g inside its hull [m], and its unit gradient, both C2.
+    """Smoothed gap to the parts of group g inside its hull [m], and its unit gradient.
 
-    A uniform cubic B-spline over the distances at the nodes of the group's grid: where parts meet at an angle, the
-    distance itself has edges. Barrier rows keep to the exact distances.
+    A uniform cubic B-spline, C2, over the distances at the grid nodes: the exact distance is not differentiable where
+    parts meet at an angle. Safety constraints use the exact distances.
     """
     columns = int(world.boundary[g, 8])
     first = world.boundary_start[2, g]
@@ -197,10 +208,10 @@ def _spline(t: float, node: int) -> tuple[float, float]:
 def zero_in_product(
     x: float, y: float, motion: Motion, world: World, margins: BoundaryParameters, forms: Forms
 ) -> float:
-    """prod_j S_j at (x, y) over all obstacles and burning fires: the factor of [9], [13] and [14] as printed."""
+    """Product of S at (x, y) over all obstacles and burning fires, the factor in [9], [13] and [14] as printed."""
     product = 1.0
-    for k in range(world.circles.shape[0] + world.bars.shape[0]):
-        radius = part_radius(k, world)
+    for k in range(world.capsules.shape[0]):
+        radius = float(world.capsules[k, 4])
         product *= zero_in(part_at(k, x, y, world)[0] + radius, radius, margins, forms)
     for j in range(world.fire_position.shape[0]):
         if motion.fire_burning[j]:
@@ -214,24 +225,25 @@ def agree_circulation(
     blended: Floats, position: Floats, before: Ints, component: Ints, influenced: int, flip: Bools,
     boundaries: Boundaries, margins: BoundaryParameters,
 ) -> Ints:  # fmt: skip
-    """The circulation side of each ring, (N, K), agreed in each connected component, one for all rings of a cluster.
+    """Agrees on circulation directions (N, K) in each connected component; all shapes of a cluster share one.
 
-    Set by the first robot that heads inward in a ring (sign of v . E n, +-1), set anew by the influenced robot when it
-    first heads inward there (+-2), turned over where a robot that is to `flip` stands (+-3), adopted by all, cleared
-    when no robot of the component is in the ring.
+    The sign is the direction, positive counter-clockwise; the magnitude is its rank. The first robot that heads inward
+    inside a reactive boundary sets the direction to the sign of v . E n (+-1). The influenced robot sets it again when
+    it first heads inward (+-2). A robot to `flip` reverses it (+-3). All robots of the component adopt the direction of
+    highest rank; it is cleared when none of them is inside.
 
     Args:
         blended: (N, 2) velocities [m/s].
         position: (N, 2) [m].
-        before: (N, K) sides so far.
-        component: (N,) names of connected components.
-        influenced: the robot that feels the human, or NOBODY.
-        flip: (N,) robots for which the other side is to be tried.
+        before: (N, K) present directions.
+        component: (N,) connected component of each robot.
+        influenced: the influenced robot, or NOBODY.
+        flip: (N,) robots in deadlock recovery that reverse the direction.
         boundaries: from `boundaries.find_boundaries`.
-        margins: of the reactive boundary.
+        margins: margin of the reactive boundary [m].
     """
     robots, count = before.shape
-    agreed = np.zeros((robots, count), np.int64)  # row of a component: its smallest robot index
+    agreed = np.zeros((robots, count), np.int64)  # indexed by component: its smallest robot index
     occupied = np.zeros((robots, count), np.bool_)
     for i in range(robots):
         c = component[i]
@@ -267,7 +279,7 @@ def agree_circulation(
 
 @kernel
 def has_human(component: Ints, influenced: int, active: bool) -> Bools:
-    """(N,) whether the human intention acts in each robot's component."""
+    """(N,) whether the human intention is active in each robot's component."""
     found = np.zeros(component.shape[0], np.bool_)
     if active:
         for i in range(component.shape[0]):

@@ -1,12 +1,18 @@
-"""The parts of obstacles: every one is a capsule, a disc swept along a spine; a disc's spine is a point.
-
-Part k is circle k, then bar k - P. An irregular obstacle is a closed chain of bars without width.
-"""
+"""The parts of obstacles: every one is a capsule, a disc swept along a spine; the spine of a circle is a point."""
 
 import math
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from higvf_console.control.kernel import kernel
+from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.state import World
+
+
+def capsule_table(circles: ArrayLike, bars: ArrayLike) -> Floats:
+    """Circles (P, 3) and bars (Q, 5), see `state.World`, as capsules (P + Q, 5) [m]."""
+    return floats(np.concatenate([floats(circles, -1, 3)[:, [0, 1, 0, 1, 2]], floats(bars, -1, 5)]))
 
 
 @kernel
@@ -34,20 +40,9 @@ def capsule_at(
 
 
 @kernel
-def part_radius(k: int, world: World) -> float:
-    """Radius of part k [m]."""
-    circles = world.circles.shape[0]
-    return world.circles[k, 2] if k < circles else world.bars[k - circles, 4]
-
-
-@kernel
 def part_at(k: int, x: float, y: float, world: World) -> tuple[float, float, float]:
     """Part k from (x, y), as `capsule_at`."""
-    circles = world.circles.shape[0]
-    if k < circles:
-        cx, cy = world.circles[k, 0], world.circles[k, 1]
-        return capsule_at(x, y, cx, cy, cx, cy, world.circles[k, 2])
-    b = k - circles
+    capsules = world.capsules
     return capsule_at(
-        x, y, world.bars[b, 0], world.bars[b, 1], world.bars[b, 2], world.bars[b, 3], world.bars[b, 4]
+        x, y, capsules[k, 0], capsules[k, 1], capsules[k, 2], capsules[k, 3], float(capsules[k, 4])
     )  # fmt: skip

@@ -1,7 +1,8 @@
 """Desired paths, [1]: lines, circles and C2 splines (ellipses, sketches), parametrised by arc length w.
 
-A path is the zero level set of a signed distance e, positive to the right of increasing w. Splines may cross
-themselves: the nearest point is sought only in a window around the last w, so that w never jumps between branches.
+A path is the zero level set of a signed distance e, positive to the right of increasing w. Splines may intersect
+themselves: the search for the nearest point is limited to a window around the last w, so that w never jumps between
+branches.
 """
 
 import math
@@ -17,8 +18,8 @@ from higvf_console.core.state import NO_PATH, Path, PathKind
 SEGMENTS = 200  # of a spline path
 SHORTEST_PATH = 5.0  # [m]
 WINDOW = 60.0  # half width of the search for the nearest point [m]
-EVERYWHERE = math.inf  # window of a search over the whole path
-_ENDS_PINNED = 1e3  # weight of a stroke's two ends: a smoothing spline falls short of them otherwise
+EVERYWHERE = math.inf  # searches the whole path
+_ENDS_PINNED = 1e3  # weight of both ends of a stroke, which a smoothing spline would miss otherwise
 
 
 def line_path(x: float, y: float, angle: float, direction: float = 1.0) -> Path:
@@ -40,7 +41,7 @@ def circle_path(x: float, y: float, radius: float, direction: float = 1.0) -> Pa
 def ellipse_path(x: float, y: float, a: float, b: float, angle: float = 0.0, direction: float = 1.0) -> Path:
     """The ellipse with half axes a, b [m] round (x, y), its a-axis at `angle` [rad], counter-clockwise for +1.
 
-    Kept as a periodic spline through 4 x 200 exact points: within 1e-5 of its size.
+    A periodic spline through 4 x 200 exact points represents it, to within 1e-5 of its size.
 
     Raises:
         PathError: a half axis is not positive.
@@ -58,16 +59,16 @@ def ellipse_path(x: float, y: float, a: float, b: float, angle: float = 0.0, dir
 
 
 def sketch_path(points: Floats, smoothing: float, closed: bool | None = None, direction: float = 1.0) -> Path:
-    """The C2 path of a stroke: duplicates dropped, resampled by arc length, smoothed, both ends kept.
+    """The C2 path of a stroke: without duplicates, resampled by arc length, smoothed, with both ends kept.
 
     Args:
         points: (n, 2) stroke [m].
         smoothing: standard deviation by which the path may leave the points [m].
-        closed: whether the path returns to its start; None = if the stroke nearly does.
+        closed: whether the path returns to its start; None closes it if the ends of the stroke are near.
         direction: +1 follows the stroke as drawn.
 
     Raises:
-        PathError: not finite, under 3 distinct points, or shorter than `SHORTEST_PATH`.
+        PathError: the stroke is not finite, has fewer than 3 distinct points, or is shorter than `SHORTEST_PATH`.
     """
     from scipy.interpolate import make_splprep  # noqa: PLC0415
 
@@ -85,7 +86,7 @@ def sketch_path(points: Floats, smoothing: float, closed: bool | None = None, di
     arc = np.linspace(0.0, 1.0, len(even))
     if closed:
         even[-1] = even[0]
-    exact = smoothing == 0.0  # the fit then takes no weights
+    exact = smoothing == 0.0  # make_splprep then takes no weights
     weight = np.ones(len(even))
     weight[[0, -1]] = 1.0 if closed else _ENDS_PINNED
     spline, _ = make_splprep(
@@ -115,7 +116,7 @@ def distinct(points: Floats) -> Floats:
 
 
 def resampled(points: Floats, most: int) -> Floats:
-    """The polyline (n, 2) at equal arc length, at most `most` + 1 points and no closer than 1 m where it is short."""
+    """Resamples a polyline (n, 2) [m] at equal arc length: at most `most` + 1 points, about 1 m apart if short."""
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     count = int(min(most, max(8, round(arc[-1])))) + 1
     even = np.linspace(0.0, arc[-1], count)
@@ -123,7 +124,7 @@ def resampled(points: Floats, most: int) -> Floats:
 
 
 def smoothing_error(path: Path, points: Floats) -> float:
-    """Largest distance of stroke points (n, 2) from the path that was made of them [m]."""
+    """Largest distance of the stroke points (n, 2) from the path fitted to them [m]."""
     return max(math.dist(p, nearest(path, 0.0, EVERYWHERE, p[0], p[1])[1:3]) for p in floats(points, -1, 2))
 
 
@@ -133,7 +134,7 @@ def path_points(path: Path, arc: Floats) -> Floats:
 
 
 def _by_arc_length(curve: Callable[[Floats], Floats], end: float, closed: bool, direction: float) -> Path:
-    """The C2 spline, of equal arc-length segments, through a curve (m,) -> (m, 2) over [0, end]."""
+    """The C2 spline with segments of equal arc length through a curve (m,) -> (m, 2) over [0, end]."""
     from scipy.interpolate import CubicSpline  # noqa: PLC0415
 
     fine = np.linspace(0.0, end, 10 * SEGMENTS + 1)
@@ -153,7 +154,7 @@ def _path(
     kind: PathKind, length: float, closed: bool, direction: float, *, shape: Floats = NO_PATH.shape,
     spline: Floats = NO_PATH.spline, spacing: float = 1.0,
 ) -> Path:  # fmt: skip
-    """A path with the types that kernels are compiled for; released at its end, at full pace, without a time limit."""
+    """A path with the types that kernels are compiled for, and default ending, pace and duration."""
     return NO_PATH._replace(
         kind=int(kind), shape=shape, spline=spline, spacing=spacing, length=length, closed=bool(closed),
         direction=float(direction),
@@ -231,7 +232,7 @@ def _nearest_on_spline(path: Path, w: float, window: float, x: float, y: float) 
 
 @kernel
 def start_parameter(path: Path, x: float, y: float) -> float:
-    """Where a robot at (x, y) joins: open sketches at their start as followed, all others at the nearest point."""
+    """Arc length [m] at which a robot at (x, y) joins: the start of an open sketch, else the nearest point."""
     if path.kind == PathKind.SPLINE and not path.closed:
         return 0.0 if path.direction > 0.0 else path.length
     return nearest(path, 0.0, math.inf, x, y)[0]
@@ -239,7 +240,7 @@ def start_parameter(path: Path, x: float, y: float) -> float:
 
 @kernel
 def travel_left(path: Path, w: float, x: float, y: float) -> float:
-    """Travel to the end of an open path from (x, y) at w: along the path, plus the gap to it [m]; inf if endless."""
+    """Remaining travel from (x, y) to the end of an open path: the rest beyond w plus the gap [m]; inf if endless."""
     if path.kind != PathKind.SPLINE or path.closed:
         return math.inf
     fx, fy, _, _, _, _ = point_at(path, w)

@@ -1,16 +1,17 @@
-"""The ladder out of a deadlock: the other side, then more of the human, then a word to the operator.
+"""Deadlock recovery in stages: reverse the circulation, weigh the human intention more, ask the operator.
 
-A robot is deadlocked when its barrier rows hold it against its nominal velocity for `stall_time`. Scaling that velocity
-frees nobody: the filtered speed is zero exactly when the nominal velocity lies in the cone of the active normals, and
-with it every multiple. So each rung changes a direction, is climbed when the stall lasts or comes again, and is
-forgotten once the robot has left all rings:
+A robot is deadlocked when its safety constraints stop it against its nominal velocity for `stall_time`. Scaling the
+nominal velocity does not free it: the filtered velocity is zero exactly if the nominal velocity lies in the cone of the
+active normals, and then every positive multiple lies in it too. Each stage therefore changes a direction. A robot
+enters the next stage each time its stall lasts another `stall_time`, and returns to stage 0 when its component has left
+all reactive boundaries:
 
-    1  the component goes round on the other side, and lets go of its formation
-    2  the first side again; the human intention weighs more, where that turns the influenced robot's shared intention
-    3  the operator is asked for a new stroke; on rungs 4, 8, 16 ... the side changes again
+    1  the component reverses its circulation direction and drops its formation
+    2  the first direction again; the human intention weighs more if that turns the shared intention of the leader
+    3  the operator is asked for a new stroke; stages 4, 8, 16 ... reverse the direction again
 
-A team can also hold itself: the formation, at its cap, may cancel a weak intention, and no barrier is active. So the
-formation loosens as well while the influenced robot makes no progress on its path.
+A team can also stop without an active constraint: the formation velocity at its cap may cancel a weak intention. The
+formation weight therefore also decreases while the influenced robot makes no progress on its path.
 """
 
 import math
@@ -24,19 +25,19 @@ from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.state import NOBODY, Motion
 
 OTHER_DIRECTION, MORE_HUMAN, ASK = 1, 2, 3
-GIVE_UP = 9  # a robot on a higher rung has tried enough
-EN_ROUTE_TIMEOUTS = 40.0  # a robot on its way round obstacles may take this many times longer than one that stands
-_LOOSENING = 0.1  # share of the path's progress timeout after which an idle team keeps no formation
+GIVE_UP = 9  # stages from here on do not extend the progress timeout
+EN_ROUTE_TIMEOUTS = 40.0  # a robot that moves has this many times the progress timeout
+_LOOSENING = 0.1  # share of the progress timeout after which an idle team keeps no formation
 _SHUTTLE = 0.125  # share of the progress timeout between two recovery stages of a robot that moves without progress
-_TURNED = 0.985  # cosine of ten degrees: a smaller turn is none
+_TURNED = 0.985  # cosine of 10 degrees: a smaller turn does not count
 
 
 @kernel
 def recover(motion: Motion, leader: int, params: Parameters) -> tuple[Ints, Bools]:
-    """Rungs (N,) after this tick, and the robots (N,) for which the other side is to be tried now.
+    """Recovery stages (N,) after this tick, and which robots (N,) reverse the circulation direction now.
 
-    A stalled robot climbs each time that its stall has lasted another `stall_time`; the influenced robot, `leader`,
-    also when it moves without progress on its path: then it may shuttle where a ring turns it back.
+    A stalled robot enters the next stage each time its stall lasts another `stall_time`. The influenced robot, which is
+    `leader`, also does so while it moves without progress on its path: a boundary may turn it back repeatedly.
     """
     recovery_stage, flip = motion.recovery_stage.copy(), np.zeros(motion.recovery_stage.shape[0], np.bool_)
     period = params.safety.control_period
@@ -54,14 +55,14 @@ def recover(motion: Motion, leader: int, params: Parameters) -> tuple[Ints, Bool
 
 @kernel
 def formation_grip(recovery_stage: Ints, component: Ints, leader: int, idle: float, params: Parameters) -> Floats:
-    """How firmly each robot keeps the formation, (N,) from 0 to 1.
+    """Formation weight (N,) of each robot, from 0 (no formation) to 1.
 
     Args:
         recovery_stage: (N,) from `recover`.
-        component: (N,) names of connected components.
+        component: (N,) connected component of each robot.
         leader: the influenced robot, or NOBODY.
-        idle: how long it has made no progress on its path [s], see `following.progress`.
-        params: with the timeout for that.
+        idle: time without progress on its path [s], see `following.progress`.
+        params: holds the progress timeout [s].
     """
     grip = np.ones(recovery_stage.shape[0])
     loose = np.zeros(recovery_stage.shape[0], np.bool_)  # by component
@@ -77,7 +78,7 @@ def formation_grip(recovery_stage: Ints, component: Ints, leader: int, idle: flo
 
 @kernel
 def passes(time: float, step: float, period: float) -> bool:
-    """Whether `time` has passed a whole multiple of `step` (not 0) within the last `period` [s]."""
+    """Whether `time` has passed a positive multiple of `step` within the last `period`, all in [s]."""
     return time >= step and time % step < period
 
 
@@ -92,7 +93,7 @@ def receptivity(
     to: Ints,
     params: Parameters,
 ) -> float:
-    """Psi of the influenced robot: 1, or `human_boost` on the second rung if that turns its shared intention.
+    """Receptivity psi of the influenced robot, [15]: 1, or `human_boost` from stage 2 on if that turns v_s.
 
     Args:
         leader: the influenced robot, or NOBODY.
@@ -100,8 +101,8 @@ def receptivity(
         robot: (N, 2) v_t.
         human: (N, 2) v_h.
         intention: (N, 2) v_s.
-        start: (N + 1,) rows of `to`.
-        to: neighbours.
+        start: (N + 1,) neighbour lists: those of robot i are `to[start[i]:start[i + 1]]`.
+        to: (E,) neighbours.
         params: weights and boost.
     """
     if leader == NOBODY or recovery_stage[leader] < MORE_HUMAN:
@@ -125,7 +126,7 @@ def _fixed_point(
 
 @kernel
 def forgotten(recovery_stage: Ints, circulation: Ints, stalled: Floats) -> Ints:
-    """Stages (N,), 0 for robots that do not stall and whose component is in no boundary (`circulation` (N, K) is 0)."""
+    """Stages (N,), reset to 0 for robots that do not stall and whose row of `circulation` (N, K) is 0."""
     kept = recovery_stage.copy()
     for i in range(kept.shape[0]):
         inside = stalled[i] > 0.0

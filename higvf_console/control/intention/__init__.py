@@ -1,1 +1,1 @@
-"""Intentions: what each robot wants, what the team shares, how formation and human are blended in."""
+"""Intentions: perception and robot intention, shared intention, formation, blending, messages."""

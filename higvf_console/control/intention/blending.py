@@ -1,4 +1,4 @@
-"""Speed [17] and policy blending [18], [19]: the shared intention against the formation."""
+"""Speed [17] and policy blending [18], [19] of shared intention and formation."""
 
 import math
 
@@ -22,10 +22,10 @@ def blending_weight(a: float, b: float, params: BlendingParameters, forms: Forms
 def blended_velocity(
     sx: float, sy: float, fx: float, fy: float, params: BlendingParameters, forms: Forms
 ) -> tuple[float, float, float]:
-    """Velocity [18] and its lambda, of the shared intention (sx, sy) and the formation velocity (fx, fy) [m/s].
+    """Blended velocity [18] of shared intention (sx, sy) and formation velocity (fx, fy) [m/s], and its lambda.
 
-    The shared intention's direction is driven at cruise speed, slower below the floor: C v / max(|v|, delta), [17];
-    as printed, without the floor, it is 0/0 at rest.
+    The robot moves along the shared intention at cruise speed, slower below the floor: C v / max(|v|, delta), [17]. As
+    printed, without the floor, the speed is 0/0 at rest.
     """
     a, b = math.hypot(sx, sy), math.hypot(fx, fy)
     weight = blending_weight(a, b, params, forms)

@@ -1,4 +1,4 @@
-"""Distance-based formation control, [12], [14], with the sign that attracts when too far and repels when too near."""
+"""Distance-based formation control, [12], [14]: robots attract each other when too far apart, else repel."""
 
 import math
 
@@ -15,8 +15,18 @@ def formation_velocity(
 ) -> tuple[float, float]:  # fmt: skip
     """Formation velocity v_f of robot i at (x, y) [m/s]: sum of -k_form (|r| - d) r/|r| over its links, capped.
 
-    d is the links' length in the formation `shape` (N, 2) [m]. Robots at one point part along x. As printed, with
-    | |r| - d | for |r| - d, robots that are too near attract each other as well.
+    As printed, with | |r| - d | for |r| - d, robots that are too near attract each other too.
+
+    Args:
+        i: index of the robot.
+        x: position of the robot [m].
+        y: position of the robot [m].
+        position: (N, 2) positions of all robots [m]; robots at the same point separate along x.
+        shape: (N, 2) desired formation [m], which gives the desired length d of each link.
+        start: (N + 1,) neighbour lists: those of robot i are `to[start[i]:start[i + 1]]`.
+        to: (E,) neighbours.
+        params: gain and speed cap.
+        forms: corrected or printed form.
     """
     vx, vy = 0.0, 0.0
     for entry in range(start[i], start[i + 1]):

@@ -1,4 +1,4 @@
-"""Shared intention, [15], [16]: each robot blends its own, its neighbours' and the human's intention."""
+"""Shared intention, [15], [16]: a consensus of robot intentions, neighbours' intentions and human intention."""
 
 import math
 
@@ -19,8 +19,8 @@ def shared_intention(
 
     v <- (v + dt (w1 v_t + w2 sum g v_j + w3 psi v_h)) / (1 + dt (w0 + w1 + w2 sum g + w3 psi)), where the dead zone
     [16] gives g = max(0, n - epsilon) / n for n = |v_j - v|. An infinite dt gives the fixed point for the present g.
-    As printed, a map v <- w1 v_t + w2 sum g v_j + w3 psi v_h - (w0 + w1 + w2 sum g + w3 psi) v with weights that are
-    no rates: it alternates in sign, and converges only with a spectral radius below 1 (see `map_radius`).
+    The printed form is a discrete map, v <- w1 v_t + w2 sum g v_j + w3 psi v_h - (w0 + w1 + w2 sum g + w3 psi) v, whose
+    weights are not rates: it alternates in sign and converges only with a spectral radius below 1 (see `map_radius`).
 
     Args:
         i: robot index.
@@ -30,12 +30,12 @@ def shared_intention(
         robot_y: robot intention v_t.
         human_x: human intention v_h.
         human_y: human intention v_h.
-        psi: how strongly the robot receives the human intention: 1, or more on the way out of a deadlock; else 0.
+        psi: receptivity to the human intention: 0, 1 for the influenced robot, more in deadlock recovery.
         intention: (N, 2) v_s of all robots.
-        start: (N + 1,) rows of `to`.
-        to: neighbours.
-        params: weights.
-        forms: of the update.
+        start: (N + 1,) neighbour lists: those of robot i are `to[start[i]:start[i + 1]]`.
+        to: (E,) neighbours.
+        params: weights and dead zone.
+        forms: corrected or printed form.
         dt: control period [s].
     """
     pull_x = params.robot_weight * robot_x + params.human_weight * psi * human_x
@@ -61,7 +61,7 @@ def map_radius(laplacian: Floats, influenced: int, params: IntentionParameters) 
 
     Args:
         laplacian: (N, N) graph Laplacian L of the communication links.
-        influenced: the robot that feels the human, psi = 1.
+        influenced: the influenced robot, psi = 1.
         params: weights omega_0..3.
     """
     matrix = (params.decay + params.robot_weight) * np.eye(len(laplacian)) + params.neighbour_weight * laplacian

@@ -1,7 +1,7 @@
-"""Messages between robots, and which of them are lost: every draw is a hash, so it needs no state.
+"""Packet loss between robots, drawn by a stateless counter-based random generator.
 
-A counter-based generator, the finaliser of SplitMix64 (Steele et al. 2014), hashes the seed, the tick, the purpose and
-the robots concerned. Live runs, rolls, replays and previews therefore lose the same messages.
+The finaliser of SplitMix64 (Steele et al. 2014) hashes the seed, the tick, the purpose and the robots concerned. Live
+runs, rollouts, replays and previews therefore lose the same messages.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ _SHIFT_1, _SHIFT_2, _SHIFT_3, _EXCESS = np.uint64(30), np.uint64(27), np.uint64(
 
 @kernel
 def chance(seed: float, tick: int, purpose: int, i: int, j: int) -> float:
-    """A number in [0, 1), uniform over any of the arguments (whole numbers from 0), the same for the same ones."""
+    """A pseudo-random number in [0, 1), determined by the arguments, which are integers from 0."""
     z = _mixed(np.uint64(seed))
     for word in (tick, purpose, i, j):
         z = _mixed(z ^ np.uint64(word))
@@ -36,7 +36,7 @@ def _mixed(z: np.uint64) -> np.uint64:
 
 @kernel
 def delivered(start: Ints, to: Ints, tick: int, robots: RobotParameters) -> tuple[Ints, Ints]:
-    """The links, as rows of neighbours, whose messages arrive in this tick; each is lost with `packet_loss`."""
+    """The neighbour lists of the links that deliver in this tick; each link fails with probability `packet_loss`."""
     if robots.packet_loss == 0.0:
         return start, to
     delivered_start, delivered_to = np.zeros(start.shape[0], np.int64), np.empty(to.shape[0], np.int64)

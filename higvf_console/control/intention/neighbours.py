@@ -1,7 +1,7 @@
-"""Who is near whom: neighbour lists by a cell list, and the connected components that they span.
+"""Neighbour lists by a cell list, and connected components.
 
-Lists are in compressed rows: robot i's neighbours are `to[start[i]:start[i + 1]]`, sorted. The sorting is free:
-closeness is symmetric, so transposing unsorted rows fills every row in the order of the robots.
+The lists have the CSR format: the neighbours of robot i are `to[start[i]:start[i + 1]]`, sorted by index. Sorting costs
+nothing extra: the relation is symmetric, so transposing the unsorted lists fills each one in the order of the robots.
 """
 
 import math
@@ -14,13 +14,13 @@ from higvf_console.core.arrays import Floats, Ints
 
 @kernel
 def within(position: Floats, reach: float) -> tuple[Ints, Ints]:
-    """Lists for every robot all others at most `reach` away, in O(N) where few are.
+    """Lists the neighbours of every robot within a distance, in O(N) for bounded density.
 
-    A robot whose position is not a number has no neighbours and is nobody's.
+    A robot whose position is not finite has no neighbours.
 
     Args:
         position: (N, 2) [m].
-        reach: largest distance [m]; inf gives the complete graph.
+        reach: maximum distance [m]; inf gives the complete graph.
 
     Returns:
         start (N + 1,) and to (E,): robot i's neighbours are `to[start[i]:start[i + 1]]`, sorted by index.
@@ -54,7 +54,7 @@ def within(position: Floats, reach: float) -> tuple[Ints, Ints]:
 
 @kernel
 def components(start: Ints, to: Ints) -> Ints:
-    """Connected components of symmetric neighbour lists: (N,) the smallest robot index of each one's component."""
+    """Connected component (N,) of each robot in symmetric neighbour lists, named by its smallest robot index."""
     count = start.shape[0] - 1
     label = np.full(count, -1, np.int64)
     stack = np.empty(count, np.int64)
@@ -77,7 +77,7 @@ def components(start: Ints, to: Ints) -> Ints:
 
 @kernel
 def _grid(position: Floats, reach: float) -> tuple[int, int, float, float, float]:
-    """Columns, rows, origin and width of square cells at least `reach` wide, O(N) of them; one cell if that is vain."""
+    """Columns, rows, origin [m] and width [m] of O(N) square cells at least `reach` wide; one cell for small teams."""
     count = position.shape[0]
     x_min, x_max, y_min, y_max = np.inf, -np.inf, np.inf, -np.inf
     for i in range(count):
@@ -98,7 +98,7 @@ def _grid(position: Floats, reach: float) -> tuple[int, int, float, float, float
 def _cells(
     position: Floats, columns: int, rows: int, x_min: float, y_min: float, width: float
 ) -> tuple[Ints, Ints, Ints]:
-    """Each robot's cell (-1 off the grid), and the robots of each cell in compressed rows."""
+    """Cell (N,) of each robot, -1 for a position that is not finite, and the robots of each cell in CSR format."""
     count = position.shape[0]
     cell = np.full(count, -1, np.int64)
     cell_start = np.zeros(columns * rows + 1, np.int64)
@@ -120,7 +120,7 @@ def _cells(
 
 @kernel
 def _among_all(position: Floats, reach: float) -> tuple[Ints, Ints]:
-    """Neighbour lists by looking at every pair."""
+    """Neighbour lists by testing every pair."""
     count = position.shape[0]
     square = reach * reach if reach >= 0.0 else -1.0
     start = np.zeros(count + 1, np.int64)
@@ -138,7 +138,7 @@ def _among_all(position: Floats, reach: float) -> tuple[Ints, Ints]:
 
 @kernel
 def _transposed(start: Ints, to: Ints) -> Ints:
-    """The same symmetric relation with every row sorted."""
+    """The same symmetric neighbour lists, each sorted by index."""
     fill = start[:-1].copy()
     turned = np.empty(start[-1], np.int64)
     for i in range(start.shape[0] - 1):

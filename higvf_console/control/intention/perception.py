@@ -1,6 +1,6 @@
 """Observed fire value [10], target choice [10] and robot intention [11], [13].
 
-A fire is seen under the angular interval of its disc; what nearer circles and bars hide is the union of their
+A fire is seen under the angular interval of its disc; what nearer obstacles hide is the union of their
 intervals, so that two occluders behind each other do not count twice. Other fires hide nothing.
 """
 
@@ -18,15 +18,15 @@ from higvf_console.core.state import NOBODY
 
 @kernel
 def half_angle(radius: float, distance: float) -> float:
-    """Half the angle under which a disc is seen [rad]; a right angle from inside it."""
+    """Half the visual angle of a disc [rad]; pi/2 from inside it."""
     return math.asin(min(1.0, radius / distance)) if distance > 0.0 else math.pi / 2.0
 
 
 @kernel
 def fire_value(
-    x: float, y: float, fx: float, fy: float, radius: float, reach: float, circles: Floats, bars: Floats, hidden: Floats
+    x: float, y: float, fx: float, fy: float, radius: float, reach: float, capsules: Floats, hidden: Floats
 ) -> float:
-    """Observed fire value theta [rad], [10]: the visible angle of a burning fire; 0 beyond `reach`.
+    """Observed fire value theta [rad], [10]: the visible angle of a burning fire, 0 beyond `reach`.
 
     Args:
         x: robot position [m].
@@ -35,9 +35,8 @@ def fire_value(
         fy: fire position [m].
         radius: fire radius [m].
         reach: perception range, to the fire's edge [m].
-        circles: (P, 3) occluders.
-        bars: (Q, 5) occluders.
-        hidden: working room for the hidden intervals, from `interval_room`.
+        capsules: (K, 5) occluders.
+        hidden: work space for the hidden intervals, from `interval_room`.
     """
     count = 0
     dx, dy = fx - x, fy - y
@@ -50,18 +49,8 @@ def fire_value(
     ux, uy = dx / distance, dy / distance
     edge_sin = min(1.0, radius / distance)
     edge_cos = math.sqrt(1.0 - edge_sin * edge_sin)
-    count = 0
-    for k in range(circles.shape[0]):
-        ox, oy, r = circles[k, 0], circles[k, 1], circles[k, 2]
-        along, across = (ox - x) * ux + (oy - y) * uy, (oy - y) * ux - (ox - x) * uy
-        to_fire = math.sqrt((fx - ox) ** 2 + (fy - oy) ** 2)
-        depth = along + (r * ((fx - ox) * ux + (fy - oy) * uy) / to_fire if to_fire > 0.0 else 0.0)
-        if depth >= distance or along <= -r or abs(across) * edge_cos - along * edge_sin >= r:
-            continue
-        bearing, half = math.atan2(across, along), half_angle(r, math.hypot(along, across))
-        count = _hide(hidden, count, bearing - half, bearing + half, beta)
-    for k in range(bars.shape[0]):
-        ax, ay, bx, by, r = bars[k, 0], bars[k, 1], bars[k, 2], bars[k, 3], bars[k, 4]
+    for k in range(capsules.shape[0]):
+        ax, ay, bx, by, r = capsules[k, 0], capsules[k, 1], capsules[k, 2], capsules[k, 3], capsules[k, 4]
         px, py = spine_point(fx, fy, ax, ay, bx, by)
         to_fire = math.sqrt((fx - px) ** 2 + (fy - py) ** 2)
         depth = (
@@ -70,6 +59,11 @@ def fire_value(
         if depth >= distance:
             continue
         a_along, a_across = (ax - x) * ux + (ay - y) * uy, (ay - y) * ux - (ax - x) * uy
+        if ax == bx and ay == by:
+            if a_along > -r and abs(a_across) * edge_cos - a_along * edge_sin < r:
+                bearing, half = math.atan2(a_across, a_along), half_angle(r, math.hypot(a_along, a_across))
+                count = _hide(hidden, count, bearing - half, bearing + half, beta)
+            continue
         b_along, b_across = (bx - x) * ux + (by - y) * uy, (by - y) * ux - (bx - x) * uy
         a_bearing, a_half = math.atan2(a_across, a_along), half_angle(r, math.hypot(a_along, a_across))
         b_bearing, b_half = math.atan2(b_across, b_along), half_angle(r, math.hypot(b_along, b_across))
@@ -78,21 +72,21 @@ def fire_value(
         if b_bearing - a_bearing <= math.pi:
             low, high = min(a_bearing - a_half, b_bearing - b_half), max(a_bearing + a_half, b_bearing + b_half)
             count = _hide(hidden, count, low, high, beta)
-        else:  # the bar passes behind the robot
+        else:  # the capsule passes behind the robot
             count = _hide(hidden, count, -math.pi, a_bearing + a_half, beta)
             count = _hide(hidden, count, b_bearing - b_half, math.pi, beta)
     return max(0.0, 2.0 * beta - union_length(hidden, count))
 
 
 @kernel
-def interval_room(circles: Floats, bars: Floats) -> Floats:
-    """Room (2, n) for the starts and ends of hidden intervals: one a circle, two a bar."""
-    return np.empty((2, circles.shape[0] + 2 * bars.shape[0]))
+def interval_room(capsules: Floats) -> Floats:
+    """Room (2, n) for the starts and ends of hidden intervals: at most two a capsule."""
+    return np.empty((2, 2 * capsules.shape[0]))
 
 
 @kernel
 def _hide(hidden: Floats, count: int, start: float, stop: float, beta: float) -> int:
-    """Adds the part of [start, stop] inside the fire's interval [-beta, beta], sorted by start; the new count."""
+    """Inserts [start, stop], clipped to the fire's interval [-beta, beta], sorted by start; returns the new count."""
     start, stop = max(start, -beta), min(stop, beta)
     if start >= stop:
         return count
@@ -118,16 +112,16 @@ def union_length(intervals: Floats, count: int) -> float:
 
 @kernel
 def choose_target(value: Floats, target: int, memory: float, margin: float) -> tuple[int, float]:
-    """The fire that a robot wants, [10], and the largest value seen of it since it was chosen.
+    """Target fire of a robot, [10], and the largest value observed of it since it was chosen [rad].
 
-    Another fire wins when it looks larger by `margin`. A target that goes out of sight is kept until another fire is
-    visible; one that has no value and no memory is dropped.
+    Another fire becomes the target if its value is larger by the factor `margin`. A target that is out of sight is kept
+    until another fire is visible; a target without value and memory is dropped.
 
     Args:
         value: (M,) observed fire values of this robot [rad].
         target: its present target if that burns, else NOBODY.
-        memory: largest value seen of that target [rad].
-        margin: factor by which another fire must look larger.
+        memory: largest value observed of that target [rad].
+        margin: factor by which the value of another fire must be larger.
     """
     best, most = NOBODY, 0.0
     for j in range(value.shape[0]):
@@ -145,11 +139,23 @@ def robot_intention(
     x: float, y: float, value: float, fx: float, fy: float, radius: float,
     perception: PerceptionParameters, safety: SafetyParameters, fires: FireParameters, forms: Forms,
 ) -> tuple[float, float]:  # fmt: skip
-    """Robot intention v_t, [11] corrected: theta * sat(distance to the hold ring / band) * unit vector to the fire.
+    """Robot intention v_t, [11] corrected: theta * sat(distance to the hold circle / band) * unit vector to the fire.
 
-    The hold ring lies midway between the clearance and the stand-off, so that a robot that holds there is in reach of
-    its fire and clear of it while the fire grows. As printed, -theta phi grad(phi) with phi = distance^2 - radius^2, it
-    is 1e6 to 1e8 where a human intention is at most 1.
+    The hold circle lies midway between the clearance and the stand-off: a robot on it reaches its fire, and keeps clear
+    of it while the fire grows. As printed, -theta phi grad(phi) with phi = distance^2 - radius^2, v_t is 1e6 to 1e8
+    where a human intention is at most 1.
+
+    Args:
+        x: robot position [m].
+        y: robot position [m].
+        value: observed value theta of the fire [rad].
+        fx: fire position [m].
+        fy: fire position [m].
+        radius: fire radius [m].
+        perception: holds the band [m].
+        safety: holds the obstacle clearance [m].
+        fires: holds the stand-off [m].
+        forms: corrected or printed form.
     """
     dx, dy = fx - x, fy - y
     distance = math.sqrt(dx * dx + dy * dy)

@@ -1,12 +1,12 @@
-"""The centralised safety filter: one quadratic program for the whole team, [23], in which robots share their pair rows.
+"""The centralised safety filter: one quadratic program for the whole team, [23], in which pairs share a constraint.
 
-    rows     a Verlet list keeps the program's structure, so that OSQP updates numbers instead of starting anew
-    OSQP     finds the tight rows; its status and residuals are never trusted alone
-    polish   solves the tight parts exactly, speed limit included, and proves a conflict where there is one
+    list     a Verlet list keeps the program's structure, so that OSQP updates numbers instead of starting anew
+    OSQP     finds the active constraints; its status and residuals are never trusted alone
+    polish   solves the active parts exactly, speed limit included, and proves a conflict where there is one
 
-Slower than the distributed filter, and in Python: no fast preview. Where no velocities of the team meet all rows, or
-the program cannot be solved, the distributed filter answers for this tick; it takes the least violation and flags the
-robots.
+Slower than the distributed filter, and in Python: no fast preview. Where no velocities of the team meet all
+constraints, or the program cannot be solved, the distributed filter answers for this tick; it takes the least violation
+and flags the robots.
 """
 
 from typing import NamedTuple
@@ -20,6 +20,7 @@ from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.speed_limit import clipped
 from higvf_console.control.safety.barriers.surroundings import Surroundings, survey
 from higvf_console.control.safety.coupled_constraints import constraint_list, listed_constraints
+from higvf_console.control.safety.hazards import COLUMNS, FIRE, KIND, RADIUS
 from higvf_console.control.safety.nearest_point import OPTIMAL, Constraints, residual
 from higvf_console.control.safety.polish import polish
 from higvf_console.control.safety.safety_filter import filter_velocities
@@ -27,9 +28,9 @@ from higvf_console.core.arrays import Bools, Floats, Ints
 
 _SOLVED = 1  # OSQP_SOLVED; an enumeration that its package makes when it is imported
 _SKIN = 0.5  # share of the robot clearance that is listed beyond what can matter now
-_ROUGH = 1e-3  # share of v_max: accurate enough to tell which rows are likely to be tight
+_ROUGH = 1e-3  # share of v_max: accurate enough to tell which constraints are likely to be tight
 _FINE = 1e-9  # for teams that are too entangled to be polished
-_LIKELY = 1e-3  # share of v_max within which a row may turn out to be tight
+_LIKELY = 1e-3  # share of v_max within which a constraint may turn out to be tight
 _ACCEPTED = 1e-7  # share of v_max allowed in the optimality conditions without polish
 
 
@@ -46,53 +47,43 @@ class CoupledFilter:
         self._program: _Program | None = None
 
     def filter_velocities(
-        self,
-        position: Floats,
-        nominal: Floats,
-        circles: Floats,
-        bars: Floats,
-        walls: Floats,
-        fire_position: Floats,
-        fire_radius: Floats,
-        fire_rate: Floats,
-        fire_burning: Bools,
-        safety: SafetyParameters,
+        self, position: Floats, nominal: Floats, hazards: Floats, safety: SafetyParameters
     ) -> tuple[Floats, Ints, Bools]:
         """Filters the whole team; arguments and results as in `safety_filter.filter_velocities`."""
-        hazards = (circles, bars, walls, fire_position, fire_radius, fire_rate, fire_burning, safety)
         found = None
         if np.isfinite(position).all() and np.isfinite(nominal).all():
-            found = self._solved(survey(position, *hazards), nominal)
+            found = self._solved(survey(position, hazards, safety), nominal)
         if found is None:
             self.fallbacks += 1
-            return filter_velocities(position, nominal, *hazards)
-        return found.velocity, found.active_constraints, np.zeros(len(position), np.bool_)
+            return filter_velocities(position, nominal, hazards, safety)
+        return found.velocity, found.active_constraints, found.relaxed
 
     def _solved(self, around: Surroundings, nominal: Floats) -> "_Found | None":
         """The exact optimum, or None where there is none or it could not be found."""
         if self._program is None or not self._program.covers(around):
             self._program = _Program(around)
-        rows = listed_constraints(self._program.listing, around)
+        constraints, relaxed = listed_constraints(self._program.listing, around)
         limit = around.safety.speed_limit
         wanted = _limited(nominal, limit)
-        if _all_met(wanted, rows):
-            return _Found(wanted, np.zeros(len(nominal), np.int64))
-        guess = self._program.solve(wanted, rows, limit, _ROUGH)
+        if _all_met(wanted, constraints):
+            return _Found(wanted, np.zeros(len(nominal), np.int64), relaxed)
+        guess = self._program.solve(wanted, constraints, limit, _ROUGH)
         if guess is None:
             return None
-        likely = (guess.weight > _LIKELY * limit) | (_residuals(guess.velocity, rows) > -_LIKELY * limit)
-        exact = polish(wanted, rows, likely, limit)
+        likely = (guess.weight > _LIKELY * limit) | (_residuals(guess.velocity, constraints) > -_LIKELY * limit)
+        exact = polish(wanted, constraints, likely, limit)
         if exact.status == OPTIMAL:
-            return _Found(exact.velocity, _active(exact.weight > 0.0, rows, len(nominal)))
-        fine = self._program.solve(wanted, rows, limit, _FINE)
-        if fine is None or _optimality_error(wanted, fine, rows, limit) > _ACCEPTED * limit:
+            return _Found(exact.velocity, _active(exact.weight > 0.0, constraints, len(nominal)), relaxed)
+        fine = self._program.solve(wanted, constraints, limit, _FINE)
+        if fine is None or _optimality_error(wanted, fine, constraints, limit) > _ACCEPTED * limit:
             return None
-        return _Found(fine.velocity, _active(fine.weight > _ACCEPTED * limit, rows, len(nominal)))
+        return _Found(fine.velocity, _active(fine.weight > _ACCEPTED * limit, constraints, len(nominal)), relaxed)
 
 
 class _Found(NamedTuple):
     velocity: Floats  # (N, 2) [m/s]
     active_constraints: Ints  # (N,)
+    relaxed: Bools  # (N,) a hazard comes faster than the robot can retreat
 
 
 class _Guess(NamedTuple):
@@ -101,13 +92,13 @@ class _Guess(NamedTuple):
 
 
 class _Program:
-    """OSQP's problem for one row list, in units of v_max and unit rows: minimise |u - v|^2/2 under A u <= b."""
+    """OSQP's problem for one list, in units of v_max and with unit normals: minimise |u - v|^2/2 under A u <= b."""
 
     def __init__(self, around: Surroundings) -> None:
         self._skin = _SKIN * around.safety.robot_clearance
         self.listing = constraint_list(around, self._skin)
         self._made_for = around._replace(position=around.position.copy())
-        ends = listed_constraints(self.listing, around).ends[: len(self.listing)]
+        ends = listed_constraints(self.listing, around)[0].ends[: len(self.listing)]
         row = np.arange(len(ends))
         pairs = np.flatnonzero(ends[:, 1] >= 0)
         first, second = 2 * ends[:, 0], 2 * ends[pairs, 1]
@@ -134,27 +125,28 @@ class _Program:
         )
 
     def covers(self, around: Surroundings) -> bool:
-        """Whether the list still holds every row that can matter."""
-        made = self._made_for
-        for now, then in ((around.circles, made.circles), (around.bars, made.bars), (around.walls, made.walls)):
-            if now is not then and not np.array_equal(now, then):
-                return False
-        same_fires = np.array_equal(around.fires[:, [0, 1, 3]], made.fires[:, [0, 1, 3]])
-        if not same_fires or around.safety != made.safety or around.position.shape != made.position.shape:
+        """Whether the list still holds every constraint that can matter."""
+        made, fixed = self._made_for, [column for column in range(COLUMNS) if column != RADIUS]
+        if around.safety != made.safety or around.position.shape != made.position.shape:
             return False
-        grown = np.sqrt(around.fire_activation_distance) - np.sqrt(made.fire_activation_distance)
+        if not np.array_equal(around.hazards[:, fixed], made.hazards[:, fixed]):
+            return False
+        grows = around.hazards[:, KIND] == FIRE
+        if not np.array_equal(around.hazards[~grows], made.hazards[~grows]):
+            return False
+        grown = around.activation[grows] - made.activation[grows]
         moved = np.hypot(*(around.position - made.position).T)
         return bool(grown.max(initial=0.0) <= self._skin / 2 and moved.max(initial=0.0) <= self._skin / 2)
 
-    def solve(self, nominal: Floats, rows: Constraints, limit: float, accuracy: float) -> _Guess | None:
+    def solve(self, nominal: Floats, constraints: Constraints, limit: float, accuracy: float) -> _Guess | None:
         """OSQP's answer, or None where it does not call the problem solved."""
-        row = rows.row[: rows.size]
-        unit = np.ones(rows.size)
+        linear = constraints.linear[: constraints.size]
+        unit = np.ones(constraints.size)
         unit[self._pairs] = np.sqrt(0.5)
-        ax, ay = unit * row[:, 0], unit * row[:, 1]
+        ax, ay = unit * linear[:, 0], unit * linear[:, 1]
         values = np.concatenate((ax, ay, -ax[self._pairs], -ay[self._pairs]))[self._order]
         self._solver.update_settings(eps_abs=accuracy, eps_rel=accuracy)
-        self._solver.update(q=-nominal.ravel() / limit, u=unit * row[:, 2] / limit, Ax=values)
+        self._solver.update(q=-nominal.ravel() / limit, u=unit * linear[:, 2] / limit, Ax=values)
         result = self._solver.solve(raise_error=False)
         if result.info.status_val != _SOLVED:
             return None
@@ -164,14 +156,14 @@ class _Program:
         return _Guess(velocity.reshape(-1, 2), weight)
 
 
-def _optimality_error(nominal: Floats, guess: _Guess, rows: Constraints, limit: float) -> float:
+def _optimality_error(nominal: Floats, guess: _Guess, constraints: Constraints, limit: float) -> float:
     """Largest violation of the optimality conditions of the whole team [m/s]."""
-    ends, row = rows.ends[: rows.size], rows.row[: rows.size, :2]
-    broken = _residuals(guess.velocity, rows)
+    ends, normal = constraints.ends[: constraints.size], constraints.linear[: constraints.size, :2]
+    broken = _residuals(guess.velocity, constraints)
     stationary = guess.velocity - nominal
-    np.add.at(stationary, ends[:, 0], guess.weight[:, None] * row)
+    np.add.at(stationary, ends[:, 0], guess.weight[:, None] * normal)
     shared = ends[:, 1] >= 0
-    np.subtract.at(stationary, ends[shared, 1], guess.weight[shared, None] * row[shared])
+    np.subtract.at(stationary, ends[shared, 1], guess.weight[shared, None] * normal[shared])
     slack = np.minimum(guess.weight, np.abs(broken))
     speed = np.hypot(*guess.velocity.T) - limit
     parts = (broken, -guess.weight, slack, speed, np.abs(stationary).ravel())
@@ -187,27 +179,27 @@ def _limited(nominal: Floats, limit: float) -> Floats:
 
 
 @kernel
-def _residuals(velocity: Floats, rows: Constraints) -> Floats:
-    broken = np.empty(rows.size)
-    for r in range(rows.size):
-        broken[r] = residual(rows, r, velocity)
+def _residuals(velocity: Floats, constraints: Constraints) -> Floats:
+    broken = np.empty(constraints.size)
+    for r in range(constraints.size):
+        broken[r] = residual(constraints, r, velocity)
     return broken
 
 
 @kernel
-def _all_met(velocity: Floats, rows: Constraints) -> bool:
+def _all_met(velocity: Floats, constraints: Constraints) -> bool:
     met = True
-    for r in range(rows.size):
-        met = met and residual(rows, r, velocity) <= 0.0
+    for r in range(constraints.size):
+        met = met and residual(constraints, r, velocity) <= 0.0
     return met
 
 
 @kernel
-def _active(active: Bools, rows: Constraints, count: int) -> Ints:
+def _active(active: Bools, constraints: Constraints, count: int) -> Ints:
     found = np.zeros(count, np.int64)
-    for r in range(rows.size):
+    for r in range(constraints.size):
         if active[r]:
-            found[rows.ends[r, 0]] += 1
-            if rows.ends[r, 1] >= 0:
-                found[rows.ends[r, 1]] += 1
+            found[constraints.ends[r, 0]] += 1
+            if constraints.ends[r, 1] >= 0:
+                found[constraints.ends[r, 1]] += 1
     return found

@@ -1,11 +1,12 @@
-"""The nearest point to nominal velocities under rows that couple robots: a dual active set, exact, with proofs.
+"""The nearest point to nominal velocities under constraints that couple robots: a dual active set, exact, with proofs.
 
-The method of Goldfarb and Idnani for an identity Hessian. It starts at the nominal velocities, which are optimal for
-no rows, and brings in the most violated row, letting go of active rows whose multiplier would turn negative. It stops
-at the optimum, or with a conflict: weights >= 0 under which the rows add up to 0.u <= something negative, which
-proves that no velocity meets them. A speed limit is a disc, so it enters as a tangent wherever it is broken.
+The method of Goldfarb and Idnani for an identity Hessian. It starts at the nominal velocities, which are optimal for no
+constraints, and brings in the most violated constraint, letting go of active constraints whose multiplier would turn
+negative. It stops at the optimum, or with a conflict: weights >= 0 under which the constraints add up to 0.u <=
+something negative, which proves that no velocity meets them. A speed limit is a disc, so it enters as a tangent
+wherever it is broken.
 
-A row is ax, ay, b of a.u_i <= b, or of a.(u_i - u_j) <= b where two members share it: `ends` holds i and j, or i
+A constraint is ax, ay, b of a.u_i <= b, or of a.(u_i - u_j) <= b where two members share it: `ends` holds i and j, or i
 and -1.
 """
 
@@ -21,22 +22,22 @@ OPTIMAL = 0
 CONFLICT = 1
 FAILED = 2
 
-_TOLERANCE = 1e-10  # share of v_max by which a row may be broken
+_TOLERANCE = 1e-10  # share of v_max by which a constraint may be broken
 _DEPENDENT = 1e-14  # square of the sine of the angle to the active normals below which a normal depends on them
 _TANGENTS = 40  # a member, at most
 
 
 class Constraints(NamedTuple):
-    """Rows of a cluster of S robots, with space for the tangents of the speed limit behind them.
+    """Constraints of a cluster of S robots, with space for the tangents of the speed limit behind them.
 
     Attributes:
-        ends: (C, 2) members that share the row; -1 for none.
-        row: (C, 3) ax, ay, b.
-        size: number of rows before any tangent.
+        ends: (C, 2) members that share the constraint; -1 for none.
+        linear: (C, 3) ax, ay, b.
+        size: number of constraints before any tangent.
     """
 
     ends: Ints
-    row: Floats
+    linear: Floats
     size: int
 
 
@@ -46,8 +47,8 @@ class Solution(NamedTuple):
     Attributes:
         status: OPTIMAL, CONFLICT or FAILED.
         velocity: (S, 2) [m/s]; of use when OPTIMAL.
-        weight: (C,) multipliers of the rows when OPTIMAL; when in CONFLICT the weights that prove it.
-        size: number of rows, tangents included.
+        weight: (C,) multipliers of the constraints when OPTIMAL; when in CONFLICT the weights that prove it.
+        size: number of constraints, tangents included.
     """
 
     status: int
@@ -57,9 +58,9 @@ class Solution(NamedTuple):
 
 
 class _Active(NamedTuple):
-    """Active rows, their multipliers, and N = Q R of their normals: row k of `basis` is Q's column k."""
+    """Active constraints, their multipliers, and N = Q R of their normals: row k of `basis` is Q's column k."""
 
-    row: Ints
+    index: Ints
     multiplier: Floats
     basis: Floats
     upper: Floats
@@ -67,18 +68,18 @@ class _Active(NamedTuple):
 
 @kernel
 def empty_constraints(members: int, count: int) -> Constraints:
-    """Space for `count` rows of a cluster and for the tangents of its speed limits."""
+    """Space for `count` constraints of a cluster and for the tangents of its speed limits."""
     space = count + _TANGENTS * members
     return Constraints(np.full((space, 2), -1, np.int64), np.zeros((space, 3)), count)
 
 
 @kernel
-def nearest(nominal: Floats, rows: Constraints, speed_limit: float) -> Solution:
-    """The velocities nearest to `nominal` that meet all rows and the speed limit.
+def nearest(nominal: Floats, constraints: Constraints, speed_limit: float) -> Solution:
+    """The velocities nearest to `nominal` that meet all constraints and the speed limit.
 
     Args:
         nominal: (S, 2) [m/s].
-        rows: from `empty_constraints`, filled; tangents are written behind them.
+        constraints: from `empty_constraints`, filled; tangents are written behind them.
         speed_limit: v_max [m/s].
     """
     size = nominal.size
@@ -86,47 +87,47 @@ def nearest(nominal: Floats, rows: Constraints, speed_limit: float) -> Solution:
         np.empty(size, np.int64), np.zeros(size), np.zeros((size, size)), np.zeros((size, size))
     )  # fmt: skip
     velocity = nominal.copy()
-    weight = np.zeros(rows.row.shape[0])
-    is_active = np.zeros(rows.row.shape[0], np.bool_)
-    used, count = 0, rows.size
-    for _ in range(20 * (size + rows.size) + 200):
-        p, count = _most_broken(velocity, rows, count, is_active, speed_limit)
+    weight = np.zeros(constraints.linear.shape[0])
+    is_active = np.zeros(constraints.linear.shape[0], np.bool_)
+    used, count = 0, constraints.size
+    for _ in range(20 * (size + constraints.size) + 200):
+        p, count = _most_broken(velocity, constraints, count, is_active, speed_limit)
         if p < 0:
             for k in range(used):
-                weight[active.row[k]] = active.multiplier[k]
+                weight[active.index[k]] = active.multiplier[k]
             return Solution(OPTIMAL, velocity, weight, count)
-        if p >= rows.row.shape[0]:
+        if p >= constraints.linear.shape[0]:
             return Solution(FAILED, velocity, weight, count)
-        used, proven = _enter(p, velocity, rows, active, used, is_active, weight)
+        used, proven = _enter(p, velocity, constraints, active, used, is_active, weight)
         if proven:
             return Solution(CONFLICT, velocity, weight, count)
     return Solution(FAILED, velocity, weight, count)
 
 
 @kernel
-def residual(rows: Constraints, r: int, velocity: Floats) -> float:
-    """By how much `velocity` (S, 2) breaks row r [m/s]."""
-    i, j = rows.ends[r, 0], rows.ends[r, 1]
-    ax, ay = rows.row[r, 0], rows.row[r, 1]
+def residual(constraints: Constraints, r: int, velocity: Floats) -> float:
+    """By how much `velocity` (S, 2) breaks constraint r [m/s]."""
+    i, j = constraints.ends[r, 0], constraints.ends[r, 1]
+    ax, ay = constraints.linear[r, 0], constraints.linear[r, 1]
     value = ax * velocity[i, 0] + ay * velocity[i, 1]
     if j >= 0:
         value -= ax * velocity[j, 0] + ay * velocity[j, 1]
-    return value - rows.row[r, 2]
+    return value - constraints.linear[r, 2]
 
 
 @kernel
-def violation(rows: Constraints, velocity: Floats, speed_limit: float) -> float:
-    """By how much `velocity` (S, 2) breaks the worst of the rows and speed limits [m/s]; 0 if it meets them all."""
+def violation(constraints: Constraints, velocity: Floats, speed_limit: float) -> float:
+    """By how much `velocity` (S, 2) breaks the worst constraint or speed limit [m/s]; 0 if it meets them all."""
     worst = 0.0
-    for r in range(rows.size):
-        worst = max(worst, residual(rows, r, velocity))
+    for r in range(constraints.size):
+        worst = max(worst, residual(constraints, r, velocity))
     for k in range(velocity.shape[0]):
         worst = max(worst, math.sqrt(velocity[k, 0] ** 2 + velocity[k, 1] ** 2) - speed_limit)
     return worst
 
 
 @kernel
-def optimality_error(nominal: Floats, rows: Constraints, solution: Solution, speed_limit: float) -> float:
+def optimality_error(nominal: Floats, constraints: Constraints, solution: Solution, speed_limit: float) -> float:
     """By how much a solution misses stationarity, complementarity and the signs of the multipliers.
 
     Returns:
@@ -140,12 +141,12 @@ def optimality_error(nominal: Floats, rows: Constraints, solution: Solution, spe
     for r in range(solution.size):
         weight = solution.weight[r]
         scale = max(scale, weight)
-        error = max(error, -weight, min(weight, abs(residual(rows, r, solution.velocity))))
-        i, j = rows.ends[r, 0], rows.ends[r, 1]
+        error = max(error, -weight, min(weight, abs(residual(constraints, r, solution.velocity))))
+        i, j = constraints.ends[r, 0], constraints.ends[r, 1]
         for axis in range(2):
-            stationary[i, axis] += weight * rows.row[r, axis]
+            stationary[i, axis] += weight * constraints.linear[r, axis]
             if j >= 0:
-                stationary[j, axis] -= weight * rows.row[r, axis]
+                stationary[j, axis] -= weight * constraints.linear[r, axis]
     for k in range(nominal.shape[0]):
         error = max(error, abs(stationary[k, 0]), abs(stationary[k, 1]))
     return error / scale
@@ -153,13 +154,13 @@ def optimality_error(nominal: Floats, rows: Constraints, solution: Solution, spe
 
 @kernel
 def _most_broken(
-    velocity: Floats, rows: Constraints, count: int, is_active: Bools, speed_limit: float
+    velocity: Floats, constraints: Constraints, count: int, is_active: Bools, speed_limit: float
 ) -> tuple[int, int]:
-    """The row that is broken most, -1 if none is; a broken speed limit adds its tangent. And the number of rows."""
+    """The most broken constraint, -1 if none is; a broken speed limit adds its tangent. And how many there are."""
     worst, p, fast = _TOLERANCE * speed_limit, -1, -1
     for r in range(count):
         if not is_active[r]:
-            broken = residual(rows, r, velocity)
+            broken = residual(constraints, r, velocity)
             if broken > worst:
                 worst, p = broken, r
     for k in range(velocity.shape[0]):
@@ -168,37 +169,40 @@ def _most_broken(
             worst, fast = excess, k
     if fast < 0:
         return p, count
-    if count < rows.row.shape[0]:
+    if count < constraints.linear.shape[0]:
         speed = speed_limit + worst
-        rows.ends[count, 0], rows.ends[count, 1] = fast, -1
-        rows.row[count, 0], rows.row[count, 1] = velocity[fast, 0] / speed, velocity[fast, 1] / speed
-        rows.row[count, 2] = speed_limit
+        constraints.ends[count, 0], constraints.ends[count, 1] = fast, -1
+        constraints.linear[count, 0], constraints.linear[count, 1] = (
+            velocity[fast, 0] / speed,
+            velocity[fast, 1] / speed,
+        )
+        constraints.linear[count, 2] = speed_limit
     return count, count + 1
 
 
 @kernel
 def _enter(
-    p: int, velocity: Floats, rows: Constraints, active: _Active, used: int, is_active: Bools, weight: Floats
+    p: int, velocity: Floats, constraints: Constraints, active: _Active, used: int, is_active: Bools, weight: Floats
 ) -> tuple[int, bool]:
-    """Makes row p active, moving `velocity` and the multipliers; or writes the proof of a conflict into `weight`."""
+    """Makes constraint p active, moving `velocity` and multipliers; or writes the proof of a conflict to `weight`."""
     size = velocity.size
     step = np.empty(size)
     share = np.empty(size)
     column = np.empty(size)
     gained = 0.0
     while True:
-        square = _split(p, rows, active, used, step, column)
+        square = _split(p, constraints, active, used, step, column)
         _solve_upper(active.upper, column, used, share)
         drop, t = -1, np.inf
         for k in range(used):
             if share[k] > 1e-13 and active.multiplier[k] < t * share[k]:
                 drop, t = k, active.multiplier[k] / share[k]
         independent = square > _DEPENDENT
-        full = max(residual(rows, p, velocity), 0.0) / square if independent else np.inf
+        full = max(residual(constraints, p, velocity), 0.0) / square if independent else np.inf
         if drop < 0 and not independent:
             weight[p] = 1.0
             for k in range(used):
-                weight[active.row[k]] = max(-share[k], 0.0)
+                weight[active.index[k]] = max(-share[k], 0.0)
             return used, True
         t = min(t, full)
         gained += t
@@ -213,21 +217,21 @@ def _enter(
             active.multiplier[used] = gained
             is_active[p] = True
             return used + 1, False
-        is_active[active.row[drop]] = False
+        is_active[active.index[drop]] = False
         used = _remove(drop, active, used)
 
 
 @kernel
-def _split(p: int, rows: Constraints, active: _Active, used: int, step: Floats, column: Floats) -> float:
-    """Splits row p's normal into `column`, its parts along the basis, and `step`, the rest; the square of the rest."""
+def _split(p: int, constraints: Constraints, active: _Active, used: int, step: Floats, column: Floats) -> float:
+    """Splits constraint p's normal into `column`, its parts along the basis, and `step`, the rest; the rest squared."""
     for m in range(step.shape[0]):
         step[m] = 0.0
         column[m] = 0.0
-    i, j = rows.ends[p, 0], rows.ends[p, 1]
+    i, j = constraints.ends[p, 0], constraints.ends[p, 1]
     for axis in range(2):
-        step[2 * i + axis] = rows.row[p, axis]
+        step[2 * i + axis] = constraints.linear[p, axis]
         if j >= 0:
-            step[2 * j + axis] = -rows.row[p, axis]
+            step[2 * j + axis] = -constraints.linear[p, axis]
     square, before = _square(step), np.inf
     while square < 0.5 * before and square > 0.0:  # a second pass removes the rounding of the first
         before = square
@@ -263,7 +267,7 @@ def _solve_upper(upper: Floats, column: Floats, used: int, share: Floats) -> Non
 
 @kernel
 def _append(p: int, active: _Active, used: int, step: Floats, column: Floats, length: float) -> None:
-    active.row[used] = p
+    active.index[used] = p
     for m in range(step.shape[0]):
         active.basis[used, m] = step[m] / length
     for k in range(used):
@@ -273,10 +277,10 @@ def _append(p: int, active: _Active, used: int, step: Floats, column: Floats, le
 
 @kernel
 def _remove(drop: int, active: _Active, used: int) -> int:
-    """Takes one active row out; plane rotations make the rest of N = Q R triangular again. The number of rows left."""
+    """Takes one active constraint out; plane rotations make the rest of N = Q R triangular again. How many are left."""
     upper, basis = active.upper, active.basis
     for k in range(drop, used - 1):
-        active.row[k] = active.row[k + 1]
+        active.index[k] = active.index[k + 1]
         active.multiplier[k] = active.multiplier[k + 1]
         for m in range(k + 2):
             upper[m, k] = upper[m, k + 1]

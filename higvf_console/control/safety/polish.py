@@ -1,7 +1,7 @@
-"""From a good guess to the exact optimum: the rows that are tight, or nearly, split the team into small exact problems.
+"""From a good guess to the exact optimum: constraints that are active, or nearly, split the team into small problems.
 
-Robots that share no tight row do not feel each other, so each connected component is solved by itself
-(`nearest_point`). Rows that the parts break together are added, and the parts that they join are solved again.
+Robots that share no tight constraint do not feel each other, so each connected component is solved by itself
+(`nearest_point`). Constraints that the parts break together are added, and the parts that they join are solved again.
 """
 
 from typing import NamedTuple
@@ -31,9 +31,9 @@ class Polished(NamedTuple):
     """What `polish` found.
 
     Attributes:
-        status: OPTIMAL, CONFLICT (no velocities meet all rows, proven) or FAILED (too large, or no progress).
+        status: OPTIMAL, CONFLICT (no velocities meet all constraints, proven) or FAILED (too large, or no progress).
         velocity: (N, 2) [m/s].
-        weight: (R,) multipliers of the rows.
+        weight: (R,) multipliers of the constraints.
     """
 
     status: int
@@ -42,35 +42,35 @@ class Polished(NamedTuple):
 
 
 @kernel
-def polish(nominal: Floats, rows: Constraints, likely: Bools, speed_limit: float) -> Polished:
-    """The velocities nearest to `nominal` that meet all rows and the speed limit, exactly.
+def polish(nominal: Floats, constraints: Constraints, likely: Bools, speed_limit: float) -> Polished:
+    """The velocities nearest to `nominal` that meet all constraints and the speed limit, exactly.
 
     Args:
         nominal: (N, 2) within the speed limit [m/s].
-        rows: all rows of the team.
-        likely: (R,) rows that are thought to be tight; grows by the rows that turn out to be.
+        constraints: all constraints of the team.
+        likely: (R,) constraints that are thought to be tight; grows by the constraints that turn out to be.
         speed_limit: v_max [m/s].
     """
     velocity = nominal.copy()
-    weight = np.zeros(rows.size)
+    weight = np.zeros(constraints.size)
     for _ in range(_ROUNDS):
-        part = _parts(rows, likely, nominal.shape[0])
-        of_row = np.full(rows.size, -1, np.int64)
-        for r in range(rows.size):
+        part = _parts(constraints, likely, nominal.shape[0])
+        of_constraint = np.full(constraints.size, -1, np.int64)
+        for r in range(constraints.size):
             if likely[r]:
-                of_row[r] = part[rows.ends[r, 0]]
+                of_constraint[r] = part[constraints.ends[r, 0]]
         first, members = _grouped(part, nominal.shape[0])
-        first_row, which = _grouped(of_row, nominal.shape[0])
+        first_constraint, which = _grouped(of_constraint, nominal.shape[0])
         for k in range(nominal.shape[0]):
             own = members[first[k] : first[k + 1]]
-            own_rows = which[first_row[k] : first_row[k + 1]]
+            own_constraints = which[first_constraint[k] : first_constraint[k + 1]]
             if own.shape[0] > 0:
-                status = _solve_part(own, own_rows, nominal, rows, speed_limit, velocity, weight)
+                status = _solve_part(own, own_constraints, nominal, constraints, speed_limit, velocity, weight)
                 if status != OPTIMAL:
                     return Polished(status, velocity, weight)
         grown = False
-        for r in range(rows.size):
-            if not likely[r] and residual(rows, r, velocity) > _BROKEN * speed_limit:
+        for r in range(constraints.size):
+            if not likely[r] and residual(constraints, r, velocity) > _BROKEN * speed_limit:
                 likely[r] = True
                 grown = True
         if not grown:
@@ -79,11 +79,11 @@ def polish(nominal: Floats, rows: Constraints, likely: Bools, speed_limit: float
 
 
 @kernel
-def _parts(rows: Constraints, likely: Bools, count: int) -> Ints:
-    """Connected components of the likely pair rows: (N,) smallest robot index of each one's component."""
+def _parts(constraints: Constraints, likely: Bools, count: int) -> Ints:
+    """Connected components of the likely pair constraints: (N,) smallest robot index of each one's component."""
     part = np.arange(count)
-    for r in range(rows.size):
-        i, j = rows.ends[r, 0], rows.ends[r, 1]
+    for r in range(constraints.size):
+        i, j = constraints.ends[r, 0], constraints.ends[r, 1]
         if likely[r] and j >= 0:
             i, j = _root(part, i), _root(part, j)
             part[max(i, j)] = min(i, j)
@@ -120,9 +120,15 @@ def _root(part: Ints, i: int) -> int:
 
 @kernel
 def _solve_part(
-    members: Ints, which: Ints, nominal: Floats, rows: Constraints, speed_limit: float, velocity: Floats, weight: Floats
+    members: Ints,
+    which: Ints,
+    nominal: Floats,
+    constraints: Constraints,
+    speed_limit: float,
+    velocity: Floats,
+    weight: Floats,
 ) -> int:
-    """Writes the velocities of `members` under the rows `which`, and their multipliers; its status."""
+    """Writes the velocities of `members` under the constraints `which`, and their multipliers; its status."""
     if members.shape[0] > _LARGEST_PART:
         return FAILED
     wanted = np.empty((members.shape[0], 2))
@@ -131,10 +137,14 @@ def _solve_part(
     own = empty_constraints(members.shape[0], which.shape[0])
     for k in range(which.shape[0]):
         r = which[k]
-        own.ends[k, 0] = np.searchsorted(members, rows.ends[r, 0])
-        if rows.ends[r, 1] >= 0:
-            own.ends[k, 1] = np.searchsorted(members, rows.ends[r, 1])
-        own.row[k, 0], own.row[k, 1], own.row[k, 2] = rows.row[r, 0], rows.row[r, 1], rows.row[r, 2]
+        own.ends[k, 0] = np.searchsorted(members, constraints.ends[r, 0])
+        if constraints.ends[r, 1] >= 0:
+            own.ends[k, 1] = np.searchsorted(members, constraints.ends[r, 1])
+        own.linear[k, 0], own.linear[k, 1], own.linear[k, 2] = (
+            constraints.linear[r, 0],
+            constraints.linear[r, 1],
+            constraints.linear[r, 2],
+        )
     solution = nearest(wanted, own, speed_limit)
     if solution.status != OPTIMAL:
         return solution.status

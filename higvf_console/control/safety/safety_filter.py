@@ -1,7 +1,7 @@
-"""The safety filter: each robot's velocity nearest to its nominal one that meets its barrier rows, [25], [28].
+"""The safety filter: each robot's velocity nearest to its nominal one that meets its barriers, [25], [28].
 
     survey    who and what is near enough to matter            O(N)
-    project   each robot alone, on its halves of the pair rows exact, in the plane
+    project   each robot alone, on its halves of the pairs     exact, in the plane
     rescue    robots that have no velocity alone               rare: neighbours yield, or the least violation
 
 The nominal velocity never passes unfiltered; a robot whose data are not numbers gets zero, and the others go on.
@@ -19,57 +19,43 @@ from higvf_console.control.safety.projection import project
 from higvf_console.control.safety.rescue import Outcome, rescue
 from higvf_console.core.arrays import Bools, Floats, Ints
 
-_TIGHT = 1e-9  # share of v_max within which a row is met with equality
+_MET_WITH_EQUALITY = 1e-9  # share of v_max within which a constraint counts as active
 
 
 @kernel
 def filter_velocities(
-    position: Floats,
-    nominal: Floats,
-    circles: Floats,
-    bars: Floats,
-    walls: Floats,
-    fire_position: Floats,
-    fire_radius: Floats,
-    fire_rate: Floats,
-    fire_burning: Bools,
-    safety: SafetyParameters,
+    position: Floats, nominal: Floats, hazards: Floats, safety: SafetyParameters
 ) -> tuple[Floats, Ints, Bools]:
     """The distributed safety filter of the whole team.
 
     Args:
         position: (N, 2) [m].
         nominal: (N, 2) [m/s]; shortened to the speed limit first.
-        circles: (P, 3) x, y, radius [m].
-        bars: (Q, 5) ax, ay, bx, by, half width [m].
-        walls: (W, 3) unit inward normal and offset [m].
-        fire_position: (M, 2) [m].
-        fire_radius: (M,) [m].
-        fire_rate: (M,) growth of the radius over the coming control period [m/s].
-        fire_burning: (M,) extinguished fires have no rows.
+        hazards: (H, 9) obstacles, walls and fires, see `control.safety.hazards`.
         safety: clearances, rates, speed limit and control period.
 
     Returns:
-        velocity: (N, 2) [m/s], the nominal one bit for bit where all rows are slack.
-        active_constraints: (N,) barrier rows that shaped it.
-        infeasible: (N,) no velocities of the team meet the robot's rows, so the least violation was taken; or the
-            robot's data are not numbers, and its velocity is zero.
+        velocity: (N, 2) [m/s], the nominal one bit for bit where all constraints are slack.
+        active_constraints: (N,) barrier constraints that shaped it.
+        infeasible: (N,) no velocities of the team meet the robot's constraints, so the least violation was taken; or a
+            hazard comes faster than the robot can retreat; or its data are not numbers, and its velocity is zero.
     """
-    around = survey(position, circles, bars, walls, fire_position, fire_radius, fire_rate, fire_burning, safety)
+    around = survey(position, hazards, safety)
     count = position.shape[0]
     outcome = Outcome(np.zeros((count, 2)), np.zeros(count, np.int64), np.zeros(count, np.bool_))
     limited = np.zeros((count, 2))
     stuck = np.zeros(count, np.bool_)
+    relaxed = np.zeros(count, np.bool_)
     usable = np.zeros(count, np.bool_)
     most = most_constraints(around)
-    rows = np.empty((most, 3))
-    other = np.empty(most, np.int64)
+    constraints = np.empty((most, 3))
+    cause = np.empty((most, 2), np.int64)
     kept = np.empty(most, np.int64)
     any_stuck = False
     for i in range(count):
         vx, vy = clipped(nominal[i, 0], nominal[i, 1], safety.speed_limit)
-        used = constraints_of(i, around, rows, other)
-        ux, uy, feasible = project(vx, vy, rows, used, safety.speed_limit, kept)
+        used, relaxed[i] = constraints_of(i, around, constraints, cause)
+        ux, uy, feasible = project(vx, vy, constraints, used, safety.speed_limit, kept)
         usable[i] = math.isfinite(ux + uy + position[i, 0] + position[i, 1])
         if not usable[i]:
             outcome.infeasible[i] = True
@@ -78,11 +64,11 @@ def filter_velocities(
         stuck[i] = not feasible
         outcome.velocity[i, 0], outcome.velocity[i, 1] = ux, uy
         if ux != vx or uy != vy:
-            outcome.active_constraints[i] = _tight(ux, uy, rows, used, safety.speed_limit)
+            outcome.active_constraints[i] = _active(ux, uy, constraints, used, safety.speed_limit)
         any_stuck = any_stuck or stuck[i]
     if any_stuck:
         rescue(stuck, usable, limited, around, outcome)
-    return outcome.velocity, outcome.active_constraints, outcome.infeasible
+    return outcome.velocity, outcome.active_constraints, outcome.infeasible | relaxed
 
 
 @kernel
@@ -94,11 +80,11 @@ def blocked(
     active_constraints: int,
     stall_speed: float,
 ) -> bool:
-    """Whether barrier rows, and nothing else, keep a robot from moving.
+    """Whether barriers, and nothing else, keep a robot from moving.
 
-    The filter's answer satisfies v - u = sum of lambda_k a_k over active rows, lambda >= 0. So a robot that should
-    move and does not (u = 0) has its nominal velocity v in the cone of the active normals, and a nominal velocity in
-    the cone of rows with b = 0 gives u = 0: the cone test needs no rows, only this.
+    The filter's answer satisfies v - u = sum of lambda_k a_k over active constraints, lambda >= 0. So a robot that
+    should move and does not (u = 0) has its nominal velocity v in the cone of the active normals, and a nominal
+    velocity in the cone of constraints with b = 0 gives u = 0: the cone test needs no constraints, only this.
 
     Args:
         velocity_x: filtered velocity u [m/s].
@@ -114,8 +100,9 @@ def blocked(
 
 
 @kernel
-def _tight(ux: float, uy: float, rows: Floats, count: int, speed_limit: float) -> int:
-    tight = 0
+def _active(ux: float, uy: float, constraints: Floats, count: int, speed_limit: float) -> int:
+    active = 0
     for k in range(count):
-        tight += rows[k, 0] * ux + rows[k, 1] * uy >= rows[k, 2] - _TIGHT * speed_limit
-    return tight
+        ax, ay, b = constraints[k, 0], constraints[k, 1], constraints[k, 2]
+        active += ax * ux + ay * uy >= b - _MET_WITH_EQUALITY * speed_limit
+    return active

@@ -1,10 +1,10 @@
 """Benchmarks, as a table or as JSON: `higvf bench --suite NAME`.
 
-filter, tick   what a tick costs: compare the ratios, the milliseconds are this machine's
-deadlock       who arrives in random scenes, by the forms of the equations
-preview        how fast the look ahead is, and that the control loop does not feel it
-lsl            live streams: from a device's push to a command, and memory over an hour of gaze
-ui             the console in a browser: bytes on the wire, processor, frames, and from stroke to motion
+filter, tick   time of the safety filter and of a whole tick; the ratios are comparable across machines
+deadlock       arrivals, violations and deadlock time in random scenes, for each form of the equations
+preview        speed of the preview, and its effect on the timing of the control loop
+lsl            live streams: latency from push to command, and memory growth over an hour of gaze
+ui             the console in a browser: network traffic, CPU, frame rate, latency from stroke to motion
 """
 
 import json
@@ -12,13 +12,13 @@ from collections.abc import Callable
 from typing import Any
 
 from higvf_console.core.errors import HigvfError
+from higvf_console.core.optional import require
 from higvf_console.lab.bench import deadlock as bench_deadlock
 from higvf_console.lab.bench import deadlock_report
 from higvf_console.lab.bench import filter as bench_filter
 from higvf_console.lab.bench import lsl as bench_lsl
 from higvf_console.lab.bench import preview as bench_preview
 from higvf_console.lab.bench import tick as bench_tick
-from higvf_console.lab.bench import ui as bench_ui
 from higvf_console.lab.bench.timing import Case, Suite
 
 _TIMINGS: dict[str, Callable[[], Suite]] = {"filter": bench_filter.run, "tick": bench_tick.run}
@@ -36,11 +36,11 @@ def run_suite(name: str, as_json: bool, scenes: int | None = None) -> str:
 
     Args:
         name: one of `SUITES`.
-        as_json: whether JSON is wanted.
-        scenes: how many spaced scenes of `DEADLOCK` to run, and the same share of the others; None = all.
+        as_json: whether to return JSON instead of a table.
+        scenes: number of spaced scenes of `DEADLOCK` to run, and the same share of the others; None = all.
 
     Raises:
-        HigvfError: no such suite; the message lists them.
+        HigvfError: no such suite, the message lists them; or a package of an extra that it needs is missing.
     """
     if name == DEADLOCK:
         outcomes = bench_deadlock.run_all(scenes)
@@ -52,10 +52,13 @@ def run_suite(name: str, as_json: bool, scenes: int | None = None) -> str:
         figures = bench_lsl.run()
         return json.dumps(figures, indent=2) if as_json else bench_lsl.table(figures)
     if name == UI:
+        require("viser", "console", "suite ui")
+        from higvf_console.lab.bench import ui as bench_ui  # noqa: PLC0415 (needs viser)
+
         figures = bench_ui.run()
         return json.dumps(figures, indent=2) if as_json else bench_ui.table(figures)
     if name not in _TIMINGS:
-        raise HigvfError(f"no benchmark suite {name!r}; choose {', '.join(SUITES)}")
+        raise HigvfError(f"unknown benchmark suite {name!r}; choose {', '.join(SUITES)}")
     suite = _TIMINGS[name]()
     return json.dumps(_plain(name, suite), indent=2) if as_json else _table(suite)
 
@@ -66,8 +69,8 @@ def _plain(name: str, suite: Suite) -> dict[str, Any]:
             "scene": case.scene,
             "robots": case.robots,
             "median_ms": dict(case.milliseconds),
-            f"ratio_to_{suite.yardstick}": {
-                contender: None if taken is None else taken / _own(suite, case)
+            f"ratio_to_{suite.reference}": {
+                contender: None if taken is None else taken / _reference_time(suite, case)
                 for contender, taken in case.milliseconds.items()
             },
             **case.facts,
@@ -77,21 +80,21 @@ def _plain(name: str, suite: Suite) -> dict[str, Any]:
     return {"suite": name, "title": suite.title, "cases": cases}
 
 
-def _own(suite: Suite, case: Case) -> float:
-    own = case.milliseconds[suite.yardstick]
+def _reference_time(suite: Suite, case: Case) -> float:
+    own = case.milliseconds[suite.reference]
     assert own is not None
     return own
 
 
 def _table(suite: Suite) -> str:
-    """Milliseconds, and in brackets how many times the yardstick's."""
+    """Median milliseconds of each contender, with its ratio to the reference in brackets."""
     first = suite.cases[0]
     head = ["scene", "robots", *first.milliseconds, *first.facts]
     lines = [head]
     for case in suite.cases:
-        own = _own(suite, case)
+        own = _reference_time(suite, case)
         times = [
-            f"{taken:.3f}" + (f" ({taken / own:.1f}x)" if name != suite.yardstick else "")
+            f"{taken:.3f}" + (f" ({taken / own:.1f}x)" if name != suite.reference else "")
             if taken is not None
             else "not installed"
             for name, taken in case.milliseconds.items()
@@ -99,4 +102,4 @@ def _table(suite: Suite) -> str:
         lines.append([case.scene, str(case.robots), *times, *(f"{fact:.3g}" for fact in case.facts.values())])
     widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
     rows = ["  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) for line in lines]
-    return "\n".join([f"{suite.title}; median ms, in brackets times {suite.yardstick}", *rows])
+    return "\n".join([f"{suite.title}; median in ms, in brackets the ratio to {suite.reference}", *rows])

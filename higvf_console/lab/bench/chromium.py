@@ -1,4 +1,4 @@
-"""The system's Chromium without a screen or a graphics card, for benchmarks and tests."""
+"""Launches the system's Chromium headless and without a graphics card, for benchmarks and tests."""
 
 import os
 import shlex
@@ -13,8 +13,7 @@ from typing import Any
 from higvf_console.core.errors import HigvfError
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-# WebGL without a graphics card, the page put together without one either (a third of the work), and no traffic of the
-# browser's own.
+# Software WebGL, software compositing (a third of the work) and no background traffic of the browser.
 _FLAGS = (
     "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist", "--disable-gpu-compositing", "--disable-background-networking",
@@ -23,31 +22,31 @@ _FLAGS = (
 
 
 def find_chromium() -> str | None:
-    """Path of the system's Chromium, or of the one that HIGVF_CHROMIUM names."""
+    """Path of Chromium: the value of HIGVF_CHROMIUM, else the first of `NAMES` on the PATH; None if there is none."""
     return os.environ.get("HIGVF_CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
 
 
 @contextmanager
 def launched(path: str) -> Generator[Any]:
-    """The Chromium at a path, as Playwright's `Browser`.
+    """Launches the Chromium at `path` and yields it as Playwright's `Browser`.
 
     Raises:
-        HigvfError: Playwright is missing; the message says how to get it.
+        HigvfError: Playwright is not installed.
     """
     try:
         playwright = import_module("playwright.sync_api")
     except ImportError as error:
         raise HigvfError(f"a browser needs Playwright: pip install 'higvf-console[dev]' ({error})") from error
     with tempfile.TemporaryDirectory() as folder, playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=_modest(path, Path(folder)), args=list(_FLAGS))
+        browser = driver.chromium.launch(executable_path=_without_priority(path, Path(folder)), args=list(_FLAGS))
         try:
             yield browser
         finally:
             browser.close()
 
 
-def _modest(path: str, folder: Path) -> str:
-    """A Chromium that draws at the priority of other programs: as root it would go before them all."""
+def _without_priority(path: str, folder: Path) -> str:
+    """Path of a wrapper without the right to raise its priority: as root, Chromium would preempt all other programs."""
     setpriv = shutil.which("setpriv")
     if setpriv is None or os.geteuid() != 0:
         return path

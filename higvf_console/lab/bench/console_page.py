@@ -1,4 +1,4 @@
-"""A console in a process of its own and a page of it in headless Chromium, for benchmarks of both."""
+"""Starts a console in its own process and opens a page of it in headless Chromium, to measure both."""
 
 import os
 import re
@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 from higvf_console.core.errors import HigvfError
 from higvf_console.lab.bench.chromium import find_chromium, launched
 
-PATIENCE_S = 300.0  # for a start that compiles the engine
+PATIENCE_S = 300.0  # timeout of the start, which may compile the engine
 _READY = "() => window.higvf && window.__viserMutable?.cameraControl"
 _NO_HINTS = "localStorage.setItem('higvf-hints', '[\"away\"]')"
 
-# Animation frames that the page comes to in some milliseconds, a second.
+# Counts animation frames for `duration` ms; resolves to frames per second.
 _FRAMES = """
 (duration) => new Promise((done) => {
   const start = performance.now();
@@ -31,7 +31,7 @@ _FRAMES = """
   requestAnimationFrame(count);
 })
 """
-# A stroke of a mouse through the middle of the canvas, 125 events a second; answers when it ended [s since the epoch].
+# Draws a mouse stroke across the middle of the canvas at 125 events/s; resolves to its end time [s since the epoch].
 _STROKE = """
 ([width, points]) => new Promise((done) => {
   const canvas = window.__viserMutable.canvas;
@@ -55,11 +55,11 @@ _STROKE = """
 
 
 class Server(NamedTuple):
-    """A console that runs.
+    """A running console.
 
     Attributes:
-        url: its login link.
-        process: its number, as the system counts.
+        url: login link.
+        process: process id.
     """
 
     url: str
@@ -68,63 +68,63 @@ class Server(NamedTuple):
 
 @contextmanager
 def console_of(scenario: str) -> Generator[Server]:
-    """Runs a scenario, a name or a file, in a console of its own.
+    """Runs a scenario, given by name or file, in a console in its own process.
 
     Raises:
-        HigvfError: it does not start; the message is what it said.
+        HigvfError: the console does not start; the message holds its output.
     """
     command = [sys.executable, "-m", "higvf_console", "run", scenario, "--port", "auto", "--no-browser"]
-    with tempfile.TemporaryFile("w+") as said:
-        running = subprocess.Popen(command, stdout=said, stderr=subprocess.STDOUT, text=True)
+    with tempfile.TemporaryFile("w+") as output:
+        running = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, text=True)
         try:
-            yield Server(_link(running, said), running.pid)
+            yield Server(_link(running, output), running.pid)
         finally:
             running.terminate()
             running.wait()
 
 
-def _link(running: "subprocess.Popen[str]", said: Any) -> str:
+def _link(running: "subprocess.Popen[str]", output: Any) -> str:
     end = time.monotonic() + PATIENCE_S
     while running.poll() is None and time.monotonic() < end:
-        said.seek(0)
-        if found := re.search(r"^Console: (\S+)\n", said.read(), re.MULTILINE):
+        output.seek(0)
+        if found := re.search(r"^Console: (\S+)\n", output.read(), re.MULTILINE):
             return found[1]
         time.sleep(0.05)
-    said.seek(0)
-    raise HigvfError(f"the console does not start: {said.read().strip() or 'it says nothing'}")
+    output.seek(0)
+    raise HigvfError(f"the console does not start: {output.read().strip() or 'it printed nothing'}")
 
 
 def cpu_seconds(process: int) -> float:
-    """Processor time that a process has taken so far [s].
+    """CPU time of a process so far [s].
 
     Raises:
-        HigvfError: this system has no /proc that tells.
+        HigvfError: the system has no /proc.
     """
     try:
         fields = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
     except OSError as error:
-        raise HigvfError(f"suite ui reads processor time from /proc, as Linux has it ({error})") from error
+        raise HigvfError(f"suite ui reads CPU times from /proc, which only Linux has ({error})") from error
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 @contextmanager
-def browser_at_hand() -> Generator[Any]:
-    """A headless Chromium, as Playwright's `Browser`.
+def open_browser() -> Generator[Any]:
+    """Launches headless Chromium and yields it as Playwright's `Browser`.
 
     Raises:
-        HigvfError: Playwright or Chromium is missing; the message says how to get it.
+        HigvfError: Playwright or Chromium is not installed.
     """
     if (path := find_chromium()) is None:
-        raise HigvfError("suite ui needs Chromium: install the package 'chromium', or name it by HIGVF_CHROMIUM")
+        raise HigvfError("suite ui needs Chromium: install the package 'chromium', or set HIGVF_CHROMIUM to its path")
     with launched(path) as browser:
         yield browser
 
 
 class ConsolePage:
-    """A page of 1280 x 720 that steers."""
+    """A page of 1280 x 720 px that has control of the console."""
 
     def __init__(self, browser: Any, url: str) -> None:
-        """Opens it and waits until it is ready to be drawn in."""
+        """Opens the page and waits until it accepts strokes."""
         self._context = browser.new_context(viewport={"width": 1280, "height": 720})
         self._context.add_init_script(_NO_HINTS)
         self._page = self._context.new_page()
@@ -133,18 +133,18 @@ class ConsolePage:
         self._page.wait_for_function(_READY, polling=50)
 
     def frame_rate(self, seconds: float) -> float:
-        """Animation frames a second, over some seconds."""
+        """Animation frames per second, averaged over `seconds`."""
         return float(self._page.evaluate(_FRAMES, 1e3 * seconds))
 
     def stroke(self, width: float, points: int = 16) -> float:
-        """Draws a stroke across a share of the canvas; answers when it ended [s since the epoch]."""
+        """Draws a stroke over the share `width` of the canvas; returns its end time [s since the epoch]."""
         return float(self._page.evaluate(_STROKE, [width, points]))
 
     def reset(self) -> None:
-        """Sets the run back to its start, without waiting for frames in which the buttons stand still."""
+        """Resets the run; dispatches the clicks directly, since waiting for stable buttons takes several frames."""
         for label in ("Reset run", "Press again to reset the run"):
             self._page.get_by_role("button", name=label, exact=True).dispatch_event("click")
 
     def close(self) -> None:
-        """Closes it."""
+        """Closes the page."""
         self._context.close()

@@ -1,10 +1,10 @@
-"""Random scenes run to their end in the printed, the zero-in and the corrected forms: who arrives, who is stuck.
+"""Study of deadlocks: random scenes in the printed, the zero-in and the corrected forms of the equations.
 
-    spaced, crowded   scattered obstacles, smallest gap 45 m and 28 m     lab.scenes
-    pockets           a U across the way                                  lab.pockets
+    spaced, crowded   scattered obstacles, minimum gap 45 m and 28 m      lab.bench.scenes
+    pockets           a U-shaped obstacle across the way                  lab.bench.pockets
 
-A scene has arrived when the influenced robot has finished its path within the time limit; it ends there, or when the
-path is given up. It is a violation when any clearance was ever negative.
+A scene arrives if the influenced robot finishes its path within the time limit. Its run ends then, or when the path is
+blocked. A scene is a violation if a clearance is ever negative.
 """
 
 from collections.abc import Sequence
@@ -19,30 +19,30 @@ from higvf_console.lab.bench.pockets import pocket_scene
 from higvf_console.lab.bench.scene_file import scene_setup
 from higvf_console.lab.bench.scenes import TIME_LIMIT, Kind, Scene, open_scene
 from higvf_console.lab.progress import ProgressBar
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import roll
 from higvf_console.sim.warm_up import warm_up
 from higvf_console.world.placement import convergent
+from higvf_console.world.setup import Setup, with_params
 
 FORMS = ("printed", "zero_in", "corrected")
 SCENES = {Kind.SPACED: 1000, Kind.CROWDED: 1000, Kind.POCKETS: 100}
 _FORMS = {form: forms_named(form.replace("_", "-")) for form in FORMS}
-_LOOK = 10  # ticks between two looks at a run
-_BATCH = 5  # scenes that a process runs at a time
-_TOLERANCE = 1e-6  # by which a clearance may be negative: rounding [m]
+_LOOK = 10  # ticks of one rollout, after which the path status is checked
+_BATCH = 5  # scenes of one job of a process
+_TOLERANCE = 1e-6  # rounding error of a clearance [m]
 
 
 class Outcome(NamedTuple):
-    """How one scene ended.
+    """Outcome of one scene.
 
     Attributes:
-        kind: of the scene.
-        seed: of the scene.
-        form: which equations ran.
-        status: of the path at the end.
+        kind: kind of the scene.
+        seed: seed of the scene.
+        form: form of the equations.
+        status: path status at the end.
         seconds: session time at the end [s].
-        deadlock: how long a robot was deadlocked [s].
-        clearance: the smallest of the run [m].
+        deadlock: total time for which a robot was deadlocked [s].
+        clearance: minimum clearance of the run [m].
     """
 
     kind: Kind
@@ -65,7 +65,7 @@ class Outcome(NamedTuple):
 
 
 def make_scene(kind: Kind, seed: int) -> Scene:
-    """The scene of that kind and seed."""
+    """The random scene of a kind and seed."""
     return pocket_scene(seed) if kind == Kind.POCKETS else open_scene(kind, seed)
 
 
@@ -73,16 +73,18 @@ def scene_named(text: str) -> Scene:
     """The scene that a text such as "crowded:17" names.
 
     Raises:
-        HigvfError: no kind and seed; the message gives the choices.
+        HigvfError: the text is not KIND:SEED; the message lists the kinds.
     """
     kind, _, seed = text.partition(":")
     if kind not in tuple(Kind) or not seed.isdecimal():
-        raise HigvfError(f"no scene {text!r}; choose {', '.join(Kind)} and a seed, such as {Kind.CROWDED}:17")
+        raise HigvfError(
+            f"unknown scene {text!r}; give KIND:SEED with a kind of {', '.join(Kind)}, such as {Kind.CROWDED}:17"
+        )
     return make_scene(Kind(kind), int(seed))
 
 
 def run_scene(scene: Scene, form: str) -> Outcome:
-    """Runs a scene in one form until its path is finished or given up, or the time limit is over."""
+    """Runs a scene in one form until its path is finished or blocked, or the time limit is over."""
     return _run(scene, form, scene_setup(scene, params_of(form, scene)))
 
 
@@ -98,22 +100,22 @@ def _run(scene: Scene, form: str, setup: Setup) -> Outcome:
 
 
 def params_of(form: str, scene: Scene) -> Parameters:
-    """The default gains in one of `FORMS`; weights scaled where the printed intention update would diverge."""
+    """The default parameters in one of `FORMS`, with weights for which the printed intention update converges."""
     return convergent(Parameters(forms=_FORMS[form]), scene.robots, None, scene.influenced)[0]
 
 
 def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS) -> list[Outcome]:
-    """Runs the suite on all cores; the outcomes in the order of forms, kinds and seeds.
+    """Runs the suite on all cores; returns the outcomes in the order of forms, kinds and seeds.
 
     Args:
-        scenes: how many of the spaced ones, and the same share of the others, at least one; None = all of `SCENES`.
-        forms: which of `FORMS`.
+        scenes: number of spaced scenes, and the same share of each other kind, at least one; None = all of `SCENES`.
+        forms: forms to run, of `FORMS`.
     """
     share = 1.0 if scenes is None else scenes / SCENES[Kind.SPACED]
     jobs = [(kind, seed) for kind, count in SCENES.items() for seed in range(max(1, round(share * count)))]
     scene = make_scene(*jobs[0])
     first = scene_setup(scene, params_of(forms[0], scene))
-    warm_up(first.start, first.world, first.params)  # once, before the processes start
+    warm_up(first.start, first.world, first.params)  # compiles once, before the processes start
     bar = ProgressBar("scenes", len(jobs))
     outcomes: list[Outcome] = []
     with ProcessPoolExecutor() as pool:
@@ -127,10 +129,10 @@ def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS) -> list[Out
 
 
 def _run_batch(jobs: Sequence[tuple[Kind, int]], forms: Sequence[str]) -> list[Outcome]:
-    """The outcomes of some scenes; a scene's world, the same in all forms, is made once."""
+    """Runs some scenes in all forms; the world of a scene is the same in all forms and is built once."""
     outcomes: list[Outcome] = []
     for kind, seed in jobs:
         scene = make_scene(kind, seed)
         setup = scene_setup(scene, params_of(forms[0], scene))
-        outcomes += [_run(scene, form, setup._replace(params=params_of(form, scene))) for form in forms]
+        outcomes += [_run(scene, form, with_params(setup, params_of(form, scene))) for form in forms]
     return outcomes

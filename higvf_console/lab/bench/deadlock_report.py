@@ -1,4 +1,4 @@
-"""What the study of deadlocks found: shares and times by form and kind, or the story of one scene."""
+"""Reports of the study of deadlocks: a table or JSON by form and kind, or the events of one scene."""
 
 import json
 import statistics
@@ -11,13 +11,13 @@ from higvf_console.lab.bench.scene_file import scene_setup
 from higvf_console.lab.bench.scenes import TIME_LIMIT, Kind, Scene
 from higvf_console.runtime.run import Run
 
-_MOST_SEEDS = 12  # of one line of the table
-_ENDS = {PathStatus.FINISHED: "arrived", PathStatus.BLOCKED: "gave up", PathStatus.FOLLOWING: "on its way"}
+_MOST_SEEDS = 12  # seeds listed in one line of the table
+_ENDS = {PathStatus.FINISHED: "arrived", PathStatus.BLOCKED: "blocked", PathStatus.FOLLOWING: "still under way"}
 _HEAD = ("form", "kind", "scenes", "arrived", "violations", "deadlock mean s", "median s")
 
 
 def plain(outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """By form: the figures of the spaced scenes, and under their names those of the crowded ones and the pockets."""
+    """By form: the figures of the spaced scenes, with those of the other kinds under the name of the kind."""
     return {
         form: figures(_of(outcomes, form, Kind.SPACED))
         | {kind.value: figures(_of(outcomes, form, kind)) for kind in (Kind.CROWDED, Kind.POCKETS)}
@@ -26,7 +26,7 @@ def plain(outcomes: Sequence[Outcome]) -> dict[str, Any]:
 
 
 def figures(outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """What the outcomes of one form and kind come to; `failed` lists the seeds that did not arrive."""
+    """Summary of the outcomes of one form and kind; `failed` lists the seeds that did not arrive."""
     arrivals = [outcome.seconds for outcome in outcomes if outcome.arrived]
     return {
         "scenes": len(outcomes),
@@ -39,12 +39,12 @@ def figures(outcomes: Sequence[Outcome]) -> dict[str, Any]:
 
 
 def as_json(outcomes: Sequence[Outcome]) -> str:
-    """`plain`, as JSON with each list of seeds on its line."""
+    """The result of `plain` as JSON."""
     return json.dumps(plain(outcomes), indent=2)
 
 
 def table(outcomes: Sequence[Outcome]) -> str:
-    """One line a form and kind, and below it where to look."""
+    """A table with one line for each form and kind, and the seeds that did not arrive below it."""
     lines, failures = [[*_HEAD]], list[str]()
     for kind in Kind:
         for form in FORMS:
@@ -60,7 +60,7 @@ def table(outcomes: Sequence[Outcome]) -> str:
 
 
 def story(scene: Scene) -> str:
-    """How a scene ends in each form, and the events of the corrected one, in sentences."""
+    """The outcome of a scene in each form, and the events of its run in the corrected form."""
     still = len(scene.circles) + len(scene.bars) + len(scene.polygons)
     lines = [
         f"Scene {scene.kind}:{scene.seed}: {len(scene.robots)} robots, {still} obstacles, {len(scene.fires)} fires; "
@@ -70,7 +70,7 @@ def story(scene: Scene) -> str:
         end = run_scene(scene, form)
         lines.append(
             f"{form:9}  {_ENDS[end.status]} after {end.seconds:.1f} s, deadlocked {end.deadlock:.1f} s, "
-            f"smallest clearance {end.clearance:.2f} m"
+            f"minimum clearance {end.clearance:.2f} m"
         )
     run = Run(scene_setup(scene, params_of("corrected", scene)))
     while run.state.motion.path_status == PathStatus.FOLLOWING and run.time < TIME_LIMIT:

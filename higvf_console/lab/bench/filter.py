@@ -1,11 +1,11 @@
-"""The safety filter against other ways to the same end.
+"""Compares the safety filter with other solvers.
 
-    distributed   the compiled filter
-    coupled       the centralised filter: rows, OSQP, polish
-    daqp          a general active-set solver, one call a robot, on rows that are given to it (their making is free)
-    orca          ORCA in C++: it solves another problem, and is here as a yardstick of speed
+    distributed   the compiled filter of each robot
+    coupled       the centralised filter: constraints, OSQP, polish
+    daqp          a general active-set solver, one call per robot; the time to build its constraints is not counted
+    orca          ORCA in C++, as a reference for speed; it solves a different problem
 
-Robots stand on a grid and want to go at random; circles and growing fires stand in gaps of the grid.
+Robots stand on a grid with random nominal velocities; circles and growing fires stand in gaps of the grid.
 """
 
 import itertools
@@ -18,14 +18,15 @@ import numpy as np
 from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.surroundings import Surroundings, constraints_of, most_constraints, survey
 from higvf_console.control.safety.coupled_filter import CoupledFilter
+from higvf_console.control.safety.hazards import hazards_of
 from higvf_console.control.safety.projection import project
 from higvf_console.control.safety.safety_filter import filter_velocities
-from higvf_console.core.arrays import Bools, Floats, bools, floats
+from higvf_console.core.arrays import Floats, floats
 from higvf_console.lab.bench.timing import Case, Suite, take_turns
 
 try:
     import daqp
-except ImportError:  # it comes with the extra `bench`
+except ImportError:  # part of the extra `bench`
     daqp = None
 try:
     from pyrvo.pyrvo import RVOSimulator
@@ -34,32 +35,21 @@ except ImportError:
 
 TEAMS = (3, 30, 100, 1000)
 SPACING = {"medium": 60.0, "dense": 30.0}  # [m]
-_WISHES = 8  # different nominal velocities that are filtered in turn
+_WISHES = 8  # sets of nominal velocities, filtered in turn
 _Turn: TypeAlias = Callable[[int], object]
-_COMPARED = 60  # robots of each scene whose velocity is compared with brute force
-
-
-class _Hazards(NamedTuple):
-    """The arguments of a filter that follow the nominal velocities."""
-
-    circles: Floats
-    bars: Floats
-    walls: Floats
-    fire_position: Floats
-    fire_radius: Floats
-    fire_rate: Floats
-    fire_burning: Bools
-    safety: SafetyParameters
+_COMPARED = 60  # robots of each scene that are compared with brute force
 
 
 class _Scene(NamedTuple):
     position: Floats  # (N, 2) [m]
     wishes: Floats  # (_WISHES, N, 2) [m/s]
-    hazards: _Hazards
+    circles: Floats  # (P, 3) x, y, radius [m]
+    hazards: Floats  # (H, 9) see `control.safety.hazards`
+    safety: SafetyParameters
 
 
 def run() -> Suite:
-    """Medium and dense scenes of 3 to 1000 robots."""
+    """Measures medium and dense scenes of 3 to 1000 robots."""
     cases = [_case(density, robots) for density in SPACING for robots in TEAMS]
     return Suite("Safety filter, one tick of the whole team", "distributed", tuple(cases))
 
@@ -69,11 +59,11 @@ def _case(density: str, robots: int) -> Case:
     taken: dict[str, float | None] = dict.fromkeys(("distributed", "coupled", "daqp", "orca"))
     contenders, prepare = _contenders(scene)
     taken.update(take_turns(contenders, prepare))
-    _, active, infeasible = filter_velocities(scene.position, scene.wishes[0], *scene.hazards)
+    _, active, infeasible = filter_velocities(scene.position, scene.wishes[0], scene.hazards, scene.safety)
     facts = {
         "active_constraints_a_robot": float(active.mean()),
         "infeasible_robots": float(infeasible.sum()),
-        "error_against_brute_force": brute_force_error(scene.position, scene.wishes[0], *scene.hazards),
+        "error_against_brute_force": brute_force_error(scene.position, scene.wishes[0], scene.hazards, scene.safety),
     }
     return Case(density, robots, taken, facts)
 
@@ -92,28 +82,26 @@ def _scene(spacing: float, robots: int) -> _Scene:
     sides = [[1.0, 0.0, -edge], [-1.0, 0.0, -columns * spacing - edge]]
     sides += [[0.0, 1.0, -edge], [0.0, -1.0, -columns * spacing - edge]]
     angle = rng.uniform(0.0, 2.0 * np.pi, (_WISHES, robots, 1))
-    hazards = _Hazards(
-        circles=floats(np.c_[circles, np.full(len(circles), 0.9 * room)]),
+    discs = floats(np.c_[circles, np.full(len(circles), 0.9 * room)])
+    hazards = hazards_of(
+        circles=discs,
         bars=floats([[-edge, -edge, -edge, columns * spacing, 1.0]]),
         walls=floats(sides),
-        fire_position=floats(fires),
-        fire_radius=np.full(len(fires), 0.5 * room),
-        fire_rate=np.ones(len(fires)),
-        fire_burning=bools([True] * len(fires)),
-        safety=safety,
+        fires=floats(np.c_[fires, np.full(len(fires), 0.5 * room), np.ones(len(fires))]),
     )
     wishes = rng.uniform(0.2, 1.0, (_WISHES, robots, 1)) * safety.speed_limit
     position = floats(grid + rng.uniform(-jitter, jitter, (robots, 2)))
-    return _Scene(position, floats(wishes * np.concatenate([np.cos(angle), np.sin(angle)], axis=2)), hazards)
+    directions = np.concatenate([np.cos(angle), np.sin(angle)], axis=2)
+    return _Scene(position, floats(wishes * directions), discs, hazards, safety)
 
 
 def _contenders(scene: _Scene) -> tuple[dict[str, _Turn], dict[str, _Turn]]:
-    """What is timed, by name, and what comes before it."""
+    """The timed functions by name, and the untimed preparations of some of them."""
     coupled = CoupledFilter()
-    position, wishes, hazards = scene
+    position, wishes, _, hazards, safety = scene
     found: dict[str, _Turn] = {
-        "distributed": lambda turn: filter_velocities(position, wishes[turn % _WISHES], *hazards),
-        "coupled": lambda turn: coupled.filter_velocities(position, wishes[turn % _WISHES], *hazards),
+        "distributed": lambda turn: filter_velocities(position, wishes[turn % _WISHES], hazards, safety),
+        "coupled": lambda turn: coupled.filter_velocities(position, wishes[turn % _WISHES], hazards, safety),
     }
     prepare: dict[str, _Turn] = {}
     if daqp is not None:
@@ -126,8 +114,8 @@ def _contenders(scene: _Scene) -> tuple[dict[str, _Turn], dict[str, _Turn]]:
 def _by_daqp(scene: _Scene) -> _Turn:
     assert daqp is not None
     hessian, solve_one = np.eye(2), daqp.solve
-    rows = _all_rows(survey(scene.position, *scene.hazards))
-    parts = [(np.ascontiguousarray(row[:, :2]), row[:, 2].copy()) for row in rows]
+    constraints = _all_constraints(survey(scene.position, scene.hazards, scene.safety))
+    parts = [(np.ascontiguousarray(own[:, :2]), own[:, 2].copy()) for own in constraints]
 
     def solve(turn: int) -> list[Any]:
         wish = -scene.wishes[turn % _WISHES]
@@ -140,14 +128,14 @@ def _by_daqp(scene: _Scene) -> _Turn:
 
 
 def _by_orca(scene: _Scene) -> tuple[_Turn, _Turn]:
-    """One step of the simulator, and the restoring of positions and wishes before it."""
+    """One step of the simulator, and the preparation that restores positions and nominal velocities."""
     assert RVOSimulator is not None
-    safety = scene.hazards.safety
+    safety = scene.safety
     period, clearance, limit = safety.control_period, safety.robot_clearance, safety.speed_limit
     simulator = RVOSimulator()
     simulator.set_time_step(period)
     simulator.set_agent_defaults(2.0 * clearance, 10, 0.5, 0.5, clearance / 2.0, limit)
-    for x, y, radius in scene.hazards.circles:
+    for x, y, radius in scene.circles:
         corners = [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in np.arange(8) * math.pi / 4.0]
         simulator.add_obstacle(corners)
     simulator.process_obstacles()
@@ -167,25 +155,27 @@ def _by_orca(scene: _Scene) -> tuple[_Turn, _Turn]:
     return step, restore
 
 
-def _all_rows(around: Surroundings) -> list[Floats]:
+def _all_constraints(around: Surroundings) -> list[Floats]:
     space = np.empty((most_constraints(around), 3))
-    other = np.empty(len(space), np.int64)
-    return [space[: constraints_of(i, around, space, other)].copy() for i in range(len(around.position))]
+    cause = np.empty((len(space), 2), np.int64)
+    return [space[: constraints_of(i, around, space, cause)[0]].copy() for i in range(len(around.position))]
 
 
-def brute_force_error(position: Floats, nominal: Floats, *hazards: Any) -> float:
-    """Largest difference [share of v_max] between the exact projection and a search of all points where it can be.
+def brute_force_error(position: Floats, nominal: Floats, hazards: Floats, safety: SafetyParameters) -> float:
+    """Largest difference between the exact projection and a brute-force search, as a share of v_max.
 
     Args:
         position: (N, 2) [m].
         nominal: (N, 2) within the speed limit [m/s].
-        hazards: the remaining arguments of `filter_velocities`.
+        hazards: (H, 9) see `control.safety.hazards`.
+        safety: clearances, rates and speed limit.
     """
-    limit = hazards[-1].speed_limit
+    limit = safety.speed_limit
     worst = 0.0
-    for rows, wish in itertools.islice(zip(_all_rows(survey(position, *hazards)), nominal, strict=True), _COMPARED):
-        ux, uy, feasible = project(wish[0], wish[1], rows, len(rows), limit, np.empty(len(rows), np.int64))
-        expected = _searched(wish, rows, limit)
+    constraints = _all_constraints(survey(position, hazards, safety))
+    for own, wish in itertools.islice(zip(constraints, nominal, strict=True), _COMPARED):
+        ux, uy, feasible = project(wish[0], wish[1], own, len(own), limit, np.empty(len(own), np.int64))
+        expected = _searched(wish, own, limit)
         if feasible != (expected is not None):
             return math.inf
         if expected is not None:
@@ -193,14 +183,18 @@ def brute_force_error(position: Floats, nominal: Floats, *hazards: Any) -> float
     return worst
 
 
-def _searched(wish: Floats, rows: Floats, limit: float) -> Floats | None:
-    """The nearest of: the wish, its feet on the lines, their crossings, their ends on the disc."""
-    normal, bound = rows[:, :2], rows[:, 2]
+def _searched(wish: Floats, constraints: Floats, limit: float) -> Floats | None:
+    """The nearest feasible candidate to `wish` (2,) [m/s]; None if the constraints (n, 3) are infeasible.
+
+    Candidates are `wish`, its projections onto the lines a.v = b, their intersections with each other and with the disc
+    of radius `limit`.
+    """
+    normal, bound = constraints[:, :2], constraints[:, 2]
     along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
     feet = wish - (normal @ wish - bound)[:, None] * normal
     chord = np.sqrt(np.maximum(limit**2 - bound**2, 0.0))[:, None] * along
     tried = [wish[None], feet, bound[:, None] * normal + chord, bound[:, None] * normal - chord]
-    for i, j in itertools.combinations(range(len(rows)), 2):
+    for i, j in itertools.combinations(range(len(constraints)), 2):
         if abs(normal[i] @ along[j]) > 1e-9:
             tried.append(floats(np.linalg.solve(normal[[i, j]], bound[[i, j]]), 1, 2))
     points = np.concatenate(tried)

@@ -1,8 +1,8 @@
-"""Live streams over the loopback: from a device's push to a command, and memory over an hour of gaze.
+"""Live streams over the loopback: latency from push to command, and memory growth over an hour of gaze.
 
-The device pushes markers at irregular times from a thread of its own; what is timed is from just before its push to the
-return of the poll that gave the command. Polling all the time shows what the stream takes; polling once a control
-period adds the wait for the tick, uniform over the period, as in a session.
+A thread pushes markers at irregular times. The latency runs from just before the push to the return of the poll that
+yields the command. Continuous polling measures the stream itself; polling once per control period adds the wait for the
+tick, uniform over the period, as in a session.
 """
 
 import os
@@ -27,8 +27,8 @@ PUSHES = 500
 HOUR_S, RATE = 3600, 120  # of gaze
 P99_TARGET_MS = 20.0
 _PAUSES = (0.003, 0.023)  # between pushes [s]
-_BATCH = 600  # samples pushed before the queue is polled empty
-_PATIENCE = 30.0  # [s]
+_BATCH = 600  # samples pushed between two rounds of polling
+_TIMEOUT = 30.0  # [s]
 _LABELS = ("fist", "open")
 _CONFIG = """[multicast]
 ResolveScope = machine
@@ -41,14 +41,14 @@ level = -2
 
 
 def run(pushes: int = PUSHES, hour_s: float = HOUR_S) -> dict[str, Any]:
-    """The figures of the suite.
+    """Runs the suite and returns its figures.
 
     Args:
-        pushes: markers that are timed, for each way of polling.
+        pushes: markers timed for each way of polling.
         hour_s: length of the virtual gaze stream [s].
 
     Raises:
-        HigvfError: the library is not there, or a stream is not found.
+        HigvfError: pylsl is not installed, or a stream is not found.
     """
     with tempfile.TemporaryDirectory() as folder:
         config = Path(folder) / "lsl_api.cfg"
@@ -58,25 +58,27 @@ def run(pushes: int = PUSHES, hour_s: float = HOUR_S) -> dict[str, Any]:
             lsl = import_module("pylsl")
         except (ImportError, OSError, RuntimeError) as problem:
             raise HigvfError(f"suite lsl needs pylsl: pip install 'higvf-console[lsl]' ({problem})") from problem
-        latency = {"polled all the time": _latency(lsl, pushes, 0.0), "polled each tick": _latency(lsl, pushes, PERIOD)}
+        latency = {"polled continuously": _latency(lsl, pushes, 0.0), "polled each tick": _latency(lsl, pushes, PERIOD)}
         return {"suite": "lsl", "p99_target_ms": P99_TARGET_MS, "latency_ms": latency, "hour": _hour(lsl, hour_s)}
 
 
 def table(figures: dict[str, Any]) -> str:
-    """The figures in words."""
-    lines = [f"Live streams, loopback; from push to command, target p99 < {figures['p99_target_ms']:g} ms"]
+    """The figures as text."""
+    lines = [
+        f"Live streams over the loopback: latency from push to command, target p99 < {figures['p99_target_ms']:g} ms"
+    ]
     for how, taken in figures["latency_ms"].items():
         lines.append(f"{how:>20}  p50 {taken['p50']:.2f} ms  p99 {taken['p99']:.2f} ms  ({taken['count']} pushes)")
     hour = figures["hour"]
     lines.append(
         f"{hour['stream_s']:g} s of gaze in {hour['took_s']:.0f} s: {hour['samples']} samples; "
-        f"memory grew by {hour['growth_mb']:.1f} MB between a fifth and the end"
+        f"memory grew by {hour['growth_mb']:.1f} MB after the first fifth"
     )
     return "\n".join(lines)
 
 
 def _latency(lsl: Any, pushes: int, period: float) -> dict[str, float]:
-    """Milliseconds from push to command, with polls `period` apart [s]."""
+    """Latency percentiles from push to command [ms], with polls `period` [s] apart; 0 polls continuously."""
     name = f"markers polled at {period:g}"
     outlet = lsl.StreamOutlet(lsl.StreamInfo(name, "Markers", 1, 0.0, lsl.cf_string, name))
     interface = open_interface(InputSpec("emg", "lsl", {"name": name}))
@@ -93,7 +95,7 @@ def _latency(lsl: Any, pushes: int, period: float) -> dict[str, float]:
     try:
         _wait_for(outlet.have_consumers)
         device.start()
-        deadline = begun + _PATIENCE + pushes * _PAUSES[1]
+        deadline = begun + _TIMEOUT + pushes * _PAUSES[1]
         while len(taken) < pushes and time.perf_counter() < deadline:
             commands = interface.poll(_context(time.perf_counter() - begun))
             now = time.perf_counter()
@@ -106,7 +108,7 @@ def _latency(lsl: Any, pushes: int, period: float) -> dict[str, float]:
 
 
 def _hour(lsl: Any, stream_s: float) -> dict[str, float]:
-    """An hour of gaze, pushed as fast as it is polled, with its own times."""
+    """Memory growth over a gaze stream with its own timestamps, pushed as fast as it is polled."""
     info = lsl.StreamInfo("gaze of an hour", "Gaze", 2, RATE, lsl.cf_double64, "gaze of an hour")
     channels = info.desc().append_child("channels")
     for label in ("x", "y"):
@@ -140,20 +142,20 @@ def _hour(lsl: Any, stream_s: float) -> dict[str, float]:
 
 
 def _drain(gaze: Interface, newest: list[float], now: float) -> None:
-    """Polls until the cursor is at the newest point."""
-    deadline = time.perf_counter() + _PATIENCE
+    """Polls until the cursor reaches the newest point."""
+    deadline = time.perf_counter() + _TIMEOUT
     while time.perf_counter() < deadline:
         for command in gaze.poll(_context(now)):
             if isinstance(command, Cursor) and abs(float(command.point[0]) - newest[0]) < 1e-6:
                 return
-    raise HigvfError("suite lsl: the newest sample never came")
+    raise HigvfError("suite lsl: the newest sample did not arrive")
 
 
 def _wait_for(ready: Callable[[], bool]) -> None:
-    deadline = time.perf_counter() + _PATIENCE
+    deadline = time.perf_counter() + _TIMEOUT
     while not ready():
         if time.perf_counter() > deadline:
-            raise HigvfError("suite lsl: nobody listens to the stream")
+            raise HigvfError("suite lsl: no consumer connected to the stream")
         time.sleep(0.01)
 
 
@@ -171,7 +173,7 @@ def _context(now: float) -> OperatorContext:
 
 
 def _memory_mb() -> float:
-    """The largest memory that the process has had so far [MB]."""
+    """Peak memory of the process so far [MB]."""
     resource = import_module("resource")  # not on Windows
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return float(peak) / (2**20 if sys.platform == "darwin" else 2**10)

@@ -1,7 +1,7 @@
-"""What looking ahead costs: how fast time runs in it, how often it is renewed, and what the control loop feels of it.
+"""Cost of the preview: speed of its simulation, previews per second, and its effect on the control loop.
 
-The lateness of a control period is how much later than one period after the one before it began; a session with a
-growing stroke is run in real time twice, without and with a thread that looks ahead.
+The lateness of a control period is the time by which it begins later than one period after its predecessor. A session
+with a growing stroke runs in real time twice: without and with the thread that computes previews.
 """
 
 import time
@@ -23,15 +23,15 @@ from higvf_console.operator.reducer import apply_command
 from higvf_console.runtime.previewer import Previewer
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import load_scenario, parse_scenario
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.simulation import roll
 from higvf_console.sim.warm_up import warm_up
+from higvf_console.world.setup import Setup
 
 ROBOTS = 10
 _ROLLED = 60.0  # [s]
-_STROKE_LASTS = 4.0  # [s] from its first point to its last
-_EDGES = (0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, float("inf"))  # of the histogram [ms]
-_SETTLING = 50  # control periods that are not counted, until everything has been called once
+_STROKE_LASTS = 4.0  # duration of the stroke [s]
+_EDGES = (0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, float("inf"))  # bin edges of the histogram [ms]
+_SETTLING = 50  # first control periods, not counted because of first calls
 
 _SCENARIO = f"""
 version: 1
@@ -49,15 +49,15 @@ duration_s: 600
 
 
 class Lateness(NamedTuple):
-    """How late control periods began [ms].
+    """Lateness of control periods [ms].
 
     Attributes:
         p50: median.
-        p99: exceeded by one in a hundred.
-        p999: exceeded by one in a thousand.
-        worst: the largest.
-        periods: how many were counted.
-        previews_per_s: previews finished meanwhile.
+        p99: 99th percentile.
+        p999: 99.9th percentile.
+        worst: maximum.
+        periods: number of periods counted.
+        previews_per_s: previews finished per second.
         histogram: counts between `_EDGES`.
     """
 
@@ -74,11 +74,11 @@ class PreviewBench(NamedTuple):
     """The results of the suite.
 
     Attributes:
-        realtime_factor: simulated seconds in one second, one future of the firefighting scenario.
-        previews_per_s: previews of the usual horizon in one second, both futures and the path, with `ROBOTS` robots.
+        realtime_factor: simulated seconds per second, for one rollout of the firefighting scenario.
+        previews_per_s: previews of the usual horizon per second (path, rollouts with and without it), `ROBOTS` robots.
         period_ms: control period [ms].
-        without: lateness while nothing looks ahead.
-        with_preview: lateness while a thread does.
+        without: lateness without previews.
+        with_preview: lateness while a thread computes previews.
     """
 
     realtime_factor: float
@@ -89,16 +89,16 @@ class PreviewBench(NamedTuple):
 
 
 class ArenaInteraction:
-    """An interface that draws all the time, a point each control period, and never lets a robot feel it."""
+    """An interface that draws one point per control period and never ends a stroke, so that no robot is influenced."""
 
     name = "mouse"
 
     def __init__(self, outline: Floats) -> None:
-        """Draws along `outline` (n, 2) [m], again and again."""
+        """Draws along `outline` (n, 2) [m] repeatedly."""
         self._outline, self._next = outline, 0
 
     def poll(self, context: OperatorContext) -> Sequence[OperatorCommand]:  # noqa: ARG002
-        """The next point; at the outline's end a new stroke begins."""
+        """The next point; a new stroke begins at the end of the outline."""
         point = StrokePoints(points=self._outline[self._next : self._next + 1])
         commands: list[OperatorCommand] = [point] if self._next else [StrokeBegin(), point]
         self._next = (self._next + 1) % len(self._outline)
@@ -109,11 +109,11 @@ class ArenaInteraction:
         return ChannelHealth(ChannelState.LIVE, "draws")
 
     def close(self) -> None:
-        """Has nothing to let go of."""
+        """Does nothing: the interface holds no resources."""
 
 
 def run(seconds: float = 30.0) -> PreviewBench:
-    """Measures; each of the two real-time runs takes `seconds`."""
+    """Runs the suite; each of the two real-time runs takes `seconds`."""
     factor = _realtime_factor(load_scenario("firefighting").setup())
     scenario = parse_scenario(_SCENARIO, "the benchmark's scenario")
     setup = scenario.setup()
@@ -147,17 +147,17 @@ def table(bench: PreviewBench) -> str:
     edges = [f"{edge:g}" for edge in _EDGES]
     bins = [f"{low} to {high} ms" for low, high in pairwise(edges)]
     lines = [
-        f"Look ahead of the firefighting scenario: {bench.realtime_factor:,.0f} times real time",
-        f"Previews of {USUAL:g} s with {ROBOTS} robots: {bench.previews_per_s:.1f} a second",
+        f"Rollout of the firefighting scenario: {bench.realtime_factor:,.0f} times real time",
+        f"Previews of {USUAL:g} s with {ROBOTS} robots: {bench.previews_per_s:.1f} per second",
         f"Lateness of a control period of {bench.period_ms:g} ms while a stroke grows:",
         f"{'':>14}{'no preview':>12}{'preview':>12}",
     ]
     for name in ("p50", "p99", "p999", "worst"):
         pair = (getattr(bench.without, name), getattr(bench.with_preview, name))
         lines.append(f"{name + ' ms':>14}" + "".join(f"{value:12.3f}" for value in pair))
-    for row in zip(bins, bench.without.histogram, bench.with_preview.histogram, strict=True):
-        lines.append(f"{row[0]:>14}{row[1]:12d}{row[2]:12d}")
-    lines.append(f"Meanwhile {bench.with_preview.previews_per_s:.1f} previews a second were shown")
+    for counts in zip(bins, bench.without.histogram, bench.with_preview.histogram, strict=True):
+        lines.append(f"{counts[0]:>14}{counts[1]:12d}{counts[2]:12d}")
+    lines.append(f"The thread finished {bench.with_preview.previews_per_s:.1f} previews per second")
     return "\n".join(lines)
 
 
@@ -170,7 +170,7 @@ def _realtime_factor(setup: Setup) -> float:
 
 
 def _outline(points: int) -> Floats:
-    """(points, 2) of a wave across the arena [m]."""
+    """A sine wave (points, 2) across the arena [m]."""
     x = np.linspace(650.0, 1050.0, points)
     return floats(np.stack([x, 350.0 + 120.0 * np.sin(x / 80.0)], axis=1))
 
@@ -187,7 +187,7 @@ def _preview(state: SimState, setup: Setup) -> None:
 
 
 def _lateness(session: Session, ahead: bool, seconds: float) -> Lateness:
-    """Runs a session in real time and notes when each control period begins; longer where periods are slow to come."""
+    """Runs a session in real time and measures the lateness; runs longer if fewer than 100 periods have begun."""
     begun: list[float] = []
     tick = session.tick
 

@@ -1,8 +1,8 @@
 """Seeded random scenes for the study of deadlocks: a team, obstacles of all kinds, growing fires, a sketched path.
 
-A way exists in each of them: obstacles keep at least `GAPS[kind]` from each other and from the walls for the whole
-`TIME_LIMIT`, since a fire counts with the radius that it has then if nobody extinguishes it. The end of the path is
-free, and outside the convex hull of every obstacle. The same seed gives the same bytes.
+Every scene has a free way: the gaps between obstacles, and to the walls, are at least `GAPS[kind]` for the whole
+`TIME_LIMIT`, because each fire counts with its radius at that time. The end of the path is free and lies outside the
+convex hull of every obstacle. The same seed gives the same scene, bit for bit.
 """
 
 import math
@@ -17,27 +17,27 @@ from scipy.interpolate import CubicSpline
 from higvf_console.control.parameters import SafetyParameters
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.viewport import Arena
-from higvf_console.lab.bench.planar import Shape, capsule, clear_of, disc, distances, hull, polygon
+from higvf_console.lab.bench.geometry import Shape, capsule, clear_of, disc, distances, hull, polygon
 
 TIME_LIMIT = 180.0  # [s]
 END_CLEARANCE = 40.0  # from the path's end to any surface, and to the walls [m]
 START_CLEARANCE = SafetyParameters().obstacle_clearance + 8.0  # from each robot to any surface [m]
-SPACING = (40.05, 55.0)  # of the team [m]
-_GROWTH = 1.1
-_TRIES = 400  # throws of one thing before the arena grows
+SPACING = (40.05, 55.0)  # range of the spacing of the team [m]
+_GROWTH = 1.1  # factor by which the arena grows
+_TRIES = 400  # attempts to place one object before the arena grows
 _LEAST_TRAVEL = 500.0  # from the team to the end of its path [m]
 _SAMPLES = 60  # points of a stroke
 
 
 class Kind(StrEnum):
-    """What makes a scene hard."""
+    """The kind of difficulty of a scene."""
 
     SPACED = "spaced"
     CROWDED = "crowded"
     POCKETS = "pockets"
 
 
-GAPS = {Kind.SPACED: 45.0, Kind.CROWDED: 28.0, Kind.POCKETS: 45.0}  # smallest between two obstacles [m]
+GAPS = {Kind.SPACED: 45.0, Kind.CROWDED: 28.0, Kind.POCKETS: 45.0}  # minimum gap between two obstacles [m]
 _ARENA = {Kind.SPACED: (1200.0, 700.0), Kind.CROWDED: (1000.0, 600.0)}  # [m]; it grows until everything fits
 
 
@@ -45,9 +45,9 @@ class Scene(NamedTuple):
     """One scene: N robots, P circles, Q bars, M fires. All lengths are multiples of 1 cm.
 
     Attributes:
-        kind: what makes it hard.
-        seed: of the random numbers.
-        arena: with walls on its four sides.
+        kind: kind of difficulty.
+        seed: seed of the random numbers.
+        arena: arena with walls on its four sides.
         robots: (N, 2) start positions, the formation that they keep [m].
         influenced: index of the robot that follows the path.
         circles: (P, 3) x, y, radius [m].
@@ -69,11 +69,11 @@ class Scene(NamedTuple):
     stroke: Floats
 
 
-_Throw = Callable[[np.random.Generator, Arena], Floats]
+_Sampler = Callable[[np.random.Generator, Arena], Floats]
 
 
 class Obstacles(NamedTuple):
-    """What has been thrown so far; rows as in `Scene`, and all shapes with the fires as they end."""
+    """The objects placed so far; arrays as in `Scene`, and all shapes, with fires at their final radius."""
 
     circles: list[Floats]
     bars: list[Floats]
@@ -93,7 +93,7 @@ def open_scene(kind: Kind, seed: int) -> Scene:
         arena = Arena(0.0, 0.0, *(round(side * scale) for side in _ARENA[kind]))
         placed = centimetres(robots + free_point(rng, arena, float(np.hypot(*robots.T).max()) + END_CLEARANCE))
         found = Obstacles([], [], [], [], [])
-        if throw_all(rng, arena, found, placed, GAPS[kind], fires, count):
+        if place_all(rng, arena, found, placed, GAPS[kind], fires, count):
             stroke = _crossing_stroke(rng, arena, found, placed[influenced])
             if stroke is not None:
                 return packed_scene(kind, seed, arena, placed, influenced, found, stroke)
@@ -103,7 +103,7 @@ def open_scene(kind: Kind, seed: int) -> Scene:
 def packed_scene(
     kind: Kind, seed: int, arena: Arena, robots: Floats, influenced: int, found: Obstacles, stroke: Floats
 ) -> Scene:
-    """The scene of these parts."""
+    """Packs the placed objects into a scene."""
     return Scene(
         kind=kind,
         seed=seed,
@@ -119,7 +119,7 @@ def packed_scene(
 
 
 def compact_team(rng: np.random.Generator, count: int, columns: int | None = None) -> Floats:
-    """A turned grid of robots (N, 2) round the origin [m]; not turned when its columns are given."""
+    """A grid of robots (N, 2) about the origin [m], rotated at random unless `columns` is given."""
     turn = rng.uniform(0.0, 2.0 * math.pi) if columns is None else 0.0
     columns = columns or math.ceil(math.sqrt(count))
     row, column = np.divmod(np.arange(count), columns)
@@ -127,27 +127,27 @@ def compact_team(rng: np.random.Generator, count: int, columns: int | None = Non
     return rotated(grid - (grid.min(axis=0) + grid.max(axis=0)) / 2.0, turn)
 
 
-def throw_all(
+def place_all(
     rng: np.random.Generator, arena: Arena, found: Obstacles, robots: Floats, least: float, fires: int, count: int
 ) -> bool:
-    """Throws fires and obstacles, all four kinds among the first four, until they fit; False when one does not.
+    """Places fires and obstacles at random, with all four kinds among the first four; False if one does not fit.
 
     Args:
         rng: source of the random numbers.
-        arena: where they fall.
-        found: receives them.
-        robots: (N, 2) that must start clear of them [m].
-        least: smallest gap between any two and to the walls [m].
-        fires: how many.
-        count: how many obstacles.
+        arena: arena to place them in.
+        found: receives the placed objects.
+        robots: (N, 2) start positions to keep clear of [m].
+        least: minimum gap between any two and to the walls [m].
+        fires: number of fires.
+        count: number of obstacles.
     """
-    kinds = [*rng.permutation(len(_THROWS)), *rng.integers(len(_THROWS), size=max(count - len(_THROWS), 0))]
-    throws = [_fire] * fires + [_THROWS[kind] for kind in kinds[:count]]
-    return all(_thrown(rng, arena, found, robots, least, throw) for throw in throws)
+    kinds = [*rng.permutation(len(_SAMPLERS)), *rng.integers(len(_SAMPLERS), size=max(count - len(_SAMPLERS), 0))]
+    samplers = [_fire] * fires + [_SAMPLERS[kind] for kind in kinds[:count]]
+    return all(_placed(rng, arena, found, robots, least, sampler) for sampler in samplers)
 
 
 def wavy_stroke(rng: np.random.Generator, start: Floats, end: Floats, waypoints: int, sway: float) -> Floats:
-    """A smooth stroke (n, 2) from start to end through waypoints off the straight line by about `sway` [m]."""
+    """A smooth stroke (n, 2) [m] through waypoints with a lateral standard deviation of `sway` [m]."""
     share = np.linspace(0.0, 1.0, waypoints)
     share[1:-1] += rng.uniform(-0.3, 0.3, waypoints - 2) / (waypoints - 1)
     off = np.concatenate([[0.0], rng.normal(0.0, sway, waypoints - 2), [0.0]])
@@ -158,35 +158,35 @@ def wavy_stroke(rng: np.random.Generator, start: Floats, end: Floats, waypoints:
 
 
 def finely(stroke: Floats) -> Floats:
-    """The stroke (n, 2) with 5 points a step, so that no thin wall lies between two."""
+    """The stroke (n, 2) with 5 points per segment, so that no thin wall lies between two points."""
     return np.concatenate([np.linspace(a, b, 5) for a, b in pairwise(stroke)])
 
 
 def surface_distance(points: Floats, shapes: list[Shape]) -> Floats:
-    """Distances (n,) of points (n, 2) from the nearest surface [m], negative inside; inf without shapes."""
+    """Distances (n,) of points (n, 2) to the nearest surface [m], negative inside; inf without shapes."""
     return np.min([np.full(len(points), np.inf), *(distances(points, shape) for shape in shapes)], axis=0)
 
 
 def free_point(rng: np.random.Generator, arena: Arena, margin: float) -> Floats:
-    """A point (2,) of the arena at least `margin` [m] off its sides."""
+    """A random point (2,) of the arena at least `margin` [m] from its edges."""
     return rng.uniform([arena.x_min + margin, arena.y_min + margin], [arena.x_max - margin, arena.y_max - margin])
 
 
 def rotated(points: Floats, angle: float) -> Floats:
-    """Points (n, 2) turned about the origin by `angle` [rad]."""
+    """Points (n, 2) rotated about the origin by `angle` [rad]."""
     cos, sin = math.cos(angle), math.sin(angle)
     return points @ np.array([[cos, sin], [-sin, cos]])
 
 
 def centimetres(values: Floats) -> Floats:
-    """Lengths as multiples of 1 cm, so that a scenario file carries them exactly."""
+    """Rounds lengths to 1 cm, so that a scenario file represents them exactly."""
     return floats(np.round(values, 2))
 
 
 def _crossing_stroke(rng: np.random.Generator, arena: Arena, found: Obstacles, start: Floats) -> Floats | None:
-    """A smooth stroke (n, 2) of 3 to 6 waypoints from `start` to a free end, across an obstacle that is no fire [m]."""
+    """A smooth stroke (n, 2) [m] of 3 to 6 waypoints from `start` to a free end that crosses a static obstacle."""
     hulls = [hull(shape) for shape in found.shapes]
-    still = [final_shape(row) for row in (*found.circles, *found.bars, *found.polygons)]
+    still = [final_shape(item) for item in (*found.circles, *found.bars, *found.polygons)]
     least, most = START_CLEARANCE + np.array(arena[:2]), np.array(arena[2:]) - START_CLEARANCE
     for _ in range(_TRIES):
         end = free_point(rng, arena, END_CLEARANCE)
@@ -198,39 +198,39 @@ def _crossing_stroke(rng: np.random.Generator, arena: Arena, found: Obstacles, s
     return None
 
 
-def _thrown(
-    rng: np.random.Generator, arena: Arena, found: Obstacles, robots: Floats, least: float, throw: _Throw
+def _placed(
+    rng: np.random.Generator, arena: Arena, found: Obstacles, robots: Floats, least: float, sampler: _Sampler
 ) -> bool:
-    """Throws one thing until it lies free."""
+    """Places one object at random until it is clear of all others; False after `_TRIES` attempts."""
     for _ in range(_TRIES):
-        row = centimetres(throw(rng, arena))
-        shape = final_shape(row)
+        item = centimetres(sampler(rng, arena))
+        shape = final_shape(item)
         ends = shape.edges.reshape(-1, 2)
         inside = (ends - arena[:2] >= shape.radius + least).all() and (arena[2:] - ends >= shape.radius + least).all()
         if inside and distances(robots, shape).min() >= START_CLEARANCE and clear_of(shape, found.shapes, least):
-            _rows_like(row, found).append(row)
+            _list_for(item, found).append(item)
             found.shapes.append(shape)
             return True
     return False
 
 
-def final_shape(row: Floats) -> Shape:
-    """The shape of a circle (3,), fire (4,) at `TIME_LIMIT`, bar (5,) or polygon (n, 2)."""
-    if row.ndim == 2:
-        return polygon(row)
-    if len(row) == 4:
-        return disc(row[0], row[1], row[2] + TIME_LIMIT * row[3])
-    return disc(*row) if len(row) == 3 else capsule(*row)
+def final_shape(item: Floats) -> Shape:
+    """The shape of a circle (3,), a fire (4,) at `TIME_LIMIT`, a bar (5,) or a polygon (n, 2)."""
+    if item.ndim == 2:
+        return polygon(item)
+    if len(item) == 4:
+        return disc(item[0], item[1], item[2] + TIME_LIMIT * item[3])
+    return disc(*item) if len(item) == 3 else capsule(*item)
 
 
-def _rows_like(row: Floats, found: Obstacles) -> list[Floats]:
-    if row.ndim == 2:
+def _list_for(item: Floats, found: Obstacles) -> list[Floats]:
+    if item.ndim == 2:
         return found.polygons
-    return {3: found.circles, 4: found.fires, 5: found.bars}[len(row)]
+    return {3: found.circles, 4: found.fires, 5: found.bars}[len(item)]
 
 
 def _fire(rng: np.random.Generator, arena: Arena) -> Floats:
-    """x, y, radius, growth: it ends with a radius of 33 to 84 m."""
+    """x, y, radius [m] and growth [m/s] of a fire, whose final radius is 33 to 84 m."""
     return np.array([*free_point(rng, arena, 0.0), rng.uniform(15.0, 30.0), rng.uniform(0.1, 0.3)])
 
 
@@ -245,25 +245,25 @@ def _bar(rng: np.random.Generator, arena: Arena) -> Floats:
 
 
 def _convex(rng: np.random.Generator, arena: Arena) -> Floats:
-    """4 to 8 corners on a circle of 15 to 45 m."""
+    """A convex polygon of 4 to 8 corners on a circle of radius 15 to 45 m."""
     angle = _bearings(rng, int(rng.integers(4, 9)))
-    boundary = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return free_point(rng, arena, 0.0) + rng.uniform(15.0, 45.0) * boundary
+    corners = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return free_point(rng, arena, 0.0) + rng.uniform(15.0, 45.0) * corners
 
 
 def _star(rng: np.random.Generator, arena: Arena) -> Floats:
-    """3 to 5 arms, not convex: every second corner of a ring of 15 to 45 m lies at 0.3 to 0.5 of it."""
+    """A star of 3 to 5 arms: outer corners near a circle of radius 15 to 45 m, inner ones at 0.3 to 0.5 of it."""
     arms = int(rng.integers(3, 6))
     angle = _bearings(rng, 2 * arms)
-    activation_distance = rng.uniform(0.8, 1.0, 2 * arms)
-    activation_distance[1::2] = rng.uniform(0.3, 0.5, arms)
-    boundary = activation_distance[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return free_point(rng, arena, 0.0) + rng.uniform(15.0, 45.0) * boundary
+    radius = rng.uniform(0.8, 1.0, 2 * arms)
+    radius[1::2] = rng.uniform(0.3, 0.5, arms)
+    corners = radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return free_point(rng, arena, 0.0) + rng.uniform(15.0, 45.0) * corners
 
 
 def _bearings(rng: np.random.Generator, count: int) -> Floats:
-    """Angles (n,) all round, uneven but in order [rad]."""
+    """Angles (n,) over the full circle [rad], increasing with random gaps."""
     return (np.arange(count) + rng.uniform(-0.3, 0.3, count)) * 2.0 * math.pi / count + rng.uniform(0.0, 2.0 * math.pi)
 
 
-_THROWS: tuple[_Throw, ...] = (_circle, _bar, _convex, _star)
+_SAMPLERS: tuple[_Sampler, ...] = (_circle, _bar, _convex, _star)

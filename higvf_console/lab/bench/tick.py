@@ -1,8 +1,8 @@
-"""The whole control period: perceive, compute, filter, move, burn.
+"""Time of one control period: controller, safety filter, motion of the robots and growth of the fires.
 
-advance   one tick, with its trace
-roll      one tick of many in one compiled call
-session   one tick with its events and its tally, as a live run does it
+advance   one tick with its trace
+roll      one tick of a rollout in a single compiled call
+session   one tick of a live run, with events and metrics
 """
 
 import math
@@ -14,8 +14,8 @@ from higvf_console.scenario.scenario import parse_scenario
 from higvf_console.sim.simulation import advance, roll
 
 TEAMS = (3, 30, 100, 1000)
-_ROLLED = 20  # ticks of one roll
-_WARM_UP = 50  # ticks until the team is on its way
+_ROLLED = 20  # ticks of one rollout
+_WARM_UP = 50  # ticks until the team moves
 
 _SCENARIO = """
 version: 1
@@ -36,7 +36,7 @@ parameters:
 
 
 def run() -> Suite:
-    """Teams of 3 to 1000 robots on their way to four fires."""
+    """Measures teams of 3 to 1000 robots that move to four fires."""
     return Suite("Control period", "advance", tuple(_case(robots) for robots in TEAMS))
 
 

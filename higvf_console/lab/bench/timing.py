@@ -1,4 +1,4 @@
-"""How a benchmark measures: contenders take turns in one run, so that a noisy machine is equally noisy to all."""
+"""Interleaved timing: contenders take turns in one run, so that machine noise affects all of them equally."""
 
 import statistics
 import time
@@ -13,9 +13,9 @@ class Case(NamedTuple):
     """One line of a suite's table.
 
     Attributes:
-        scene: what is measured.
-        robots: N.
-        milliseconds: median of each contender; None where it is not installed [ms].
+        scene: name of the measured scene.
+        robots: number of robots.
+        milliseconds: median of each contender [ms]; None if it is not installed.
         facts: further numbers, by name.
     """
 
@@ -26,10 +26,16 @@ class Case(NamedTuple):
 
 
 class Suite(NamedTuple):
-    """A benchmark: what its table is called, what the contenders are compared with, and its cases."""
+    """A benchmark.
+
+    Attributes:
+        title: heading of its table.
+        reference: name of the contender that the others are compared with.
+        cases: one for each line of the table.
+    """
 
     title: str
-    yardstick: str
+    reference: str
     cases: tuple[Case, ...]
 
 
@@ -38,12 +44,12 @@ def take_turns(
     prepare: Mapping[str, Callable[[int], object]] | None = None,
     seconds: float = 1.0,
 ) -> dict[str, float]:
-    """Median time of each contender [ms]; all are called once a round, with the number of the round.
+    """Measures the median time of each contender [ms]; every round calls each of them once with its number.
 
     Args:
-        contenders: by name; called once before, so that compilation and set-up are over.
-        prepare: what to call, untimed, before a contender of the same name.
-        seconds: how long to go on, within 15 to 400 rounds.
+        contenders: by name; each is called once before timing starts, for compilation and set-up.
+        prepare: called untimed before the contender of the same name.
+        seconds: length of the measurement [s], limited to 15 to 400 rounds.
     """
     prepare = prepare or {}
     times: dict[str, list[float]] = {name: [] for name in contenders}

@@ -1,7 +1,7 @@
-"""What a fit leaves open: the spread of equally good samples and of what they predict, and each parameter's influence.
+"""Uncertainty of a fit: spread of the acceptable samples and of their predictions, and parameter sensitivity.
 
-Column 1 alone chose the sample, so how far columns 2 and 3 scatter over samples that column 1 cannot tell apart is how
-far they can be trusted.
+Only column 1 selects the sample. The scatter of columns 2 and 3 over samples that fit column 1 equally well is
+therefore the uncertainty of these predictions.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,22 +13,23 @@ from higvf_console.lab.fit.space import NAMES, SPACE, Sample, on_grid, unit
 from higvf_console.lab.fit.table2 import ALONE, Columns, Verdict, reduction, relative_errors, summed, total, verdicts
 from higvf_console.lab.reproduce.paper import COLUMNS
 
-_NUDGE = 0.02  # share of a parameter's range by which central differences move it
+_STEP_SHARE = 0.02  # step of the central differences, as a share of the range of a parameter
 
-RunColumns = Callable[[Sequence[Sample]], Sequence[Columns | None]]  # None: the sample cannot be run
+RunColumns = Callable[[Sequence[Sample]], Sequence[Columns | None]]  # None if the sample cannot be run
 
 
 def spread(samples: Sequence[Sample], run: RunColumns) -> dict[str, Any]:
-    """Ranges of equally good samples and of their predictions, and how many of them meet each target.
+    """Ranges of the acceptable samples and of their predictions, and the share that meets each target.
 
     Args:
-        samples: the chosen one first.
-        run: the three columns of each sample.
+        samples: acceptable samples, the chosen one first.
+        run: computes the three columns of each sample.
 
     Returns:
-        "samples", "parameters": {name: {chosen, low, high, unit}}, "predictions": {quantity: {paper, low, median,
-        high}}, "targets_met": {target: share of the samples}, "all_met": share that meets all of them, and "nearest":
-        the sample that misses least, an illustration of what the model can do and never the choice; ready for JSON.
+        A dictionary ready for JSON: "samples", their number; "parameters": {name: {chosen, low, high, unit}};
+        "predictions": {quantity: {paper, low, median, high}}; "targets_met": {target: share of the samples};
+        "all_met": share that meets all targets; and "nearest": the sample with the smallest misses, which illustrates
+        what the model can do and is never chosen.
     """
     table = np.array(samples)
     tried = [(sample, columns) for sample, columns in zip(samples, run(samples), strict=True) if columns is not None]
@@ -59,7 +60,7 @@ def spread(samples: Sequence[Sample], run: RunColumns) -> dict[str, Any]:
 
 
 def _missed(judged: Sequence[Verdict]) -> tuple[int, float]:
-    """How many targets are missed, and the largest error in units of what is allowed."""
+    """Number of missed targets, and the largest error relative to its limit."""
     worst = max(abs(one.error) / one.limit for one in judged if one.error is not None and one.limit is not None)
     return sum(not one.met for one in judged), worst
 
@@ -89,14 +90,18 @@ def _paper_quantities() -> dict[str, float]:
 
 
 def sensitivity(chosen: Sample, run: RunColumns) -> dict[str, Any]:
-    """Central differences round the chosen sample.
+    """Sensitivity to each parameter, by central differences about the chosen sample.
+
+    Args:
+        chosen: the sample.
+        run: computes the three columns of each sample.
 
     Returns:
         {parameter: {"step": h, "unit", "fires": the five changes of column 1, "totals": {column: change},
-        "reductions": {column: change}}}: relative changes for +h, h = 2 % of the parameter's range; a parameter whose
-        neighbours cannot be run is None.
+        "reductions": {column: change}}}, relative changes for a step of h = 2 % of the parameter's range; None for a
+        parameter whose neighbouring samples cannot be run.
     """
-    steps = [max(free.step, _NUDGE * (free.high - free.low)) for free in SPACE]
+    steps = [max(free.step, _STEP_SHARE * (free.high - free.low)) for free in SPACE]
     pairs = [
         [on_grid(np.array(chosen) + sign * step * np.eye(len(SPACE))[place]) for sign in (-1.0, 1.0)]
         for place, step in enumerate(steps)
@@ -112,7 +117,7 @@ def sensitivity(chosen: Sample, run: RunColumns) -> dict[str, Any]:
 
 
 def _change(below: Columns, above: Columns) -> Mapping[str, Any]:
-    """Half the difference of two runs: of a fire's area and of the totals as shares of the printed ones."""
+    """Half the difference between two samples: areas and totals relative to the printed ones, and reductions."""
 
     def half(high: float, low: float, scale: float = 1.0) -> float:
         return 0.5 * (high - low) / scale

@@ -1,19 +1,17 @@
-"""Finds the free parameters of Table II's world from its first column alone: `higvf fit`.
+"""Fits the free parameters of the world of Table II to its first column: the search of `higvf fit`.
 
-The rule, stated before the search whose result is shipped:
+The selection rule was fixed before the search whose result is shipped:
 
-1. Admissible is a sample (`fit_space.SPACE`) whose gains a scenario file would accept, and whose run without a human
-   puts the fires out in the printed order 1-2-3-4-5 with no clearance below zero.
-2. The misfit of a sample is the largest of its relative errors in column 1, each in units of what is allowed: 5 % for
-   each of the five loss areas, 2 % for their total. The best sample has the smallest misfit, to 0.02: one control
-   period moves the area of fire 1 by 0.1 %.
-3. Ties go to the sample nearest to the project's default gains and bar, each parameter as a share of its range.
+1. A sample (`space.SPACE`) is admissible if a scenario file would accept its parameters, and if its run without a human
+   extinguishes the fires in the printed order 1-2-3-4-5 with no clearance below zero.
+2. The misfit of a sample is the largest of its relative errors in column 1, each divided by its limit: 5 % for each of
+   the five loss areas, 2 % for their total. The best sample has the smallest misfit, at a resolution of 0.02: one
+   control period changes the area of fire 1 by 0.1 %.
+3. Ties go to the sample nearest to the project's default parameters and bar, each as a share of its range.
 
-Columns 2 and 3 have no part in it. The search is differential evolution from latin hypercubes, restarted; every sample
-that was ever run is kept. Those with a misfit of at most 1 are equally good by what is asked of column 1: they show
-what it leaves open.
-
-Storn, Price, Differential evolution, J. Global Optimization 11 (1997).
+Columns 2 and 3 are not used. The search is differential evolution (Storn and Price, J. Global Optimization 11, 1997)
+from Latin hypercubes with restarts; it keeps every sample that it ran. Samples with a misfit of at most 1 are
+acceptable; their scatter shows what column 1 does not determine.
 """
 
 from collections.abc import Callable, Iterable, Sequence, Sized
@@ -25,28 +23,29 @@ from scipy.stats import qmc
 
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import HigvfError, ScenarioError
-from higvf_console.lab.fit.fire_run import FireRun, fight
+from higvf_console.lab.fit.firefighting import FirefightingRun, run_firefighting
 from higvf_console.lab.fit.space import DURATION, SPACE, Sample, distance, on_grid, world_of
 from higvf_console.lab.fit.table2 import ALONE, FIRE_LIMIT, TOTAL_LIMIT, relative_errors, summed, total
 from higvf_console.lab.reproduce.paper import COLUMNS
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 ACCEPTABLE = 1.0  # misfit
 RESTARTS = 4
 POPULATION = 48
-_HOPELESS = 0.15  # relative error of one fire at which a run is ended
-_RESOLUTION = 0.02  # of the misfit
+_ABORT_ERROR = 0.15  # relative error of one fire at which a run is ended early
+_RESOLUTION = 0.02  # resolution of the misfit
 _REFUSED = 100.0  # objective of a sample that cannot be run
 
 
 class Trial(NamedTuple):
-    """A sample and what it gave.
+    """A sample and the result of its run.
 
     Attributes:
-        sample: on the grid.
-        errors: relative errors of the five loss areas of column 1; empty where the sample cannot be run.
-        admissible: by the first part of the rule.
-        objective: the misfit; where not admissible, that of the fires that are out, and 10, and 5 a fire that is left.
+        sample: the sample, on the grid.
+        errors: relative errors of the five loss areas of column 1; empty if the sample cannot be run.
+        admissible: whether it is admissible by rule 1.
+        objective: the misfit; for a sample that is not admissible, the misfit of the extinguished fires, plus 10, plus
+            5 for each fire that still burns.
     """
 
     sample: Sample
@@ -59,18 +58,18 @@ Evaluate: TypeAlias = Callable[[Sequence[Sample]], Iterable[Trial]]
 
 
 def attempt(sample: Sample, base: Setup) -> Trial:
-    """Runs the world of a sample without a human and compares it with column 1."""
+    """Runs the world of a sample without a human, and compares the result with column 1."""
     try:
         setup = world_of(sample, base)
     except ScenarioError:
         return Trial(sample, (), False, _REFUSED)
     column = COLUMNS[ALONE]
-    run = fight(setup, DURATION, enough=(1.0 + _HOPELESS) * np.array(column.loss_area))
+    run = run_firefighting(setup, DURATION, limits=(1.0 + _ABORT_ERROR) * np.array(column.loss_area))
     return judged(sample, run)
 
 
-def judged(sample: Sample, run: FireRun) -> Trial:
-    """A sample with the errors of its run."""
+def judged(sample: Sample, run: FirefightingRun) -> Trial:
+    """The trial of a sample and its run."""
     column = COLUMNS[ALONE]
     errors = tuple(relative_errors(run, column))
     if run.order == column.order and run.min_clearance >= 0.0:
@@ -80,19 +79,26 @@ def judged(sample: Sample, run: FireRun) -> Trial:
 
 
 def misfit(errors: Iterable[float], total_error: float) -> float:
-    """The largest relative error of column 1 in units of what is allowed."""
+    """The largest relative error of column 1, each divided by its limit."""
     return max([abs(error) / FIRE_LIMIT for error in errors] + [abs(total_error) / TOTAL_LIMIT])
 
 
 def search(runs: int, seed: int, evaluate: Evaluate) -> list[Trial]:
-    """About `runs` samples tried, each once; the same seed gives the same samples.
+    """Tries about `runs` samples, each once; the same seed gives the same samples.
+
+    Args:
+        runs: number of samples.
+        seed: seed of the search.
+        evaluate: runs samples and returns their trials.
 
     Raises:
-        HigvfError: fewer runs than one population of each restart.
+        HigvfError: `runs` is smaller than one population for each restart.
     """
     share = runs // RESTARTS
     if share < POPULATION:
-        raise HigvfError(f"--runs {runs}: give {RESTARTS * POPULATION} or more, {RESTARTS} populations of {POPULATION}")
+        raise HigvfError(
+            f"--runs {runs}: give {RESTARTS * POPULATION} or more ({RESTARTS} restarts of {POPULATION} samples)"
+        )
     tried: dict[Sample, Trial] = {}
 
     def objective(points: Floats) -> Floats:
@@ -113,9 +119,9 @@ def search(runs: int, seed: int, evaluate: Evaluate) -> list[Trial]:
 
 
 def _until(tried: Sized, most: int) -> Callable[[OptimizeResult], None]:
-    """Ends a restart before the generation that would try more than `most` samples."""
+    """A callback that ends a restart before the number of tried samples exceeds `most`."""
 
-    def enough(intermediate_result: OptimizeResult) -> None:  # noqa: ARG001 (SciPy goes by this name)
+    def enough(intermediate_result: OptimizeResult) -> None:  # noqa: ARG001 (SciPy requires this name)
         if len(tried) + POPULATION > most:
             raise StopIteration
 
@@ -123,18 +129,18 @@ def _until(tried: Sized, most: int) -> Callable[[OptimizeResult], None]:
 
 
 def choose(trials: Iterable[Trial], defaults: Sample) -> Trial:
-    """The sample that the rule picks.
+    """The trial that the rule selects.
 
     Args:
-        trials: of a search, in any order.
-        defaults: the project's own gains and bar.
+        trials: trials of a search, in any order.
+        defaults: the sample of the project's default parameters and bar.
 
     Raises:
         HigvfError: no sample is admissible.
     """
     admissible = [trial for trial in trials if trial.admissible]
     if not admissible:
-        raise HigvfError("no sample puts the fires out in the printed order; give more --runs")
+        raise HigvfError("no sample extinguishes the fires in the printed order; give more --runs")
 
     def rank(trial: Trial) -> tuple[float, float, Sample]:
         return round(trial.objective / _RESOLUTION), distance(trial.sample, defaults), trial.sample
@@ -143,13 +149,13 @@ def choose(trials: Iterable[Trial], defaults: Sample) -> Trial:
 
 
 def acceptable(trials: Iterable[Trial], best: Trial) -> list[Trial]:
-    """Admissible samples that meet what is asked of column 1; where not even the best does, those as good as it."""
+    """Admissible trials with a misfit of at most `ACCEPTABLE`, or as good as the best if that exceeds it."""
     most = max(best.objective, ACCEPTABLE)
     return sorted(trial for trial in trials if trial.admissible and trial.objective <= most)
 
 
 def widest(trials: Iterable[Trial], first: Trial, most: int) -> list[Trial]:
-    """At most `most` samples that show how far they lie apart: `first`, then each the farthest from all before."""
+    """At most `most` trials that cover the spread: `first`, then repeatedly the one farthest from those chosen."""
     rest = [trial for trial in trials if trial.sample != first.sample]
     kept = [first]
     gap = np.array([distance(trial.sample, first.sample) for trial in rest])

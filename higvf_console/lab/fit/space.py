@@ -1,9 +1,8 @@
-"""What the paper leaves open about its firefighting world, and the range within which each number is sought.
+"""Free parameters of the firefighting world that the paper does not give, and the range of the search for each.
 
-The table below was fixed before the search whose result is shipped, but not blindly: earlier searches had a narrower
-range of bars and no formation gain, and their predictions of columns 2 and 3 had been seen when both were added.
-A sample is one value for each row, on the row's grid: what is run is what a scenario file with those numbers says, to
-the last bit.
+`SPACE` was fixed before the search whose result is shipped, but not blindly: earlier searches had a narrower range of
+bars and no formation gain, and their predictions of columns 2 and 3 were known when both were added. A sample holds one
+value per parameter, rounded to its grid, so that a scenario file with these numbers gives the same run bit for bit.
 """
 
 import math
@@ -17,12 +16,10 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.quantity import quantities
 from higvf_console.scenario.sections import SPEED_LIMIT_FACTOR
-from higvf_console.sim.setup import Setup
-from higvf_console.sim.simulation import initial_state
-from higvf_console.world.build import make_world
 from higvf_console.world.placement import check_barriers, late_stand_off
+from higvf_console.world.setup import Setup, make_setup
 
-DURATION = 60.0  # [s]; the paper's last fire is out after some 41 s
+DURATION = 60.0  # [s]; the last fire of the paper is out after about 41 s
 BAR_HALF_WIDTH = 6.0  # [m]
 
 
@@ -30,10 +27,10 @@ class Free(NamedTuple):
     """A free parameter.
 
     Attributes:
-        name: group and tunable of `control.params`, or a coordinate of the upright bar.
-        low: smallest value of the search.
-        high: largest.
-        step: grid; 0.02 s is one control period.
+        name: group and name of a parameter (`control.parameters`), or a coordinate of the vertical bar.
+        low: lower limit of the search.
+        high: upper limit of the search.
+        step: step of the grid; 0.02 s is one control period.
     """
 
     name: str
@@ -42,13 +39,13 @@ class Free(NamedTuple):
     step: float
 
 
-Sample: TypeAlias = tuple[float, ...]  # one value for each row of SPACE
+Sample: TypeAlias = tuple[float, ...]  # one value per parameter of SPACE
 
 SPACE: tuple[Free, ...] = (
     Free("fires.start_delay", 6.0, 13.4, 0.02),  # fire 1 of column 1 stops growing after 13.4 s
     Free("fires.extinguish_time", 0.0, 0.1, 0.0005),
-    Free("fires.stand_off", 18.0, 50.0, 0.1),  # below, no robot could hold at the larger fires
-    Free("blending.cruise_speed", 60.0, 235.0, 0.5),  # above, the barriers' sampling condition fails
+    Free("fires.stand_off", 18.0, 50.0, 0.1),  # below this, no robot could hold at the larger fires
+    Free("blending.cruise_speed", 60.0, 235.0, 0.5),  # above this, the sampling condition of the barriers fails
     Free("blending.intention_floor", 0.002, 0.1, 0.001),
     Free("blending.formation_gain", 0.001, 0.04, 0.0005),
     Free("perception.target_band", 10.0, 150.0, 0.5),
@@ -60,14 +57,14 @@ NAMES = tuple(free.name for free in SPACE)
 
 
 def on_grid(values: Floats) -> Sample:
-    """The sample next to `values` (P,)."""
+    """The sample on the grid nearest to `values` (P,)."""
     return tuple(
         round(free.step * round(float(value) / free.step), 6) for free, value in zip(SPACE, values, strict=True)
     )
 
 
 def scaled(sample: Sample) -> Floats:
-    """(P,) the sample as shares of its ranges."""
+    """The sample (P,) normalised to the ranges of its parameters."""
     return np.array([(value - free.low) / (free.high - free.low) for free, value in zip(SPACE, sample, strict=True)])
 
 
@@ -78,43 +75,39 @@ def unit(name: str) -> str:
 
 
 def sample_of(setup: Setup) -> Sample:
-    """The sample that a world with one upright bar stands for.
+    """The sample of a world with one vertical bar.
 
     Raises:
-        ScenarioError: the world's obstacles are of another kind.
+        ScenarioError: the world does not have exactly one vertical bar.
     """
-    bars = setup.world.bars
+    bars = setup.layout.obstacles.bars
     if len(bars) != 1 or bars[0, 0] != bars[0, 2]:
-        raise ScenarioError(f"the world of the fit has one upright bar, not {len(bars)} bars {bars.tolist()}")
+        raise ScenarioError(f"the world of the fit has one vertical bar, not {len(bars)} bars {bars.tolist()}")
     x, low, _, high, _ = (float(number) for number in bars[0])
     bar = {"bar.x": x, "bar.y_low": low, "bar.y_high": high}
     return tuple(bar[name] if name in bar else float(_gain(setup.params, name)) for name in NAMES)
 
 
 def world_of(sample: Sample, base: Setup) -> Setup:
-    """The world of a sample: `base` with its gains and its bar.
+    """The world of a sample: `base` with its parameters and its bar.
 
     Raises:
-        ScenarioError: barriers would not hold with these gains, or no robot could hold at a fire within `DURATION`.
+        ScenarioError: the barriers do not hold with these parameters, or no robot can hold at a fire for `DURATION`.
     """
     given = dict(zip(NAMES, sample, strict=True))
     params = params_of(given, base.params)
     bar = floats([[given["bar.x"], given["bar.y_low"], given["bar.x"], given["bar.y_high"], BAR_HALF_WIDTH]])
-    old, motion = base.world, base.start.motion
-    world = make_world(
-        old.circles, bar, old.walls, old.fire_position, old.fire_growth, old.fire_needs, old.formation,
-        params.safety.obstacle_clearance, (old.link_start, old.link_to),
-    )  # fmt: skip
-    radius = motion.fire_radius
-    check_barriers(world, radius, params, "sample")
-    late = late_stand_off(radius, world.fire_growth, DURATION, params)
+    layout = base.layout._replace(obstacles=base.layout.obstacles._replace(bars=bar), params=params)
+    setup = make_setup(layout, base.start.motion.position)
+    check_barriers(setup.world, layout.fire_radius, params, "sample")
+    late = late_stand_off(layout.fire_radius, setup.world.fire_growth, DURATION, params)
     if late:
         raise ScenarioError(f"sample: {late[0]}")
-    return base._replace(world=world, params=params, start=initial_state(motion.position, radius, world))
+    return setup
 
 
 def params_of(given: Mapping[str, float], params: Parameters) -> Parameters:
-    """`params` with the values named `group.tunable`; the speed limit follows the cruise speed as in a scenario."""
+    """`params` with the values named GROUP.NAME; the speed limit follows the cruise speed, as in a scenario."""
     for name, value in given.items():
         group, _, key = name.partition(".")
         if group in Parameters._fields:
@@ -129,5 +122,5 @@ def _gain(params: Parameters, name: str) -> float:
 
 
 def distance(sample: Sample, other: Sample) -> float:
-    """Between two samples, each parameter as a share of its range."""
+    """Euclidean distance between two normalised samples."""
     return math.dist(scaled(sample).tolist(), scaled(other).tolist())

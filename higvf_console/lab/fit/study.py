@@ -1,10 +1,10 @@
-"""`higvf fit`: search, choose, predict, and say how sure that is; one JSON object, one scenario file.
+"""The study of `higvf fit`: search, selection, prediction and uncertainty, as one JSON object and one scenario file.
 
-search      column 1 alone                                 lab/fit/search.py
-choose      by the rule stated there
-predict     columns 2 and 3 of the chosen world            lab/fit/table2.py
-spread      the same of every near-best world              lab/fit/report.py
-influence   central differences round the chosen world
+search        samples that fit column 1                      lab/fit/search.py
+choose        the sample that the selection rule picks       lab/fit/search.py
+predict       columns 2 and 3 of the chosen world            lab/fit/table2.py
+spread        predictions of all acceptable worlds           lab/fit/report.py
+sensitivity   central differences about the chosen world     lab/fit/report.py
 """
 
 from collections.abc import Sequence
@@ -22,30 +22,35 @@ from higvf_console.lab.fit.space import BAR_HALF_WIDTH, DURATION, NAMES, SPACE, 
 from higvf_console.lab.fit.table2 import Columns, as_json, open_strokes, run_columns
 from higvf_console.lab.progress import ProgressBar
 from higvf_console.scenario.scenario import Scenario, load_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
-BASE = "firefighting"  # its robots, fires and circles are Table I; its gains and its bar are the project's own
+BASE = "firefighting"  # robots, fires and circles of Table I, with the project's own parameters and bar
 SPREAD_SAMPLES = 60
-_CHUNK = 4  # samples that a worker takes at once
+_CHUNK = 4  # samples per job of a worker
 
 
 class Study(NamedTuple):
-    """What a fit found: `result` ready for JSON, and `scenario`, the YAML text of the chosen world."""
+    """Result of a fit.
+
+    Attributes:
+        result: dictionary ready for JSON.
+        scenario: YAML text of the chosen world.
+    """
 
     result: dict[str, Any]
     scenario: str
 
 
 def study(runs: int, seed: int, workers: int | None = None) -> Study:
-    """Fits, predicts and judges; the same runs and seed give the same numbers, however many workers there are.
+    """Runs the study; the same runs and seed give the same numbers for any number of workers.
 
     Args:
-        runs: samples to try.
-        seed: of the search.
-        workers: processes; None = one a processor.
+        runs: number of samples to try.
+        seed: seed of the search.
+        workers: number of processes; None = one per processor.
 
     Raises:
-        HigvfError: too few runs, or none that puts the fires out in the printed order.
+        HigvfError: there are too few runs, or no sample extinguishes the fires in the printed order.
     """
     base = load_scenario(BASE)
     setup = base.setup()
@@ -65,7 +70,7 @@ def study(runs: int, seed: int, workers: int | None = None) -> Study:
         good = acceptable(trials, best)
         shown = widest(good, best, SPREAD_SAMPLES)
         (columns,) = predict([best.sample])
-        assert columns is not None  # it has been run already
+        assert columns is not None  # its world has been run before
         result = {
             "runs": len(trials),
             "seed": seed,
@@ -84,7 +89,7 @@ def study(runs: int, seed: int, workers: int | None = None) -> Study:
 
 
 def predicted(sample: Sample, base: Setup) -> Columns | None:
-    """All three columns of a sample's world; None where it cannot be run."""
+    """All three columns of the world of a sample; None if it cannot be run."""
     try:
         setup = world_of(sample, base)
     except ScenarioError:
@@ -98,7 +103,7 @@ def _strokes() -> dict[str, Interface]:
 
 
 def scenario_text(chosen: Trial, base: Scenario) -> str:
-    """The scenario file of a chosen sample: `base` with the fitted numbers, which a comment lists."""
+    """The text of the scenario file of a sample: `base` with the fitted numbers, listed in a comment."""
     values = dict(zip(NAMES, chosen.sample, strict=True))
     content: dict[str, Any] = yaml.safe_load(base.text)
     content["title"] = "Table II"

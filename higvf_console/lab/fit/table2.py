@@ -1,11 +1,10 @@
-"""Table II of the paper, beside what this engine gives: the loss areas of one world, three ways to run it.
+"""Table II of the paper beside the results of this engine: loss areas of one world in three situations.
 
-    without_human     nobody intervenes; the only column that the free parameters of the world were fitted to
-    change_priority   one stroke when fire 1 is out: fire 3 before fire 2
-    find_hidden       one stroke when fire 4 is out: to where fire 5 is seen
+    without_human     no operator; the free parameters of the world were fitted to this column only
+    change_priority   one stroke when fire 1 is out, after which fire 3 comes before fire 2
+    find_hidden       one stroke when fire 4 is out, to a place from which fire 5 is visible
 
-The second and third column are predictions: their world is that of the first, `scenarios/table2.yaml`, and the strokes
-are fixed files.
+Columns 2 and 3 are predictions: they use the world of column 1, `scenarios/table2.yaml`, and fixed stroke files.
 """
 
 import json
@@ -14,10 +13,10 @@ from typing import Any, NamedTuple
 
 from higvf_console.channels.channels import open_interface
 from higvf_console.core.interface import InputSpec, Interface
-from higvf_console.lab.fit.fire_run import FireRun, fight
+from higvf_console.lab.fit.firefighting import FirefightingRun, run_firefighting
 from higvf_console.lab.reproduce.paper import COLUMNS, Column
 from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 SCENARIO = "table2"
 FIRE_LIMIT = 0.05  # relative error of a fire of column 1
@@ -28,14 +27,14 @@ ALONE = "without_human"
 
 
 class Verdict(NamedTuple):
-    """Whether one target is met.
+    """Result of the comparison with one target.
 
     Attributes:
-        target: what is asked, in words.
-        paper: the number or the words that the paper gives.
-        found: what the runs give.
-        error: how far that is off; None where the target is a matter of yes and no.
-        limit: the largest error allowed; None as above.
+        target: name of the target.
+        paper: value in the paper, as text.
+        found: value of the runs, as text.
+        error: difference, relative where the target is an area; None for a target without a number.
+        limit: largest error allowed; None for a target without a number.
         met: whether the target is met.
     """
 
@@ -47,22 +46,22 @@ class Verdict(NamedTuple):
     met: bool
 
 
-Columns = Mapping[str, FireRun]  # by the names of the paper's columns
+Columns = Mapping[str, FirefightingRun]  # by the name of the column in the paper
 
 
 def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Interface]) -> Columns:
-    """All three runs of one world.
+    """Runs one world in all three situations.
 
     Args:
         setup: the world.
-        duration: the longest that a run may last [s].
-        strokes: from `open_strokes`.
+        duration: maximum duration of a run [s].
+        strokes: operators from `open_strokes`.
     """
-    return {name: fight(setup, duration, strokes.get(name)) for name in COLUMNS}
+    return {name: run_firefighting(setup, duration, strokes.get(name)) for name in COLUMNS}
 
 
 def open_strokes(scenario: Scenario) -> dict[str, Interface]:
-    """The operator of each column that has one; may serve many runs.
+    """Opens the scripted operator of each column that has one; each may serve many runs.
 
     Raises:
         HigvfError: a shipped script, or the interface that plays it, is missing.
@@ -75,12 +74,12 @@ def open_strokes(scenario: Scenario) -> dict[str, Interface]:
 
 
 def table2() -> dict[str, Any]:
-    """Runs the three columns of the shipped world and judges them; beside them what its fit left open, as it was kept.
+    """Runs the three columns of the shipped world, compares them with the paper, and adds the stored fit result.
 
     Returns:
-        Ready for JSON. "table2": {column: {order, loss_area_m2 of fires 1 to 5, total_m2}}; "paper": the same of the
-        paper; "relative_error": {column: {loss_area of fires 1 to 5, total}}; "targets": the verdicts; and the other
-        entries of `fit_study.study`: space, chosen, spread, sensitivity.
+        A dictionary ready for JSON. "table2": {column: {order, loss_area_m2 of fires 1 to 5, total_m2}}; "paper": the
+        same for the paper; "relative_error": {column: {loss_area of fires 1 to 5, total}}; "targets": the verdicts; and
+        the other entries of `study.study`: space, chosen, spread, sensitivity.
     """
     scenario = load_scenario(SCENARIO)
     runs = run_columns(scenario.setup(), scenario.duration, open_strokes(scenario))
@@ -88,12 +87,12 @@ def table2() -> dict[str, Any]:
 
 
 def kept_fit() -> dict[str, Any]:
-    """The result of `higvf fit` that chose the shipped world, as the file beside it keeps it."""
+    """The stored result of the `higvf fit` that chose the shipped world."""
     return json.loads((data_folder() / "scenarios" / f"{SCENARIO}-fit.json").read_text(encoding="utf-8"))
 
 
 def as_json(runs: Columns) -> dict[str, Any]:
-    """Three runs beside the paper's columns, as `table2` returns them."""
+    """Three runs and the columns of the paper in the form that `table2` returns."""
     return {
         "table2": {name: _column(run.order, run.loss_area.tolist(), total(run)) for name, run in runs.items()},
         "paper": {
@@ -116,23 +115,23 @@ def summed(column: Column) -> float:
     return round(sum(column.loss_area), 2)
 
 
-def total(run: FireRun) -> float:
+def total(run: FirefightingRun) -> float:
     """Loss area of all fires [m^2]."""
     return float(run.loss_area.sum())
 
 
-def relative_errors(run: FireRun, column: Column) -> list[float]:
-    """Of the five loss areas: found / printed - 1."""
+def relative_errors(run: FirefightingRun, column: Column) -> list[float]:
+    """Relative errors of the five loss areas: found / printed - 1."""
     return [float(found) / printed - 1.0 for found, printed in zip(run.loss_area, column.loss_area, strict=True)]
 
 
 def reduction(runs: Columns, name: str) -> float:
-    """Change of a column's total against the run that nobody touches; negative where less burns."""
+    """Relative change of the total of a column against the run without a human; negative if less burns."""
     return total(runs[name]) / total(runs[ALONE]) - 1.0
 
 
 def verdicts(runs: Columns) -> tuple[Verdict, ...]:
-    """Every target: fires of column 1, totals, reductions, orders, signs of the changes, clearance."""
+    """Compares with all targets: fires of column 1, totals, reductions, orders, signs of the changes, clearance."""
     alone = zip(range(1, 6), COLUMNS[ALONE].loss_area, runs[ALONE].loss_area, strict=True)
     changed = [name for name in COLUMNS if name != ALONE]
     return (
@@ -177,7 +176,7 @@ def _changes_verdict(name: str, runs: Columns) -> Verdict:
 
 
 def _sign(change: float) -> str:
-    """Equal means equal to the last bit: until the operator acts, two runs are the same run."""
+    """Sign of a change; "=" means bit for bit, because two runs are identical until the operator acts."""
     return "=" if change == 0.0 else "+" if change > 0.0 else "-"
 
 

@@ -1,4 +1,4 @@
-"""The result of `higvf fit` as plain text: the chosen world, Table II side by side, verdicts, spread, influence."""
+"""The result of `higvf fit` as plain text: chosen world, Table II, targets, predictions and sensitivity."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -8,21 +8,21 @@ from higvf_console.lab.reproduce.paper import COLUMNS
 
 
 def summary(result: Mapping[str, Any]) -> str:
-    """All sections of a study's result.
+    """The text of all sections.
 
     Args:
-        result: of `fit_study.study`.
+        result: `Study.result` of `study.study`.
     """
     head = (
         f"{result['runs']} runs without a human, seed {result['seed']}: misfit {result['misfit']:.2f}; "
-        f"{result['acceptable']} samples meet what is asked of column 1"
+        f"{result['acceptable']} samples meet the targets of column 1"
     )
     parts = [_parameters(result), _columns(result), _targets(result), _predictions(result), _influence(result)]
     return "\n\n".join([head, *parts])
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> str:
-    """Rows of cells as columns: the first to the left, the others to the right."""
+    """Formats a table of cells: the first column left-aligned, the others right-aligned."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     return "\n".join(
         "  ".join(
@@ -34,7 +34,7 @@ def aligned(rows: Sequence[Sequence[str]]) -> str:
 
 
 def _parameters(result: Mapping[str, Any]) -> str:
-    rows: list[Sequence[str]] = [("parameter", "chosen", "others from", "to", "sought from", "to", "unit")]
+    rows: list[Sequence[str]] = [("parameter", "chosen", "spread from", "to", "search from", "to", "unit")]
     for free in result["space"]:
         found = result["spread"]["parameters"][free["name"]]
         numbers = (found["chosen"], found["low"], found["high"], free["low"], free["high"])
@@ -60,7 +60,7 @@ def _columns(result: Mapping[str, Any]) -> str:
 
 
 def _targets(result: Mapping[str, Any]) -> str:
-    rows: list[Sequence[str]] = [("target", "paper", "found", "off by", "allowed", "", "others that meet it")]
+    rows: list[Sequence[str]] = [("target", "paper", "found", "error", "limit", "", "samples that meet it")]
     for verdict in result["targets"]:
         off, limit = verdict["error"], verdict["limit"]
         share = result["spread"]["targets_met"][verdict["target"]]
@@ -71,15 +71,15 @@ def _targets(result: Mapping[str, Any]) -> str:
         ))  # fmt: skip
     missed = [verdict["target"] for verdict in result["spread"]["nearest"]["targets"] if not verdict["met"]]
     last = (
-        f"{100.0 * result['spread']['all_met']:.0f} % of the {result['spread']['samples']} meet all; "
-        f"the nearest misses {', '.join(missed) or 'none'}"
+        f"{100.0 * result['spread']['all_met']:.0f} % of {result['spread']['samples']} samples meet all targets; "
+        f"the nearest sample misses: {', '.join(missed) or 'none'}"
     )
     return f"{aligned(rows)}\n{last}"
 
 
 def _predictions(result: Mapping[str, Any]) -> str:
     rows: list[Sequence[str]] = [
-        (f"{result['spread']['samples']} samples that meet column 1", "paper", "least", "median", "most")
+        (f"{result['spread']['samples']} samples that meet column 1", "paper", "minimum", "median", "maximum")
     ]
     for name, found in result["spread"]["predictions"].items():
         numbers = (found[key] for key in ("paper", "low", "median", "high"))
@@ -91,10 +91,10 @@ def _influence(result: Mapping[str, Any]) -> str:
     changed = [name for name in COLUMNS if name != ALONE]
     fires = [f"a(s{fire})" for fire in range(1, 6)]
     totals, reductions = [f"total {name}" for name in COLUMNS], [f"reduction {name}" for name in changed]
-    rows: list[Sequence[str]] = [("change [%] of", "for", *fires, *totals, *reductions)]
+    rows: list[Sequence[str]] = [("change [%]", "step", *fires, *totals, *reductions)]
     for name, found in result["sensitivity"].items():
         if found is None:
-            rows.append((name, "cannot be moved", *("" for _ in (*fires, *totals, *reductions))))
+            rows.append((name, "not computable", *("" for _ in (*fires, *totals, *reductions))))
             continue
         changes = (*found["fires"], *found["totals"].values(), *found["reductions"].values())
         rows.append((name, f"+{found['step']:g} {found['unit']}".rstrip(), *(f"{100 * one:+.2f}" for one in changes)))

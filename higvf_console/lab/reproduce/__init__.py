@@ -1,1 +1,1 @@
-"""The paper's cases, run headless and reported beside the paper: `higvf reproduce`."""
+"""Runs the cases of the paper headless and compares the results with the paper: `higvf reproduce`."""

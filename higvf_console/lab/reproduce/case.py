@@ -1,4 +1,4 @@
-"""What a case is, and what it finds: numbers beside the paper's, tables, pictures, the runs that they come from."""
+"""Data of a case of the paper and of its findings: measurements, tables, pictures and runs."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -9,14 +9,14 @@ from higvf_console.lab.reproduce.runs import Run, Runs
 
 
 class Measurement(NamedTuple):
-    """One number and what it is held against.
+    """A measured value and the value expected of it.
 
     Attributes:
-        what: one line, without the number.
-        value: as measured; None where it cannot be.
+        what: what is measured, in one line.
+        value: measured value; None if it cannot be measured.
         unit: "m", "s", "" ...
-        expected: the paper's or the expected value, in words.
-        holds: whether the expectation is met; None where nothing is promised.
+        expected: expected value, or that of the paper, as text.
+        holds: whether the expectation is met; None if there is none.
     """
 
     what: str
@@ -27,7 +27,7 @@ class Measurement(NamedTuple):
 
 
 class Table(NamedTuple):
-    """A table of texts, ready to print."""
+    """A table of text cells."""
 
     title: str
     head: tuple[str, ...]
@@ -35,12 +35,12 @@ class Table(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """A figure that is drawn when a report wants it.
+    """A figure that is drawn on demand.
 
     Attributes:
-        name: of its file, without an ending.
-        caption: what it shows, one or two sentences.
-        draw: makes it, inside the style of `figures.canvas`.
+        name: file name without suffix.
+        caption: one or two sentences.
+        draw: draws it within `figures.canvas.style`.
     """
 
     name: str
@@ -49,15 +49,15 @@ class Picture(NamedTuple):
 
 
 class Findings(NamedTuple):
-    """What a case found.
+    """Findings of a case.
 
     Attributes:
-        measurements: the numbers, the most important first.
-        pictures: as the paper draws them.
-        runs: what was simulated.
-        tables: comparisons of more than one number.
-        notes: sentences on how to read it.
-        data: further entries of the JSON's top level, e.g. {"table2": ...}.
+        measurements: measured values, the most important first.
+        pictures: figures, drawn as in the paper.
+        runs: runs that the findings are based on.
+        tables: comparisons of several values.
+        notes: explanations for the reader.
+        data: further entries at the top level of the JSON, e.g. {"table2": ...}.
     """
 
     measurements: tuple[Measurement, ...]
@@ -65,18 +65,18 @@ class Findings(NamedTuple):
     runs: tuple[Run, ...] = ()
     tables: tuple[Table, ...] = ()
     notes: tuple[str, ...] = ()
-    data: dict[str, Any] = {}  # noqa: RUF012 (never written)
+    data: dict[str, Any] = {}  # noqa: RUF012 (never modified)
 
 
 class Case(NamedTuple):
-    """One result of the paper.
+    """A result of the paper and the way to reproduce it.
 
     Attributes:
-        name: word of the command line.
-        title: what a person reads.
-        paper: where the paper shows it, and what it says there.
-        how: how it is run here.
-        run: does it.
+        name: name on the command line.
+        title: heading in the report.
+        paper: place in the paper, and its claim.
+        how: description of the runs.
+        run: computes the findings.
     """
 
     name: str
@@ -87,5 +87,5 @@ class Case(NamedTuple):
 
 
 def within(what: str, value: float, unit: str, low: float, high: float, expected: str) -> Measurement:
-    """A measurement that holds inside [low, high]."""
+    """A measurement whose expectation is met for `low` <= `value` <= `high`."""
     return Measurement(what, value, unit, expected, bool(low <= value <= high))

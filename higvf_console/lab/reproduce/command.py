@@ -1,11 +1,11 @@
-"""`higvf reproduce`: runs the chosen cases and writes the report."""
+"""The command `higvf reproduce`: runs cases and writes the report."""
 
 import sys
 from collections.abc import Callable, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 
 from higvf_console.core.errors import HigvfError
+from higvf_console.core.optional import require
 
 OUT = Path("reproduction")
 
@@ -16,16 +16,16 @@ def reproduce(
     """Runs cases, with a progress bar on standard error, and writes report.html, report.md and report.json.
 
     Args:
-        names: cases; none means all.
-        out: the report's folder; None = `reproduction`, or no report where the JSON goes to standard output.
-        json_file: where the JSON goes besides; "-" = standard output.
-        prepare: called once the cases are known, before the first one; e.g. compiles the engine.
+        names: names of the cases; empty = all.
+        out: folder of the report; None = `reproduction`, or no report if the JSON goes to standard output.
+        json_file: additional file for the JSON; "-" = standard output.
+        prepare: called after the names are checked and before the first case, e.g. to compile the engine.
 
     Raises:
-        HigvfError: an unknown case, matplotlib is missing, or a file cannot be written.
+        HigvfError: an unknown case, a package of the extra `report` is missing, or a file cannot be written.
     """
-    if find_spec("matplotlib") is None:
-        raise HigvfError("the figures need matplotlib: pip install 'higvf-console[report]'")
+    for module in ("matplotlib", "tqdm"):
+        require(module, "report", "higvf reproduce")
     from higvf_console.lab.reproduce.registry import choose  # noqa: PLC0415 (needs matplotlib)
     from higvf_console.lab.reproduce.report.write import write_report  # noqa: PLC0415
     from higvf_console.lab.reproduce.results import run_cases  # noqa: PLC0415

@@ -1,4 +1,4 @@
-"""What is measured on a run: distance from the path, laps, the formation's error, the order of the fires."""
+"""Measures of a run: distance to the path, laps, formation error, order of the fires, clearance."""
 
 import math
 
@@ -11,17 +11,17 @@ from higvf_console.lab.reproduce.runs import Run
 
 
 def path_distance(path: Path, points: Floats) -> Floats:
-    """Distance (n,) of points (n, 2) from a path [m]."""
+    """Distances (n,) of points (n, 2) to a path [m]."""
     return np.array([math.dist(p, nearest(path, 0.0, EVERYWHERE, p[0], p[1])[1:3]) for p in points.tolist()])
 
 
 def leader_track(run: Run) -> Floats:
-    """(T + 1, 2) where the influenced robot is, whichever that is [m]."""
+    """Positions (T + 1, 2) of the influenced robot, also when it changes [m]."""
     return run.position[np.arange(len(run.time)), run.influenced]
 
 
 def settled_at(time: Floats, error: Floats, band: float) -> float:
-    """When `error` has come below `band` for good [s]; inf if it never does."""
+    """Time from which `error` (n,) stays within `band` [s]; inf if it never does."""
     outside = np.flatnonzero(error > band)
     if not len(outside):
         return float(time[0])
@@ -29,13 +29,13 @@ def settled_at(time: Floats, error: Floats, band: float) -> float:
 
 
 def laps(path: Path, points: Floats) -> float:
-    """How often a track (n, 2) goes round a circle, along its direction."""
+    """Number of laps of a track (n, 2) along a circular path, in its direction."""
     angle = np.unwrap(np.arctan2(points[:, 1] - path.shape[1], points[:, 0] - path.shape[0]))
     return float(path.direction * (angle[-1] - angle[0]) / (2.0 * math.pi))
 
 
 def formation_error(run: Run) -> Floats:
-    """(T + 1,) root mean square over all pairs of |p_i - p_j| - d_ij [m]."""
+    """Formation error (T + 1,): root mean square of |p_i - p_j| - d_ij over all pairs [m]."""
     return np.sqrt(np.mean((pair_distances(run.position) - pair_distances(run.setup.world.formation)) ** 2, axis=-1))
 
 
@@ -52,7 +52,7 @@ def pair_distances(position: Floats) -> Floats:
 
 
 def extinguished_at(run: Run) -> Floats:
-    """(M,) when each fire went out [s]; inf for one that burns at the end."""
+    """Time (M,) at which each fire went out [s]; inf if it burns at the end."""
     out = np.full(run.burning.shape[1], math.inf)
     for fire in range(len(out)):
         gone = np.flatnonzero(~run.burning[:, fire])
@@ -62,18 +62,18 @@ def extinguished_at(run: Run) -> Floats:
 
 
 def order(run: Run) -> tuple[int, ...]:
-    """Fire numbers, from 1, in the order in which they went out."""
+    """Numbers of the fires, from 1, in the order in which they went out."""
     return tuple(run.report["extinguished"])
 
 
 def intervals(flags: Bools) -> list[tuple[int, int]]:
-    """First and last index of each stretch of true values."""
+    """First and last index of each interval of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int64)))
     return [(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2)]
 
 
 def smallest_clearance(run: Run) -> float:
-    """Smallest distance to anything beyond the safe one, over the run [m]; negative = violation."""
+    """Minimum clearance to all hazards and between robots over the run [m]; negative = violation."""
     pairs = pair_distances(run.position)
     apart = float(pairs.min()) - run.setup.params.safety.robot_clearance if pairs.size else math.inf
     return min(float(run.clearance.min()), apart)

@@ -1,4 +1,7 @@
-"""What the paper prints: Table II. The sums are those of its own entries; it prints 48253.9 for column 2."""
+"""Table II as the paper prints it.
+
+The entries of column 2 sum to 48251.9; the paper prints 48253.9.
+"""
 
 from typing import NamedTuple
 
@@ -7,10 +10,10 @@ class Column(NamedTuple):
     """A column of Table II.
 
     Attributes:
-        title: as a heading.
-        order: fires in the order in which they go out, from the text.
-        loss_area: fires 1 to 5 [m^2].
-        total: the sum that the paper prints [m^2].
+        title: heading.
+        order: order in which the fires go out, from the text.
+        loss_area: loss areas of fires 1 to 5 [m^2].
+        total: printed sum [m^2].
     """
 
     title: str

@@ -1,4 +1,4 @@
-"""All cases, in the order of the paper, and the choice of some by name."""
+"""All cases in the order of the paper, and their selection by name."""
 
 from collections.abc import Sequence
 
@@ -20,10 +20,10 @@ CASES: dict[str, Case] = {case.name: case for part in _PARTS for case in part.CA
 
 
 def choose(names: Sequence[str]) -> tuple[Case, ...]:
-    """The cases of these names, in the paper's order; all of them for no name.
+    """Selects cases by name; returns them in the order of the paper, or all of them if there are no names.
 
     Raises:
-        HigvfError: no such case; the message gives the closest and lists them all.
+        HigvfError: a name is unknown; the message suggests the closest and lists all.
     """
     for name in names:
         if name not in CASES:

@@ -1,4 +1,4 @@
-"""What all chosen cases found, and its plain form for JSON."""
+"""Findings of all selected cases, and their form for JSON."""
 
 import json
 import math
@@ -21,19 +21,19 @@ _PACKAGES = ("higvf-console", "numpy", "scipy", "numba", "osqp", "matplotlib")
 
 
 class Result(NamedTuple):
-    """A case and what it found."""
+    """A case and its findings."""
 
     case: Case
     findings: Findings
 
 
 class Results(NamedTuple):
-    """A whole reproduction.
+    """A complete reproduction.
 
     Attributes:
-        made: when, ISO 8601; the only part that two reproductions do not share.
-        versions: of what computes.
-        results: in the paper's order.
+        made: time stamp, ISO 8601; the only part in which two reproductions differ.
+        versions: versions of Python and the packages.
+        results: results in the order of the paper.
     """
 
     made: str
@@ -42,11 +42,11 @@ class Results(NamedTuple):
 
     @property
     def runs(self) -> tuple[Run, ...]:
-        """All runs, each once."""
+        """All distinct runs."""
         return tuple({run.spec: run for result in self.results for run in result.findings.runs}.values())
 
     def plain(self) -> dict[str, Any]:
-        """The results without pictures, ready for JSON; numbers that JSON cannot hold are null."""
+        """The results without pictures, ready for JSON; numbers that are not finite become null."""
         whole: dict[str, Any] = {
             "version": SCHEMA,
             "made": self.made,
@@ -60,12 +60,12 @@ class Results(NamedTuple):
         return _finite(whole)
 
     def json(self) -> str:
-        """As the text of a file."""
+        """The JSON text of the results."""
         return json.dumps(self.plain(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def run_cases(cases: Sequence[Case]) -> Results:
-    """Runs cases one after the other, with a progress bar on standard error."""
+    """Runs cases in sequence, with a progress bar on standard error."""
     runs, results = Runs(), list[Result]()
     with tqdm(cases, unit="case", file=sys.stderr, bar_format="{l_bar}{bar:30}| {n_fmt}/{total_fmt} {postfix}") as bar:
         for case in bar:
@@ -86,7 +86,7 @@ def _versions() -> dict[str, str]:
 
 
 def plain_run(run: Run) -> dict[str, Any]:
-    """What names a run and proves that it is the same: command, forms, seed, digest."""
+    """Identification and key figures of a run: command, forms, seed, figures, digest of the trajectory."""
     report = run.report
     return {
         "command": str(run.spec),
@@ -97,7 +97,7 @@ def plain_run(run: Run) -> dict[str, Any]:
         "ticks": report["ticks"],
         "extinguished": report["extinguished"],
         "loss_area_total_m2": report["loss_area_total_m2"],
-        "min_clearance_m": report["min_clearance_m"],
+        "min_clearance_margin_m": report["min_clearance_margin_m"],
         "infeasible_ticks": report["infeasible_ticks"],
         "deadlock_s": report["deadlock_s"],
         "certificates": report["certificates"],

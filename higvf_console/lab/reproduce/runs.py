@@ -1,4 +1,4 @@
-"""Headless runs that keep their history; each is made once, however many cases look at it."""
+"""Headless runs with their history; each run is computed once and shared by all cases."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -7,6 +7,7 @@ import numpy as np
 
 from higvf_console.channels.channels import open_interface
 from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.events import Event
 from higvf_console.core.interface import InputSpec
 from higvf_console.core.state import Path, PathKind
 from higvf_console.runtime.headless import run_headless
@@ -15,11 +16,18 @@ from higvf_console.runtime.session import Session
 from higvf_console.runtime.snapshot import Snapshot
 from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
 from higvf_console.sim.certificates import connectivity
-from higvf_console.sim.setup import Event, Setup
+from higvf_console.world.setup import Setup
 
 
 class RunSpec(NamedTuple):
-    """What is run: a shipped scenario, a shipped script or the scenario's demonstration, a duration [s]."""
+    """Specification of a run.
+
+    Attributes:
+        scenario: name of a shipped scenario.
+        script: name of a shipped script, or None.
+        demo: whether to use the recorded inputs of the scenario.
+        duration: session time [s]; None = duration of the scenario.
+    """
 
     scenario: str
     script: str | None = None
@@ -27,30 +35,30 @@ class RunSpec(NamedTuple):
     duration: float | None = None
 
     def __str__(self) -> str:
-        """As words of the command line."""
+        """The equivalent command line."""
         given = " --demo" if self.demo else f" --script scenarios/scripts/{self.script}.yaml" if self.script else ""
         lasts = f" --duration {self.duration:g}" if self.duration else ""
         return f"higvf run {self.scenario} --headless{given}{lasts}"
 
 
 class GivenPath(NamedTuple):
-    """A desired path and the session time from which it was in force [s]."""
+    """A desired path and the session time from which it was active [s]."""
 
     time: float
     path: Path
 
 
 class Run(NamedTuple):
-    """A finished run and its history: T + 1 moments, the start included; N robots, M fires.
+    """A finished run and its history: T + 1 states including the start, N robots, M fires.
 
     Attributes:
-        spec: what was run.
-        scenario: the file.
-        setup: what it started from.
-        report: of `run_headless`.
+        spec: its specification.
+        scenario: its scenario.
+        setup: world, parameters and start state.
+        report: report of `run_headless`.
         time: (T + 1,) [s].
         position: (T + 1, N, 2) [m].
-        velocity: (T + 1, N, 2) behind the safety filter [m/s].
+        velocity: (T + 1, N, 2) after the safety filter [m/s].
         target: (T + 1, N) fire index or NOBODY.
         fire_radius: (T + 1, M) [m].
         burning: (T + 1, M).
@@ -58,11 +66,11 @@ class Run(NamedTuple):
         path_parameter: (T + 1,) w [m].
         influenced: (T + 1,) robot index.
         paused: (T + 1,).
-        clearance: (T + 1,) smallest of the team [m].
-        connectivity: (T + 1,) lambda_2 of the links' Laplacian.
-        links: (T + 1) arrays (E, 2) of robot pairs.
+        clearance: (T + 1,) minimum of the team [m].
+        connectivity: (T + 1,) lambda_2 of the Laplacian of the links.
+        links: T + 1 arrays (E, 2) of robot pairs.
         paths: the desired paths, in order.
-        events: what the session said.
+        events: events of the session.
     """
 
     spec: RunSpec
@@ -85,20 +93,20 @@ class Run(NamedTuple):
     paths: tuple[GivenPath, ...]
     events: tuple[Event, ...]
 
-    def moment(self, time: float) -> int:
-        """The index of the moment nearest to a session time [s]."""
+    def index_at(self, time: float) -> int:
+        """Index of the state nearest to a session time [s]."""
         return int(np.argmin(np.abs(self.time - time)))
 
 
 class Runs:
-    """Makes runs, and keeps them for the cases to come."""
+    """A cache of runs, shared by the cases."""
 
     def __init__(self) -> None:
-        """Starts with none."""
+        """Creates an empty cache."""
         self._made: dict[RunSpec, Run] = {}
 
     def get(self, spec: RunSpec) -> Run:
-        """The run of that kind.
+        """The run of a specification, computed at the first call.
 
         Raises:
             HigvfError: the scenario or the script cannot be used.
@@ -109,7 +117,7 @@ class Runs:
 
 
 class _WatchedSession(Session):
-    """A session that shows every moment to a watcher."""
+    """A session that passes every snapshot to a callback."""
 
     watch: Callable[[Snapshot], None] | None = None
 
@@ -120,10 +128,10 @@ class _WatchedSession(Session):
 
 
 class _History:
-    """Collects the moments of a run."""
+    """Collects the history of a run."""
 
     def __init__(self, first: Snapshot) -> None:
-        self.rows: list[tuple[Any, ...]] = []
+        self.states: list[tuple[Any, ...]] = []
         self.links: list[Ints] = []
         self.paths: list[GivenPath] = []
         self.add(first)
@@ -133,7 +141,7 @@ class _History:
         if intent.path.kind != PathKind.NONE and (not self.paths or self.paths[-1].path is not intent.path):
             self.paths.append(GivenPath(now.time, intent.path))
         self.links.append(trace.links)
-        self.rows.append((
+        self.states.append((
             now.time, motion.position, motion.velocity, motion.target, motion.fire_radius, motion.fire_burning,
             int(motion.path_status), motion.path_parameter, intent.influenced, intent.paused,
             float(trace.clearance.min()), connectivity(trace.links, len(motion.position)),
@@ -141,7 +149,7 @@ class _History:
 
 
 def run_with_history(spec: RunSpec) -> Run:
-    """Runs `spec` to its end, through the session, as `higvf run --headless` does.
+    """Runs `spec` to its end in a session, as `higvf run --headless` does.
 
     Raises:
         HigvfError: the scenario or the script cannot be used.
@@ -158,7 +166,7 @@ def run_with_history(spec: RunSpec) -> Run:
         report = run_headless(session, spec.duration)
     finally:
         session.close()
-    columns = [np.array(column) for column in zip(*history.rows, strict=True)]
+    columns = [np.array(column) for column in zip(*history.states, strict=True)]
     return Run(
         spec, scenario, session.setup, report, *columns, links=tuple(history.links), paths=tuple(history.paths),
         events=session.snapshot.events,

@@ -39,8 +39,8 @@ from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.view import next_field
 from higvf_console.ui.scene.scene import View
-from higvf_console.world.editing.entities import Place, centres, entity_at, exists, how_many
-from higvf_console.world.editing.layout import Layout, layout_of
+from higvf_console.world.editing.entities import EntityRef, centres, entity_at, exists, how_many
+from higvf_console.world.layout import Layout
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
@@ -168,7 +168,7 @@ class ArenaInteraction:
         layout, _ = self._run_state()
         self._push(AddEntity(ADDS[tool], floats(point)))
         self.tool(client_id, Tool.EDIT)
-        self._view.choose(Place(ADDS[tool], how_many(ADDS[tool], layout)), layout)
+        self._view.choose(EntityRef(ADDS[tool], how_many(ADDS[tool], layout)), layout)
 
     def _pick(self, client_id: int, point: Floats) -> None:
         """Picks a robot; a second click shows or hides why it moves."""
@@ -246,11 +246,11 @@ class ArenaInteraction:
         place, (layout, _) = self._view.selected, self._run_state()
         if place is not None and exists(place, layout):
             self._view.choose(None, layout)
-            self._push(DeleteEntity(place.thing, place.row))
+            self._push(DeleteEntity(place.kind, place.row))
 
     def _run_state(self) -> tuple[Layout, Motion]:
         snapshot = self._session.snapshot
-        return layout_of(snapshot.setup), snapshot.state.motion
+        return snapshot.setup.layout, snapshot.state.motion
 
     def _reach(self, client_id: int, pixels: float) -> float:
         viewport = self._viewports.get(client_id)

@@ -15,8 +15,8 @@ from higvf_console.core.edits import ChangeEntity, EntityKind, MoveEntity, Toggl
 from higvf_console.core.state import NOBODY, Motion
 from higvf_console.ui.scene import shapes
 from higvf_console.world.editing.bodies import shaped
-from higvf_console.world.editing.entities import NUMBERS, Place, centres, entity_at, exists, numbers_of
-from higvf_console.world.editing.layout import Layout
+from higvf_console.world.editing.entities import NUMBERS, EntityRef, centres, entity_at, exists, numbers_of
+from higvf_console.world.layout import Layout
 from higvf_console.world.polygons import obstacles_of
 
 _BEYOND = 26.0  # from the edge to the disc that turns [px]
@@ -51,17 +51,17 @@ class Drag(NamedTuple):
 
     start: Floats
     now: Floats
-    place: Place | None = None
+    place: EntityRef | None = None
     handle: str = ""
     moves_path: bool = False
     link: int = NOBODY
 
 
-def handles_of(place: Place, layout: Layout, motion: Motion, px: float) -> list[Handle]:
+def handles_of(place: EntityRef, layout: Layout, motion: Motion, px: float) -> list[Handle]:
     """The handles of a thing; `px` is the length of a pixel [m]."""
     numbers = numbers_of(place, layout, motion)
     middle = floats([numbers["x"], numbers["y"]])
-    match place.thing:
+    match place.kind:
         case EntityKind.ROBOT:
             ahead = layout.params.robots.look_ahead
             return (
@@ -84,7 +84,7 @@ def handles_of(place: Place, layout: Layout, motion: Motion, px: float) -> list[
 
 
 def gripped(
-    point: Floats, selected: Place | None, layout: Layout, motion: Motion, reach: float, px: float
+    point: Floats, selected: EntityRef | None, layout: Layout, motion: Motion, reach: float, px: float
 ) -> Drag | None:
     """What a hand at a point (2,) holds: a handle of what is selected, or whatever lies there."""
     if selected is not None and exists(selected, layout):
@@ -111,7 +111,7 @@ def wished(drag: Drag, layout: Layout, motion: Motion) -> dict[str, float]:
         value = math.degrees(math.atan2(dy, dx))
     elif drag.handle == "length":
         value = 2.0 * abs(float(np.dot([dx, dy], _along(numbers["angle"]))))
-    quantity = NUMBERS[drag.place.thing][drag.handle]
+    quantity = NUMBERS[drag.place.kind][drag.handle]
     return {**numbers, drag.handle: min(max(value, quantity.low), quantity.high)}
 
 
@@ -150,10 +150,10 @@ def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
     return nearest if gap[nearest] <= reach else None
 
 
-def outlines(place: Place, numbers: dict[str, float], layout: Layout, motion: Motion, px: float) -> list[Floats]:
+def outlines(place: EntityRef, numbers: dict[str, float], layout: Layout, motion: Motion, px: float) -> list[Floats]:
     """Closed outlines (n, 2) [m] of a thing with these numbers."""
     x, y, row = numbers["x"], numbers["y"], place.row
-    match place.thing:
+    match place.kind:
         case EntityKind.ROBOT:
             return [shapes.circle(x, y, _ROBOT * px)]
         case EntityKind.FIRE | EntityKind.CIRCLE:

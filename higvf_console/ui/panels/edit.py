@@ -15,8 +15,8 @@ from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_i
 from higvf_console.ui.panels.widgets.html import block
 from higvf_console.ui.panels.widgets.typed import TYPED_S, Typed
 from higvf_console.ui.scene.scene import View
-from higvf_console.world.editing.entities import NUMBERS, Place, exists, name_of, numbers_of
-from higvf_console.world.editing.layout import Layout, layout_of
+from higvf_console.world.editing.entities import NUMBERS, EntityRef, exists, name_of, numbers_of
+from higvf_console.world.layout import Layout
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
@@ -37,8 +37,8 @@ class EditPanel:
     def __init__(self, gui: viser.GuiApi, sink: PointerSink, view: View) -> None:
         """Builds the widgets; none has a meaning before `update`."""
         self._sink, self._view = sink, view
-        self._place: Place | None = None
-        self._typed = Typed[tuple[Place, str], float]()
+        self._place: EntityRef | None = None
+        self._typed = Typed[tuple[EntityRef, str], float]()
         self._typed_sides = Typed[str, float]()
         self._arena, self._walls = Arena(0.0, 0.0, 1.0, 1.0), True
         self._head = gui.add_html("")
@@ -69,13 +69,13 @@ class EditPanel:
 
     def _note(self, slot: int, value: object) -> None:
         place = self._place
-        if place is not None and slot < len(NUMBERS[place.thing]):
-            self._typed.note((place, list(NUMBERS[place.thing])[slot]), _number(value))
+        if place is not None and slot < len(NUMBERS[place.kind]):
+            self._typed.note((place, list(NUMBERS[place.kind])[slot]), _number(value))
 
     def _send(self) -> None:
         """Sends what was typed, once it is meant; the session judges it."""
         for (place, name), number in self._typed.meant().items():
-            self._sink.push(ChangeEntity(place.thing, place.row, name, number))
+            self._sink.push(ChangeEntity(place.kind, place.row, name, number))
         if sides := self._typed_sides.meant():
             self._set_arena(sides=sides)
 
@@ -86,11 +86,11 @@ class EditPanel:
     def _remove(self) -> None:
         if self._place is not None:
             self._view.selected = None
-            self._sink.push(DeleteEntity(self._place.thing, self._place.row))
+            self._sink.push(DeleteEntity(self._place.kind, self._place.row))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Sends what is meant; shows the numbers of what is chosen, and the arena."""
-        layout = layout_of(snapshot.setup)
+        layout = snapshot.setup.layout
         place, former = self._view.selected, self._place
         self._place = place if place is not None and exists(place, layout) else None
         self._head.content = block(
@@ -120,7 +120,7 @@ class EditPanel:
             if place is None or slot >= len(shown):
                 continue
             name, value = shown[slot]
-            quantity = NUMBERS[place.thing][name]
+            quantity = NUMBERS[place.kind][name]
             field.label = f"{name} {quantity.unit}".strip().capitalize() if name not in ("x", "y") else f"{name} m"
             field.hint = quantity.text
             if (place, name) not in self._typed:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.sim.setup import Event, Severity
+from higvf_console.core.events import Event, Severity
 from higvf_console.ui.page import page
 from higvf_console.ui.panels.widgets.callbacks import reaction
 from higvf_console.ui.panels.widgets.html import block, severity_colour, text

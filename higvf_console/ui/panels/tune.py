@@ -8,9 +8,9 @@ import viser
 
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.edits import SetParameters
+from higvf_console.core.events import Event
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.quantity import Quantity
-from higvf_console.sim.setup import Event
 from higvf_console.ui.panels.log import newer
 from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, one_of, reaction
 from higvf_console.ui.panels.widgets.html import block, text

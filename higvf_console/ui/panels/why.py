@@ -63,7 +63,8 @@ class WhyPanel:
             sight_html(sights(robot, snapshot.last, snapshot.setup), snapshot, robot, snapshot.setup)
         )
         if self._updates % (CERTIFIED_EVERY if self._robots <= MOST_SHARED else 10 * CERTIFIED_EVERY) == 0:
-            found = certificates(snapshot.setup, snapshot.state, snapshot.trace, snapshot.worst)
+            world, params, start = snapshot.setup.world, snapshot.setup.params, snapshot.setup.start
+            found = certificates(world, params, start, snapshot.state, snapshot.trace, snapshot.worst)
             self._certified.content = block(certificate_html(found))
         self._updates += 1
 

@@ -5,14 +5,13 @@ from higvf_console.core.errors import PathError
 from higvf_console.core.state import NOBODY, SimState
 from higvf_console.operator.path_commands import in_hand
 from higvf_console.operator.path_edits import bent
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.interaction.grips import Drag, handles_of, outlines, wished
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.ground import joined
 from higvf_console.ui.scene.parts import Canvas, Layer
 from higvf_console.ui.scene.path import path_outline
-from higvf_console.world.editing.entities import Place, centres, exists, numbers_of
-from higvf_console.world.editing.layout import layout_of
+from higvf_console.world.editing.entities import EntityRef, centres, exists, numbers_of
+from higvf_console.world.setup import Setup
 
 _SQUARE, _DISC = 5.0, 6.0  # half a side, radius [px]
 _DASH = 6.0  # [px]
@@ -24,7 +23,7 @@ class EditLayer:
 
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Starts with nothing chosen."""
-        self._canvas, self._layout, ink, px = canvas, layout_of(setup), canvas.palette, canvas.px
+        self._canvas, self._layout, ink, px = canvas, setup.layout, canvas.palette, canvas.px
         self._chosen = canvas.lines(Layer.CURSOR, "/edit/chosen", ink.operator, 2.0)
         self._ghost = canvas.lines(Layer.CURSOR, "/edit/ghost", ink.stroke, 2.5)
         square = shapes.filled(shapes.rectangle(-_SQUARE * px, -_SQUARE * px, _SQUARE * px, _SQUARE * px))
@@ -32,7 +31,7 @@ class EditLayer:
         self._square = canvas.marks(Layer.CURSOR, "/edit/square", square, count=1, colour=ink.operator)
         self._disc = canvas.marks(Layer.CURSOR, "/edit/disc", disc, count=1, colour=ink.operator)
 
-    def update(self, state: SimState, selected: Place | None, drag: Drag | None) -> None:
+    def update(self, state: SimState, selected: EntityRef | None, drag: Drag | None) -> None:
         """Shows the choice, and what the hand would do."""
         self._ghost.draw(_NOTHING if drag is None else self._ghost_of(drag, state))
         motion, layout, px = state.motion, self._layout, self._canvas.px

@@ -8,10 +8,10 @@ from higvf_console.control.guidance.field import FieldKind, field_at
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.state import SimState
 from higvf_console.core.viewport import Arena
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.parts import Canvas, Layer
 from higvf_console.ui.theme import NOMINAL
+from higvf_console.world.setup import Setup
 
 PERIOD = 0.2  # between two updates of the arrows [s]
 

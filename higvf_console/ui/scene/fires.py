@@ -6,12 +6,12 @@ import numpy as np
 
 from higvf_console.core.arrays import Bools, Floats
 from higvf_console.core.state import SimState, Trace
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.glyphs import Triangles, lettering, merged
 from higvf_console.ui.scene.ground import joined
 from higvf_console.ui.scene.parts import Canvas, Layer
 from higvf_console.ui.theme import NOMINAL, Nominal, cap_height
+from higvf_console.world.setup import Setup
 
 _RIM = 0.07  # of the radius
 _PRIORITY_GAP, _PRIORITY_DASH = 7.0, 6.0  # [px]

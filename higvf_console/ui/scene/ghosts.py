@@ -7,12 +7,12 @@ import numpy as np
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.state import NO_PATH, NOBODY, Path, SimState
 from higvf_console.operator.reducer import proposal
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.parts import Canvas, Layer
 from higvf_console.ui.scene.path import path_outline
 from higvf_console.ui.theme import NOMINAL, mixed
+from higvf_console.world.setup import Setup
 
 if TYPE_CHECKING:
     from higvf_console.analysis.preview import Preview

@@ -6,12 +6,12 @@ import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.viewport import Arena
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.glyphs import Triangles, lettering, merged
 from higvf_console.ui.scene.parts import Canvas, Layer, Lines
 from higvf_console.ui.theme import NOMINAL, cap_height
 from higvf_console.world.polygons import obstacles_of
+from higvf_console.world.setup import Setup
 
 MARGIN_PX = (34.0, 30.0, 14.0, 14.0)  # for the lettering: left, bottom, right, top
 _SCALE_BELOW = 31.0  # the x axis [px]
@@ -71,20 +71,20 @@ def obstacle_outlines(setup: Setup, margin: float) -> list[Floats]:
 
 def obstacle_surfaces(setup: Setup) -> list[Floats]:
     """Closed outlines (n, 2) of every obstacle itself, and of the free areas that polygons enclose."""
-    return _round_outlines(setup, 0.0) + [shapes.closed(chain) for chain in setup.polygons]
+    return _round_outlines(setup, 0.0) + [shapes.closed(chain) for chain in setup.layout.obstacles.polygons]
 
 
 def obstacle_bodies(setup: Setup) -> Triangles:
     """What the obstacles cover."""
-    polygons = [shapes.filled_between(chains) for chains in obstacles_of(setup.polygons)]
+    polygons = [shapes.filled_between(chains) for chains in obstacles_of(setup.layout.obstacles.polygons)]
     return merged([*(shapes.filled(outline) for outline in _round_outlines(setup, 0.0)), *polygons])
 
 
 def _round_outlines(setup: Setup, margin: float) -> list[Floats]:
-    """Of circles and bars; the last bars of the world are the edges of its polygons."""
-    bars = setup.world.bars[: len(setup.world.bars) - sum(len(chain) for chain in setup.polygons)]
-    circles = [shapes.circle(x, y, radius + margin) for x, y, radius in setup.world.circles]
-    return circles + [shapes.capsule(bar[:2], bar[2:4], bar[4] + margin) for bar in bars]
+    """Of circles and bars."""
+    obstacles = setup.layout.obstacles
+    circles = [shapes.circle(x, y, radius + margin) for x, y, radius in obstacles.circles]
+    return circles + [shapes.capsule(bar[:2], bar[2:4], bar[4] + margin) for bar in obstacles.bars]
 
 
 def joined(pieces: list[Floats]) -> Floats:

@@ -7,11 +7,11 @@ from higvf_console.analysis.explain import Moved, Part, explain
 from higvf_console.analysis.sight import Sight, sights
 from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Floats, floats, ints
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.ground import joined
 from higvf_console.ui.scene.parts import Canvas, Layer
 from higvf_console.ui.theme import DARK, Palette, mixed, vertex_rgb
+from higvf_console.world.setup import Setup
 
 LONGEST = 150.0  # arrow of the speed limit [px]
 _LEAST = 3.0  # shorter arrows are not drawn [px]

@@ -14,8 +14,8 @@ import viser
 
 from higvf_console.analysis.preview import USUAL
 from higvf_console.control.guidance.field import FieldKind
+from higvf_console.core.events import Event
 from higvf_console.core.viewport import Arena
-from higvf_console.sim.setup import Event, Setup
 from higvf_console.ui.interaction.grips import Drag
 from higvf_console.ui.scene.background import Background, BackgroundLayer
 from higvf_console.ui.scene.edit import EditLayer
@@ -29,8 +29,9 @@ from higvf_console.ui.scene.path import PathLayer
 from higvf_console.ui.scene.reasons import ReasonLayer, SightLayer
 from higvf_console.ui.scene.team import Team
 from higvf_console.ui.theme import USUAL_LOOK, Look
-from higvf_console.world.editing.entities import Place, exists, how_many
-from higvf_console.world.editing.layout import Layout
+from higvf_console.world.editing.entities import EntityRef, exists, how_many
+from higvf_console.world.layout import Layout
+from higvf_console.world.setup import Setup
 
 if TYPE_CHECKING:
     from higvf_console.analysis.preview import Preview
@@ -76,7 +77,7 @@ class View:
     reasons: bool = False
     sights: bool = False
     editing: bool = False
-    selected: Place | None = None
+    selected: EntityRef | None = None
     among: int = 0
     drag: Drag | None = None
     background: Background | None = None
@@ -84,15 +85,15 @@ class View:
     alarms: list[Event] = attribute(default_factory=list[Event])
     heat: bool = False
 
-    def choose(self, place: Place | None, layout: Layout) -> None:
+    def choose(self, place: EntityRef | None, layout: Layout) -> None:
         """Chooses a thing for editing, perhaps one that is about to be the last of its kind; None = nothing."""
         self.selected = place
-        self.among = 0 if place is None else max(how_many(place.thing, layout), place.row + 1)
+        self.among = 0 if place is None else max(how_many(place.kind, layout), place.row + 1)
 
     def keep_choice(self, layout: Layout) -> None:
         """Lets go of what is chosen where things of its kind have come or gone: its number may be another's now."""
         place = self.selected
-        if place is not None and exists(place, layout) and how_many(place.thing, layout) != self.among:
+        if place is not None and exists(place, layout) and how_many(place.kind, layout) != self.among:
             self.selected = None
 
     def robot(self, snapshot: "Snapshot") -> int:

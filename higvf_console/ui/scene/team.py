@@ -9,13 +9,13 @@ from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Bools, Floats, Ints, floats
 from higvf_console.core.state import SimState, Trace
 from higvf_console.sim.events import too_near
-from higvf_console.sim.setup import Setup
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.glyphs import DigitPlaces, Triangles, glyph, merged, numbering
 from higvf_console.ui.scene.ground import joined
 from higvf_console.ui.scene.parts import Canvas, Layer, Marks
 from higvf_console.ui.theme import DARK, NOMINAL, Palette, cap_height, mixed, vertex_rgb
+from higvf_console.world.setup import Setup
 
 MOST_LABELS = 50  # robots of a larger team are not numbered
 TRAIL_POINTS = 20

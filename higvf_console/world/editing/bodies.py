@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from higvf_console.control.parameters import controlled
-from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.edits import EntityKind
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.state import Motion
-from higvf_console.world.editing.entities import Place, how_many, name_of, numbers_of
-from higvf_console.world.editing.layout import Layout, Links
+from higvf_console.world.editing.entities import EntityRef, how_many, name_of, numbers_of
 from higvf_console.world.editing.safe_places import body_fits, diagonal, held_words, nearest_fit
+from higvf_console.world.layout import Fire, Layout, Links
 from higvf_console.world.neighbour_search import kd_tree
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.polygons import (
@@ -35,25 +35,26 @@ def fire_place(layout: Layout, motion: Motion, point: Floats, radius: float) -> 
 
 
 def fire_changed(
-    layout: Layout, motion: Motion, place: Place, name: str, value: float, text: str
+    layout: Layout, motion: Motion, entity: EntityRef, name: str, value: float, text: str
 ) -> tuple[Layout, str]:
     """The layout after a fire's growth or need has changed; its radius is the motion's, and is checked here."""
-    row = place.row
+    row = entity.row
     if name == "growth":
-        growth = layout.fire_growth.copy()
-        growth[row] = value
-        return layout._replace(fire_growth=growth), text
+        return with_fire(layout, row, layout.fires[row]._replace(growth=value)), text
     if name == "needs":
         robots = len(layout.formation)
         if value != round(value) or value > robots:
             raise ScenarioError(
-                f"needs of {name_of(place)}: {value:g} is not a whole number within the team of {robots}"
+                f"needs of {name_of(entity)}: {value:g} is not a whole number within the team of {robots}"
             )
-        needs = layout.fire_needs.copy()
-        needs[row] = round(value)
-        return layout._replace(fire_needs=ints(needs)), text
-    _check_room(layout, motion, _disc(layout.fire_position[row], value), name_of(place))
+        return with_fire(layout, row, layout.fires[row]._replace(needs=round(value))), text
+    _check_room(layout, motion, _disc(layout.fire_position[row], value), name_of(entity))
     return layout, text
+
+
+def with_fire(layout: Layout, row: int, fire: Fire) -> Layout:
+    """The layout with another fire in that row."""
+    return layout._replace(fires=(*layout.fires[:row], fire, *layout.fires[row + 1 :]))
 
 
 def fire_sized(row: int, radius: float) -> Callable[[Motion], Motion]:
@@ -78,8 +79,8 @@ def with_body(layout: Layout, motion: Motion, kind: EntityKind, point: Floats) -
         grown = _with(layout, bars=np.vstack([layout.obstacles.bars, body]))
     else:
         raise ScenarioError("a polygon needs an outline: draw one")
-    place = Place(kind, how_many(kind, layout))
-    return _put(grown, motion, place, point, f"{name_of(place).capitalize()} is added")
+    entity = EntityRef(kind, how_many(kind, layout))
+    return _put(grown, motion, entity, point, f"{name_of(entity).capitalize()} is added")
 
 
 def with_outlines(layout: Layout, motion: Motion, outlines: Sequence[Floats]) -> tuple[Layout, str]:
@@ -98,33 +99,33 @@ def with_outlines(layout: Layout, motion: Motion, outlines: Sequence[Floats]) ->
     return _checked(_with(layout, polygons=layout.obstacles.polygons + chains), layout), f"{names} added."
 
 
-def moved(layout: Layout, motion: Motion, place: Place, point: Floats) -> tuple[Layout, str]:
+def moved(layout: Layout, motion: Motion, entity: EntityRef, point: Floats) -> tuple[Layout, str]:
     """The layout with an obstacle's middle at a point (2,), or as near as is safe."""
-    return _put(layout, motion, place, point, f"{name_of(place).capitalize()} is moved")
+    return _put(layout, motion, entity, point, f"{name_of(entity).capitalize()} is moved")
 
 
-def reshaped(layout: Layout, motion: Motion, place: Place, numbers: dict[str, float]) -> Layout:
+def reshaped(layout: Layout, motion: Motion, entity: EntityRef, numbers: dict[str, float]) -> Layout:
     """The layout with an obstacle that has these numbers.
 
     Raises:
         ScenarioError: a robot would be too near to it.
     """
-    new = _checked(shaped(layout, place, numbers, numbers_of(place, layout, motion)), layout)
-    _check_room(new, motion, _gap(new, place), name_of(place))
+    new = _checked(shaped(layout, entity, numbers, numbers_of(entity, layout, motion)), layout)
+    _check_room(new, motion, _gap(new, entity), name_of(entity))
     return new
 
 
-def without(layout: Layout, place: Place) -> Layout:
+def without(layout: Layout, entity: EntityRef) -> Layout:
     """The layout without an obstacle."""
     obstacles = layout.obstacles
-    match place.thing:
+    match entity.kind:
         case EntityKind.CIRCLE:
-            return _with(layout, circles=floats(np.delete(obstacles.circles, place.row, axis=0)))
+            return _with(layout, circles=floats(np.delete(obstacles.circles, entity.row, axis=0)))
         case EntityKind.BAR:
-            return _with(layout, bars=floats(np.delete(obstacles.bars, place.row, axis=0)))
+            return _with(layout, bars=floats(np.delete(obstacles.bars, entity.row, axis=0)))
         case _:
             shapes = obstacles_of(obstacles.polygons)
-            return _with(layout, polygons=tuple(chain for shape in _others(shapes, place.row) for chain in shape))
+            return _with(layout, polygons=tuple(chain for shape in _others(shapes, entity.row) for chain in shape))
 
 
 def links_now(layout: Layout, motion: Motion) -> Links:
@@ -145,27 +146,27 @@ def _with(layout: Layout, **parts: object) -> Layout:
     return layout._replace(obstacles=obstacles)
 
 
-def _put(layout: Layout, motion: Motion, place: Place, point: Floats, what: str) -> tuple[Layout, str]:
-    was = numbers_of(place, layout, motion)
+def _put(layout: Layout, motion: Motion, entity: EntityRef, point: Floats, what: str) -> tuple[Layout, str]:
+    was = numbers_of(entity, layout, motion)
     middle = floats([was["x"], was["y"]])
-    gap = _gap(layout, place)
+    gap = _gap(layout, entity)
     at, held = _held_place(
-        layout, motion, point, lambda points: gap(points - point + middle), _extent(place, was), name_of(place)
+        layout, motion, point, lambda points: gap(points - point + middle), _extent(entity, was), name_of(entity)
     )
     numbers = {**was, "x": float(at[0]), "y": float(at[1])}
-    return _checked(shaped(layout, place, numbers, was), layout), f"{what}{held}."
+    return _checked(shaped(layout, entity, numbers, was), layout), f"{what}{held}."
 
 
-def shaped(layout: Layout, place: Place, new: dict[str, float], was: dict[str, float]) -> Layout:
+def shaped(layout: Layout, entity: EntityRef, new: dict[str, float], was: dict[str, float]) -> Layout:
     """The layout with an obstacle that has other numbers, whatever it then touches."""
-    row, obstacles = place.row, layout.obstacles
+    row, obstacles = entity.row, layout.obstacles
     middle = floats([new["x"], new["y"]])
-    if place.thing is EntityKind.CIRCLE:
+    if entity.kind is EntityKind.CIRCLE:
         circles = obstacles.circles.copy()
         circles[row] = (*middle, new["radius"])
         return _with(layout, circles=circles)
     angle = math.radians(new["angle"])
-    if place.thing is EntityKind.BAR:
+    if entity.kind is EntityKind.BAR:
         bars = obstacles.bars.copy()
         spine = 0.5 * new["length"] * np.array([math.cos(angle), math.sin(angle)])
         bars[row] = (*(middle - spine), *(middle + spine), new["half width"])
@@ -194,10 +195,10 @@ def _checked(layout: Layout, before: Layout) -> Layout:
     return layout
 
 
-def _gap(layout: Layout, place: Place) -> Gap:
+def _gap(layout: Layout, entity: EntityRef) -> Gap:
     """Distance of points from the surface of an obstacle."""
-    obstacles, row = layout.obstacles, place.row
-    match place.thing:
+    obstacles, row = layout.obstacles, entity.row
+    match entity.kind:
         case EntityKind.CIRCLE:
             x, y, radius = obstacles.circles[row].tolist()
             return _disc(floats([x, y]), radius)
@@ -213,9 +214,9 @@ def _disc(middle: Floats, radius: float) -> Gap:
     return lambda points: np.hypot(points[:, 0] - middle[0], points[:, 1] - middle[1]) - radius
 
 
-def _extent(place: Place, numbers: dict[str, float]) -> float:
+def _extent(entity: EntityRef, numbers: dict[str, float]) -> float:
     """How far the surface of an obstacle is from its middle at most [m]."""
-    match place.thing:
+    match entity.kind:
         case EntityKind.CIRCLE:
             return numbers["radius"]
         case EntityKind.BAR:

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.core.arrays import Ints
-from higvf_console.core.state import NO_PATH, NOBODY, Intent, Motion, PathStatus, PointerState, World
-from higvf_console.operator.path_commands import ACTING
+from higvf_console.core.state import ACTING, NO_PATH, NOBODY, Intent, Motion, PathStatus, PointerState, World
 
 Number = TypeVar("Number", bound=np.generic)
 NEW = -1  # a row that was not there before

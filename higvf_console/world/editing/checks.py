@@ -8,8 +8,8 @@ from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.state import Motion, World
 from higvf_console.core.viewport import Arena
-from higvf_console.world.editing.layout import Layout
 from higvf_console.world.editing.safe_places import crowded
+from higvf_console.world.layout import Layout
 from higvf_console.world.placement import (
     check_formation,
     check_intention,

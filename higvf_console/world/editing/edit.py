@@ -11,8 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.control.parameters import controlled
-from higvf_console.core.arrays import Floats, Ints, floats, ints
+from higvf_console.core.arrays import Floats, Ints, floats
 from higvf_console.core.edits import (
     AddEntity,
     AddOutlines,
@@ -30,14 +29,14 @@ from higvf_console.core.errors import ScenarioError
 from higvf_console.core.quantity import COORDINATE
 from higvf_console.core.state import Motion, SimState, World
 from higvf_console.core.viewport import Arena
-from higvf_console.sim.setup import Setup
 from higvf_console.world.editing import bodies
 from higvf_console.world.editing.carry import NEW, carried, led_on, same_rows, waiting_on
 from higvf_console.world.editing.checks import Stand, check_edit, check_fires, check_walls
-from higvf_console.world.editing.entities import NUMBERS, Place, centres, how_many, name_of, numbers_of
-from higvf_console.world.editing.layout import Layout, layout_of, world_of
+from higvf_console.world.editing.entities import NUMBERS, EntityRef, centres, how_many, name_of, numbers_of
 from higvf_console.world.editing.parameters import with_parameters
 from higvf_console.world.editing.safe_places import diagonal, held_words, nearest_fit, placed, resettled, robot_fits
+from higvf_console.world.layout import Fire, Layout, with_radii
+from higvf_console.world.setup import Setup, rebuilt
 
 FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire [m], [m/s]
 _OF_PATH = ("path_parameter", "path_status", "path_idle", "path_gap", "path_left")  # what a start keeps of its motion
@@ -77,11 +76,10 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
     Raises:
         ScenarioError: it cannot be done; nothing has changed.
     """
-    before = layout_of(setup)
+    before = setup.layout
     draft = _draft(before, state, command)
     layout = draft.layout
-    same = layout.obstacles is before.obstacles and _clearance(layout) == _clearance(before)
-    world = setup.world if layout is before else world_of(layout, setup.world if same else None)
+    world = setup.world if layout is before else rebuilt(layout, setup)
     motion = draft.finish(carried(state.motion, draft.robots, draft.fires, setup.world, world))
     if state.motion.tick == 0:
         start = motion._replace(**{name: getattr(setup.start.motion, name) for name in _OF_PATH})
@@ -96,16 +94,10 @@ def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
         check_fires(Stand(before, setup.world, setup.start.motion, steered), Stand(layout, world, start, still))
     motion, intent = led_on(motion, state.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
     start, start_intent = led_on(start, setup.start.intent, draft.robots, draft.fires, len(state.motion.fire_radius))
-    new = Setup(
-        layout.arena, world, layout.params, setup.start._replace(motion=start, intent=start_intent),
-        layout.obstacles.polygons,
-    )  # fmt: skip
+    layout = layout._replace(fires=with_radii(layout.fires, start.fire_radius))
+    new = Setup(layout, world, setup.start._replace(motion=start, intent=start_intent))
     pointer_state = waiting_on(state.pointer_state, draft.robots)
     return Edited(new, SimState(motion, intent, pointer_state), draft.robots, draft.fires, draft.text)
-
-
-def _clearance(layout: Layout) -> float:
-    return controlled(layout.params).safety.obstacle_clearance
 
 
 def _start(setup: Setup, draft: _Draft, layout: Layout, world: World) -> Motion:
@@ -131,16 +123,16 @@ def _shifted_formation(layout: Layout, draft: _Draft, before: Motion, after: Mot
 def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: PLR0911
     motion = state.motion
     match command:
-        case AddEntity(thing=thing, point=point):
-            return _add(layout, motion, _kind(thing), _on_ground(point)[0])
+        case AddEntity(kind=kind, point=point):
+            return _add(layout, motion, _kind(kind), _on_ground(point)[0])
         case AddOutlines(outlines=outlines):
             return _plain(layout, *bodies.with_outlines(layout, motion, [_on_ground(outline) for outline in outlines]))
-        case MoveEntity(thing=thing, index=index, point=point):
-            return _move(layout, motion, _place(layout, thing, index), _on_ground(point)[0])
-        case ChangeEntity(thing=thing, index=index, name=name, value=value):
-            return _change(layout, motion, _place(layout, thing, index), name, value)
-        case DeleteEntity(thing=thing, index=index):
-            return _delete(layout, _place(layout, thing, index))
+        case MoveEntity(kind=kind, index=index, point=point):
+            return _move(layout, motion, _entity(layout, kind, index), _on_ground(point)[0])
+        case ChangeEntity(kind=kind, index=index, name=name, value=value):
+            return _change(layout, motion, _entity(layout, kind, index), name, value)
+        case DeleteEntity(kind=kind, index=index):
+            return _delete(layout, _entity(layout, kind, index))
         case ToggleLink(first=first, second=second):
             return _plain(layout, *_toggle(layout, motion, first, second))
         case LinkByRange():
@@ -169,12 +161,17 @@ def _on_ground(points: Floats) -> Floats:
 
 def _plain(layout: Layout, new: Layout, text: str) -> _Draft:
     """An edit after which every robot and fire is where it was."""
-    same = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
+    same = same_rows(len(layout.formation)), same_rows(len(layout.fires))
     return _Draft(new, *same, _as_it_is, text)
 
 
 def _as_it_is(motion: Motion) -> Motion:
     return motion
+
+
+def _pair(point: Floats) -> tuple[float, float]:
+    x, y = point.tolist()
+    return x, y
 
 
 def _kind(word: str) -> EntityKind:
@@ -184,17 +181,17 @@ def _kind(word: str) -> EntityKind:
         raise ScenarioError(f"'{word}' is nothing that can be edited; choose {', '.join(EntityKind)}") from None
 
 
-def _place(layout: Layout, word: str, row: int) -> Place:
+def _entity(layout: Layout, word: str, row: int) -> EntityRef:
     kind = _kind(word)
     count = how_many(kind, layout)
     if not 0 <= row < count:
         known = f"there are {kind.value}s 1 to {count}" if count else f"there is no {kind.value}"
         raise ScenarioError(f"there is no {kind.value} {row + 1}: {known}")
-    return Place(kind, int(row))
+    return EntityRef(kind, int(row))
 
 
 def _add(layout: Layout, motion: Motion, kind: EntityKind, point: Floats) -> _Draft:
-    robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
+    robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fires))
     if kind is EntityKind.ROBOT:
         offset = (layout.formation - motion.position).mean(axis=0)
         new = layout._replace(formation=floats(np.vstack([layout.formation, point + offset])))
@@ -202,13 +199,8 @@ def _add(layout: Layout, motion: Motion, kind: EntityKind, point: Floats) -> _Dr
         return _Draft(new, np.append(robots, NEW), fires, _robot_put(new, len(robots), point), f"{text}.")
     if kind is EntityKind.FIRE:
         row, needs = len(fires), min(2, len(robots))
-        new = layout._replace(
-            fire_position=floats(np.vstack([layout.fire_position, point])),
-            fire_growth=floats(np.append(layout.fire_growth, FIRE_GROWTH)),
-            fire_needs=ints(np.append(layout.fire_needs, needs)),
-        )
         place, held = bodies.fire_place(layout, motion, point, FIRE_RADIUS)
-        new.fire_position[row] = place
+        new = layout._replace(fires=(*layout.fires, Fire(_pair(place), FIRE_RADIUS, FIRE_GROWTH, needs)))
 
         def kindled(carried_on: Motion) -> Motion:
             radius = carried_on.fire_radius.copy()
@@ -233,39 +225,38 @@ def _robot_put(layout: Layout, robot: int, centre: Floats) -> Callable[[Motion],
     return finish
 
 
-def _move(layout: Layout, motion: Motion, place: Place, point: Floats) -> _Draft:
-    if place.thing is EntityKind.ROBOT:
-        put = _robot_put(layout, place.row, point)
-        held = held_words(centres(layout, put(motion))[place.row], point)
-        return _plain(layout, layout, f"Robot {place.row + 1} is moved{held}.")._replace(finish=put)
-    if place.thing is EntityKind.FIRE:
-        at, held = bodies.fire_place(layout, motion, point, float(motion.fire_radius[place.row]))
-        position = layout.fire_position.copy()
-        position[place.row] = at
-        return _plain(layout, layout._replace(fire_position=position), f"Fire {place.row + 1} is moved{held}.")
-    return _plain(layout, *bodies.moved(layout, motion, place, point))
+def _move(layout: Layout, motion: Motion, entity: EntityRef, point: Floats) -> _Draft:
+    if entity.kind is EntityKind.ROBOT:
+        put = _robot_put(layout, entity.row, point)
+        held = held_words(centres(layout, put(motion))[entity.row], point)
+        return _plain(layout, layout, f"Robot {entity.row + 1} is moved{held}.")._replace(finish=put)
+    if entity.kind is EntityKind.FIRE:
+        at, held = bodies.fire_place(layout, motion, point, float(motion.fire_radius[entity.row]))
+        moved = bodies.with_fire(layout, entity.row, layout.fires[entity.row]._replace(position=_pair(at)))
+        return _plain(layout, moved, f"Fire {entity.row + 1} is moved{held}.")
+    return _plain(layout, *bodies.moved(layout, motion, entity, point))
 
 
-def _change(layout: Layout, motion: Motion, place: Place, name: str, value: float) -> _Draft:
-    known = NUMBERS[place.thing]
+def _change(layout: Layout, motion: Motion, entity: EntityRef, name: str, value: float) -> _Draft:
+    known = NUMBERS[entity.kind]
     if name not in known:
-        raise ScenarioError(f"{name_of(place)} has no number '{name}'; it has {', '.join(known)}")
+        raise ScenarioError(f"{name_of(entity)} has no number '{name}'; it has {', '.join(known)}")
     low, high, unit = known[name].low, known[name].high, known[name].unit
     if not low <= value <= high:
-        raise ScenarioError(f"{name} of {name_of(place)}: {value:g} is not from {low:g} to {high:g} {unit}".rstrip())
-    numbers = {**numbers_of(place, layout, motion), name: float(value)}
+        raise ScenarioError(f"{name} of {name_of(entity)}: {value:g} is not from {low:g} to {high:g} {unit}".rstrip())
+    numbers = {**numbers_of(entity, layout, motion), name: float(value)}
     if name in ("x", "y"):
-        return _move(layout, motion, place, floats([numbers["x"], numbers["y"]]))
-    text = f"{name_of(place).capitalize()} has {name} {value:g} {unit}".rstrip() + "."
-    if place.thing is EntityKind.ROBOT:
+        return _move(layout, motion, entity, floats([numbers["x"], numbers["y"]]))
+    text = f"{name_of(entity).capitalize()} has {name} {value:g} {unit}".rstrip() + "."
+    if entity.kind is EntityKind.ROBOT:
         if layout.params.robots.look_ahead == 0.0:
             raise ScenarioError("the robots have no heading: they are no unicycles")
-        return _plain(layout, layout, text)._replace(finish=_turned(layout, place.row, value))
-    if place.thing is EntityKind.FIRE:
-        return _plain(layout, *bodies.fire_changed(layout, motion, place, name, value, text))._replace(
-            finish=bodies.fire_sized(place.row, numbers["radius"])
+        return _plain(layout, layout, text)._replace(finish=_turned(layout, entity.row, value))
+    if entity.kind is EntityKind.FIRE:
+        return _plain(layout, *bodies.fire_changed(layout, motion, entity, name, value, text))._replace(
+            finish=bodies.fire_sized(entity.row, numbers["radius"])
         )
-    return _plain(layout, bodies.reshaped(layout, motion, place, numbers), text)
+    return _plain(layout, bodies.reshaped(layout, motion, entity, numbers), text)
 
 
 def _turned(layout: Layout, robot: int, degrees: float) -> Callable[[Motion], Motion]:
@@ -279,23 +270,19 @@ def _turned(layout: Layout, robot: int, degrees: float) -> Callable[[Motion], Mo
     return finish
 
 
-def _delete(layout: Layout, place: Place) -> _Draft:
-    robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fire_position))
-    text = f"{name_of(place).capitalize()} is deleted."
-    if place.thing is EntityKind.ROBOT:
+def _delete(layout: Layout, entity: EntityRef) -> _Draft:
+    robots, fires = same_rows(len(layout.formation)), same_rows(len(layout.fires))
+    text = f"{name_of(entity).capitalize()} is deleted."
+    if entity.kind is EntityKind.ROBOT:
         if len(robots) == 1:
             raise ScenarioError("robot 1 is the last one; a team has at least one robot")
-        kept = np.delete(robots, place.row)
-        return _plain(layout, _without_robot(layout, place.row), text)._replace(robots=kept)
-    if place.thing is EntityKind.FIRE:
-        kept = np.delete(fires, place.row)
-        new = layout._replace(
-            fire_position=floats(layout.fire_position[kept]),
-            fire_growth=floats(layout.fire_growth[kept]),
-            fire_needs=ints(layout.fire_needs[kept]),
-        )
+        kept = np.delete(robots, entity.row)
+        return _plain(layout, _without_robot(layout, entity.row), text)._replace(robots=kept)
+    if entity.kind is EntityKind.FIRE:
+        kept = np.delete(fires, entity.row)
+        new = layout._replace(fires=tuple(layout.fires[row] for row in kept.tolist()))
         return _plain(layout, new, text)._replace(fires=kept)
-    return _plain(layout, bodies.without(layout, place), text)
+    return _plain(layout, bodies.without(layout, entity), text)
 
 
 def _without_robot(layout: Layout, robot: int) -> Layout:
@@ -306,13 +293,13 @@ def _without_robot(layout: Layout, robot: int) -> Layout:
     robots = len(layout.formation) - 1
     return layout._replace(
         formation=floats(np.delete(layout.formation, robot, axis=0)),
-        fire_needs=np.minimum(layout.fire_needs, robots),
+        fires=tuple(fire._replace(needs=min(fire.needs, robots)) for fire in layout.fires),
         links=links,
     )
 
 
 def _toggle(layout: Layout, motion: Motion, first: int, second: int) -> tuple[Layout, str]:
-    low, high = sorted((_place(layout, "robot", first).row, _place(layout, "robot", second).row))
+    low, high = sorted((_entity(layout, "robot", first).row, _entity(layout, "robot", second).row))
     if low == high:
         raise ScenarioError(f"robot {low + 1} cannot be linked to itself")
     links = set(bodies.links_now(layout, motion))

@@ -1,4 +1,4 @@
-"""The things in the arena: how many there are, where they stand, and the numbers that describe each.
+"""The entities in the arena: how many there are, where they stand, and the numbers that describe each.
 
 robot     x, y; heading of a unicycle
 fire      x, y, radius, growth, needs (robots)
@@ -17,7 +17,7 @@ from higvf_console.core.edits import EntityKind
 from higvf_console.core.quantity import Quantity
 from higvf_console.core.state import Motion
 from higvf_console.sim.unicycle import body_centres
-from higvf_console.world.editing.layout import Layout
+from higvf_console.world.layout import Layout
 from higvf_console.world.polygons import obstacles_of, segment_distance, signed_distance
 
 _PLACE = {
@@ -27,7 +27,7 @@ _PLACE = {
 _ANGLE = Quantity("deg", -360.0, 360.0, "", "Counter-clockwise from the x axis.")
 _LENGTH = Quantity("m", 0.1, 1e5, "", "A length.")
 
-# Names of the numbers of each kind of thing, and what they mean.
+# Names of the numbers of each kind of entity, and what they mean.
 NUMBERS: dict[EntityKind, dict[str, Quantity]] = {
     EntityKind.ROBOT: {**_PLACE, "heading": _ANGLE},
     EntityKind.FIRE: {
@@ -42,25 +42,25 @@ NUMBERS: dict[EntityKind, dict[str, Quantity]] = {
 }
 
 
-class Place(NamedTuple):
-    """One thing."""
+class EntityRef(NamedTuple):
+    """An entity: its kind, and its row (from 0) among those of its kind."""
 
-    thing: EntityKind
+    kind: EntityKind
     row: int
 
 
-def name_of(place: Place) -> str:
+def name_of(entity: EntityRef) -> str:
     """What people call it; numbers count from 1."""
-    return f"{place.thing.value} {place.row + 1}"
+    return f"{entity.kind.value} {entity.row + 1}"
 
 
-def how_many(thing: EntityKind, layout: Layout) -> int:
-    """Things of a kind."""
-    match thing:
+def how_many(kind: EntityKind, layout: Layout) -> int:
+    """Entities of a kind."""
+    match kind:
         case EntityKind.ROBOT:
             return len(layout.formation)
         case EntityKind.FIRE:
-            return len(layout.fire_position)
+            return len(layout.fires)
         case EntityKind.CIRCLE:
             return len(layout.obstacles.circles)
         case EntityKind.BAR:
@@ -69,22 +69,22 @@ def how_many(thing: EntityKind, layout: Layout) -> int:
             return len(obstacles_of(layout.obstacles.polygons))
 
 
-def exists(place: Place, layout: Layout) -> bool:
-    """Whether there still is such a thing."""
-    return place.row < how_many(place.thing, layout)
+def exists(entity: EntityRef, layout: Layout) -> bool:
+    """Whether there still is such an entity."""
+    return entity.row < how_many(entity.kind, layout)
 
 
-def numbers_of(place: Place, layout: Layout, motion: Motion) -> dict[str, float]:
-    """The numbers that describe a thing now, by the names in `NUMBERS`."""
-    row, obstacles = place.row, layout.obstacles
-    match place.thing:
+def numbers_of(entity: EntityRef, layout: Layout, motion: Motion) -> dict[str, float]:
+    """The numbers that describe an entity now, by the names in `NUMBERS`."""
+    row, obstacles = entity.row, layout.obstacles
+    match entity.kind:
         case EntityKind.ROBOT:
             x, y = centres(layout, motion)[row].tolist()
             return {"x": x, "y": y, "heading": math.degrees(math.remainder(motion.heading[row], 2.0 * math.pi))}
         case EntityKind.FIRE:
-            x, y = layout.fire_position[row].tolist()
-            growth, needs = float(layout.fire_growth[row]), float(layout.fire_needs[row])
-            return {"x": x, "y": y, "radius": float(motion.fire_radius[row]), "growth": growth, "needs": needs}
+            fire, radius = layout.fires[row], float(motion.fire_radius[row])
+            x, y = fire.position
+            return {"x": x, "y": y, "radius": radius, "growth": fire.growth, "needs": float(fire.needs)}
         case EntityKind.CIRCLE:
             x, y, radius = obstacles.circles[row].tolist()
             return {"x": x, "y": y, "radius": radius}
@@ -106,27 +106,27 @@ def centres(layout: Layout, motion: Motion) -> Floats:
     return body_centres(motion.position, motion.heading, layout.params.robots.look_ahead)
 
 
-def entity_at(point: Floats, layout: Layout, motion: Motion, reach: float) -> Place | None:
+def entity_at(point: Floats, layout: Layout, motion: Motion, reach: float) -> EntityRef | None:
     """What lies under a point (2,) or within `reach` [m] of it: robots before fires, fires before obstacles."""
     gaps: list[tuple[EntityKind, Floats]] = [
         (EntityKind.ROBOT, np.hypot(*(centres(layout, motion) - point).T)),
         (EntityKind.FIRE, np.hypot(*(layout.fire_position - point).T) - motion.fire_radius),
         *(
-            (thing, obstacle_gaps(thing, layout, point))
-            for thing in (EntityKind.CIRCLE, EntityKind.BAR, EntityKind.POLYGON)
+            (kind, obstacle_gaps(kind, layout, point))
+            for kind in (EntityKind.CIRCLE, EntityKind.BAR, EntityKind.POLYGON)
         ),
     ]
-    for thing, gap in gaps:
+    for kind, gap in gaps:
         if len(gap) and gap.min() <= reach:
-            return Place(thing, int(np.argmin(gap)))
+            return EntityRef(kind, int(np.argmin(gap)))
     return None
 
 
-def obstacle_gaps(thing: EntityKind, layout: Layout, point: Floats) -> Floats:
+def obstacle_gaps(kind: EntityKind, layout: Layout, point: Floats) -> Floats:
     """(K,) distance of a point (2,) from the surface of every obstacle of a kind [m], negative inside."""
     obstacles, points = layout.obstacles, floats(point, 1, 2)
-    if thing is EntityKind.CIRCLE:
+    if kind is EntityKind.CIRCLE:
         return np.hypot(*(obstacles.circles[:, :2] - point).T) - obstacles.circles[:, 2]
-    if thing is EntityKind.BAR:
+    if kind is EntityKind.BAR:
         return floats([segment_distance(points, bar[:2], bar[2:4])[0] - bar[4] for bar in obstacles.bars], -1)
     return floats([signed_distance(chains, points)[0] for chains in obstacles_of(obstacles.polygons)], -1)

@@ -1,12 +1,19 @@
 """The outline of an obstacle drawn freehand: closed, without its crossings, with few corners."""
 
-import cv2
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import ScenarioError
+from higvf_console.core.optional import optional
 from higvf_console.world.masks import MaskPlace, trace
 from higvf_console.world.polygons import signed_area
+
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "images")
 
 _PIXELS = 400  # of the drawing's longer side
 _TOLERANCE = 1.5  # pixels by which the outline may leave the stroke

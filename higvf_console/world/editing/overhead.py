@@ -1,13 +1,20 @@
 """An overhead image: read from its bytes, laid on the ground, and traced for obstacles."""
 
-import cv2
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import ScenarioError
+from higvf_console.core.optional import optional
 from higvf_console.world.masks import MOST_PIXELS, MaskPlace, grey, trace
 from higvf_console.world.polygons import MOST_EDGES, signed_area
+
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "images")
 
 Pixels = NDArray[np.uint8]
 LEAST_PIXELS = 30.0  # area of a shape that counts as an obstacle [pixels]

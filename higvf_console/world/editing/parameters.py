@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from higvf_console.control.parameters import Parameters, current_name
 from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, quantities, with_values
-from higvf_console.world.editing.layout import Layout
+from higvf_console.world.layout import Layout
 
 # What a run's clock and the robots' model rest on; a scenario file sets them.
 FIXED = ("safety.control_period", "robots.look_ahead")
@@ -31,12 +31,15 @@ def quantity_of(name: str) -> Quantity:
 
 
 def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Parameters, str]:
-    """The gains with other values, and what has changed in words.
+    """The parameters with other values, and what has changed in words.
 
     Raises:
         ScenarioError: an unknown name, a value out of range, or a tunable that is fixed for a run.
     """
     params, known = layout.params, parameter_names()
+    former = "".join(
+        f" {name} is renamed; write {current_name(name)}." for name in values if current_name(name) != name
+    )
     values = {current_name(name): value for name, value in values.items()}
     for name, value in values.items():
         if name not in known:
@@ -52,7 +55,8 @@ def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Parame
         )
     changed = [name for name in values if parameter(params, name) != parameter(layout.params, name)]
     if not changed:
-        return params, "The parameters are as they were."
+        return params, f"The parameters are as they were.{former}"
     if len(changed) > 1:
-        return params, f"{len(changed)} parameters have changed: {', '.join(changed)}."
-    return params, f"{changed[0]} is {parameter(params, changed[0]):g} {quantity_of(changed[0]).unit}".rstrip() + "."
+        return params, f"{len(changed)} parameters have changed: {', '.join(changed)}.{former}"
+    text = f"{changed[0]} is {parameter(params, changed[0]):g} {quantity_of(changed[0]).unit}".rstrip()
+    return params, f"{text}.{former}"

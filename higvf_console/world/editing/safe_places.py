@@ -10,8 +10,8 @@ import numpy as np
 from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Bools, Floats, floats
 from higvf_console.core.state import Motion
-from higvf_console.world.editing.layout import Layout
 from higvf_console.world.editing.room import obstacle_room
+from higvf_console.world.layout import Layout
 from higvf_console.world.neighbour_search import kd_tree
 from higvf_console.world.placement import wall_gaps
 

@@ -1,1 +1,1 @@
-"""Decoded decisions (EMG, BCI) as operator commands."""
+"""EMG and BCI interfaces: decoded labels, their debouncing, and the commands they give."""

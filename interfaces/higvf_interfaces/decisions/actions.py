@@ -1,4 +1,4 @@
-"""The closed list of actions that a decoded label, or a line of a script, may name, and the commands that they give."""
+"""Actions that a decoded label or a script entry may name, and their commands."""
 
 import re
 from collections.abc import Callable
@@ -49,7 +49,7 @@ _ROBOT = re.compile(r"robot:\s*([1-9][0-9]{0,5})")
 
 
 def command_for(action: str) -> OperatorCommand | None:
-    """The command that `action` stands for; None where it is not in the list."""
+    """Return the command of `action`, or None for an unknown action."""
     robot = _ROBOT.fullmatch(action)
     if robot:
         return Pick(int(robot[1]) - 1)

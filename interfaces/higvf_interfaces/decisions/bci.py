@@ -1,4 +1,4 @@
-"""Replayed decisions of a brain-computer interface as operator input: each class picks a robot."""
+"""BCI interface: by default each decoded class selects a robot."""
 
 from higvf_console.core.interface import InputSpec
 from higvf_interfaces.decisions.interface import DecisionReplay

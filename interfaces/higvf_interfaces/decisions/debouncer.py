@@ -1,11 +1,11 @@
-"""From a stream of decoded labels to one command per onset: a pure state machine whose every step says why.
+"""Debouncing of decoded labels: a pure state machine that accepts one command per onset and gives its reasons.
 
-    threshold -> n-of-m vote -> hysteresis -> one per onset -> refractory time -> passed
+    threshold -> n-of-m vote -> onset -> hysteresis -> refractory time -> passed
 
-A label's support is the mean over its last m decisions of their confidence (a decision without one is a plain vote, 1;
-another label is 0). A label becomes active when its support reaches `enter`, gives its command then, and gives none
-again before its support has fallen to `leave`. Voting keeps a good decoder from stuttering and does not rescue a weak
-one: motor imagery that is right 34 times in 100 singly is right 40 times after it.
+The support of a label is its mean confidence over the last m decisions; a decision without confidence counts 1, a
+decision for another label counts 0. A label becomes active, and gives its command, when its support reaches `enter`; it
+gives no further command until its support has fallen to `leave`. Voting suppresses repeated commands of a good decoder
+but does not rescue a weak one: motor imagery with 34 % correct decisions reaches 40 % after the vote.
 """
 
 import math
@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 from higvf_interfaces.formats.records import Decision
 
-LONGEST_VOTE = 50  # decisions that a vote may look at
+LONGEST_VOTE = 50  # maximum number of decisions in a vote
 
 
 class Stage(StrEnum):
-    """Where a decision was held, or that it passed."""
+    """The stage that held a decision, or `PASSED`."""
 
     THRESHOLD = "threshold"
     VOTE = "vote"
@@ -30,16 +30,16 @@ class Stage(StrEnum):
 
 
 class Evidence(NamedTuple):
-    """What it takes before a label gives its command; the defaults let everything pass.
+    """Evidence required for a command; the defaults let every decision pass.
 
     Attributes:
-        threshold: decisions of lower confidence abstain; one without confidence votes.
-        votes: so many of the last `of` decisions must say the label.
-        of: decisions that vote.
-        enter: support that makes a label active; 0 = every decision that is voted for is an onset.
-        leave: support at which an active label is released.
-        refractory: the same label is not accepted again for so long [s].
-        memory: older decisions are forgotten [s].
+        threshold: minimum confidence in [0, 1]; a decision below it abstains, a decision without confidence votes.
+        votes: required votes for the label among the last `of` decisions.
+        of: number of decisions in the vote.
+        enter: support in [0, 1] at which a label becomes active; with 0 every decision that wins the vote is an onset.
+        leave: support in [0, 1] at which an active label becomes inactive.
+        refractory: minimum time between two commands of the same label [s].
+        memory: age from which decisions are ignored [s].
     """
 
     threshold: float = 0.0
@@ -52,7 +52,7 @@ class Evidence(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """What became of one decision: the stage that held it, and why; `PASSED` where none did."""
+    """Outcome of one decision: the stage that held it and the reason, or `PASSED`."""
 
     time: float
     label: str
@@ -61,12 +61,12 @@ class Verdict(NamedTuple):
 
 
 class Debounced(NamedTuple):
-    """What is remembered from decision to decision.
+    """State of the debouncer.
 
     Attributes:
-        recent: the last decisions, oldest first; one that abstained has the label "".
-        active: the label that has given its command and is not released yet; "" = none.
-        accepted: when each label last passed [s].
+        recent: the last decisions, oldest first; an abstention has the label "".
+        active: the active label; "" means none.
+        accepted: session time at which each label last passed [s].
     """
 
     recent: tuple[Decision, ...] = ()
@@ -75,7 +75,7 @@ class Debounced(NamedTuple):
 
 
 def observe(state: Debounced, decision: Decision, evidence: Callable[[str], Evidence]) -> Debounced:
-    """The state after a decision has been heard, which may release the active label; nothing is accepted here."""
+    """Return the state after a decision that cannot be accepted; it may deactivate the active label."""
     if _abstains(decision, evidence(decision.label)):
         decision = decision._replace(label="")
     recent = (*state.recent, decision)[-LONGEST_VOTE:]
@@ -86,12 +86,12 @@ def observe(state: Debounced, decision: Decision, evidence: Callable[[str], Evid
 
 
 def judge(state: Debounced, decision: Decision, evidence: Callable[[str], Evidence]) -> tuple[Debounced, Verdict]:
-    """The state after a decision, and the verdict on it.
+    """Return the state after a decision, and the verdict on the decision.
 
     Args:
-        state: before.
-        decision: not earlier than those before it.
-        evidence: what a label needs.
+        state: previous state.
+        decision: next decision in order of time.
+        evidence: evidence required for a label.
     """
     state = observe(state, decision, evidence)
     label, time, needed = decision.label, decision.time, evidence(decision.label)
@@ -103,32 +103,32 @@ def judge(state: Debounced, decision: Decision, evidence: Callable[[str], Eviden
 
 
 def support(recent: tuple[Decision, ...], label: str, needed: Evidence) -> float:
-    """Mean confidence, in [0, 1], with which the last decisions say `label`."""
+    """Return the support of `label`, in [0, 1]."""
     votes = [1.0 if vote.confidence is None else vote.confidence for vote in _electorate(recent, needed)
              if vote.label == label]  # fmt: skip
     return sum(votes) / needed.of
 
 
 def votes_for(recent: tuple[Decision, ...], label: str, needed: Evidence) -> int:
-    """How many of the decisions that vote now say `label`."""
+    """Return the number of votes for `label`."""
     return sum(vote.label == label for vote in _electorate(recent, needed))
 
 
 def _electorate(recent: tuple[Decision, ...], needed: Evidence) -> tuple[Decision, ...]:
-    """The decisions that vote now: the last m that are not forgotten."""
+    """Return the decisions that vote: the last m that are not too old."""
     since = recent[-1].time - needed.memory if recent else 0.0
     return tuple(vote for vote in recent[-needed.of :] if vote.time >= since)
 
 
 def _held(state: Debounced, decision: Decision, needed: Evidence) -> tuple[Stage, str] | None:
-    """The stage that holds a decision which has been observed, and why; None where none does."""
+    """Return the stage that holds an observed decision and the reason, or None if it passes."""
     label = decision.label
     votes = votes_for(state.recent, label, needed)
     since = decision.time - dict(state.accepted).get(label, -math.inf)
     stages = (
         (_abstains(decision, needed), Stage.THRESHOLD, f"confidence below {needed.threshold:g}"),
         (votes < needed.votes, Stage.VOTE, f"fewer than {needed.votes} of {needed.of} votes"),
-        (needed.enter > 0 and label == state.active, Stage.ONSET, "given at its onset"),
+        (needed.enter > 0 and label == state.active, Stage.ONSET, "already accepted at its onset"),
         (support(state.recent, label, needed) < needed.enter, Stage.HYSTERESIS, f"support below {needed.enter:g}"),
         (since < needed.refractory, Stage.REFRACTORY, "repeated within the refractory time"),
     )

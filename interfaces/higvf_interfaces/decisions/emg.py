@@ -1,4 +1,4 @@
-"""Replayed EMG gestures as operator input: a squeeze pauses, an open hand resumes, a pinch holds the drawing clutch."""
+"""EMG interface: by default a fist pauses, an open hand resumes, a pinch closes the clutch and a spread opens it."""
 
 from higvf_console.core.interface import InputSpec
 from higvf_interfaces.decisions.interface import DecisionReplay

@@ -1,4 +1,4 @@
-"""How much evidence each action needs: the same for all, but least for STOP and pause, and more where errors cost more.
+"""Evidence required for each action: less for `stop` and `pause`, more for actions whose errors are costly.
 
 inputs: {bci: {votes: 3/5, hysteresis: 0.8/0.5, refractory: 1.5, evidence: {stop: {votes: 1/3}, robot: {votes: 5/5}}}}
 """
@@ -12,7 +12,7 @@ from higvf_interfaces.decisions.debouncer import LONGEST_VOTE, Evidence
 from higvf_interfaces.fields import Fields, shown
 
 NEEDS = ("threshold", "votes", "hysteresis", "refractory", "memory")
-ROBOT = "robot"  # stands for every `robot:NUMBER`
+ROBOT = "robot"  # the actions `robot:NUMBER`
 LEAST = ("stop", "pause")
 MORE = (
     "resume",
@@ -25,21 +25,21 @@ MORE = (
     "reverse_path",
     ROBOT,
 )
-STREAMING = Evidence(votes=3, of=5, enter=0.8, leave=0.5, refractory=1.0)  # for a decoder that decides all the time
+STREAMING = Evidence(votes=3, of=5, enter=0.8, leave=0.5, refractory=1.0)  # default with a decoder
 
 
 class EvidenceTable:
-    """What each action needs."""
+    """Required evidence by action."""
 
     def __init__(self, options: Fields, base: Evidence) -> None:
-        """Reads the channel's options and its table `evidence`.
+        """Read the channel's options and its table `evidence`.
 
         Args:
-            options: of the channel.
-            base: what is needed where the options say nothing.
+            options: options of the channel.
+            base: defaults.
 
         Raises:
-            InputError: a value that cannot be used, or an unknown action; the message lists the known ones.
+            InputError: If a value is invalid or an action is unknown; the message lists the known actions.
         """
         self._base = _evidence(options, base)
         self._own: dict[str, Evidence] = {}
@@ -54,13 +54,16 @@ class EvidenceTable:
             self._own[str(action)] = _evidence(fields, usual(str(action), self._base))
 
     def of(self, action: str) -> Evidence:
-        """What `action`, say `pause` or `robot:2`, needs."""
+        """Return the evidence required for `action`, for example `pause` or `robot:2`."""
         kind = ROBOT if action.startswith(f"{ROBOT}:") else action
         return self._own.get(kind) or usual(kind, self._base)
 
 
 def usual(action: str, base: Evidence) -> Evidence:
-    """What an action needs by default: STOP and pause one vote and half the way up, costly ones a vote more."""
+    """Return the default of an action.
+
+    `stop` and `pause` need one vote and a support halfway between LEAVE and ENTER; costly actions need one vote more.
+    """
     if action in LEAST:
         return base._replace(votes=1, of=1, enter=(base.enter + base.leave) / 2)
     return base._replace(votes=min(base.votes + 1, base.of)) if action in MORE else base

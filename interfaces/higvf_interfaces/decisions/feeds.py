@@ -1,4 +1,4 @@
-"""Where a channel's decisions come from: a log of labels, a decoder at work on a recording, or either made worse."""
+"""Decision feeds: the protocol of all sources of decisions, and the replay of a log of labels."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
@@ -9,23 +9,23 @@ from higvf_interfaces.streams import Playhead
 
 
 class Due(NamedTuple):
-    """A decision whose time has come; `number` counts the decisions of one play from 0."""
+    """A decision that is due; `number` counts the decisions of one replay from 0."""
 
     number: int
     decision: Decision
 
 
 class DecisionFeed(Protocol):
-    """Decisions by session time. When the time goes back, the run has started again and so does the feed."""
+    """A source of decisions on the session clock; it restarts when the session time goes back (the run was reset)."""
 
     @property
     def labels(self) -> Sequence[str]:
-        """Every label that it can give."""
+        """All labels that the feed can give."""
         ...
 
     @property
     def notes(self) -> Sequence[str]:
-        """What was repaired or assumed, in words."""
+        """Repairs and assumptions."""
         ...
 
     @property
@@ -39,15 +39,15 @@ class DecisionFeed(Protocol):
         ...
 
     def due(self, now: float) -> list[Due]:
-        """Decisions that have fallen due by session time `now` [s], in order of time."""
+        """Return the decisions that became due by session time `now` [s], in order of time."""
         ...
 
 
 class LogFeed:
-    """A log of decisions, played on the session clock."""
+    """Replay of a log of decisions on the session clock."""
 
     def __init__(self, log: CommandLog, start: float) -> None:
-        """Plays `log` from session time `start` on [s]; what that moves before 0 is not played."""
+        """Play `log` shifted by `start` [s]; decisions shifted before 0 are not played."""
         self._decisions = tuple(decision._replace(time=decision.time + start) for decision in log.decisions)
         self._playhead = Playhead(floats([decision.time for decision in self._decisions]))
         self.labels: Sequence[str] = sorted({decision.label for decision in self._decisions})

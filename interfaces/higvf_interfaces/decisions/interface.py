@@ -1,6 +1,6 @@
-"""A channel of decoded labels, replayed on the session clock or live: feed -> interpreter -> commands.
+"""Interface of decoded labels, replayed or live: feed -> interpreter -> commands.
 
-Every action's own name is a label too, and so is what a channel's defaults add; the scenario's map goes over both:
+The label map has the action names and the channel's defaults; the scenario's option `labels` overrides both:
 
     inputs: {emg: {labels: {fist: pause, spread: none, point: "robot:2"}, threshold: 0.6, refractory: 1.0}}
 """
@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 from higvf_console.core.commands import OperatorCommand, ResetRun
 from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_console.core.reports import DecisionReport
+from higvf_interfaces.decisions import interpretation
 from higvf_interfaces.decisions.debouncer import Evidence, Verdict
 from higvf_interfaces.decisions.evidence import STREAMING
 from higvf_interfaces.decisions.feeds import LogFeed
-from higvf_interfaces.decisions.interface import interpretation
 from higvf_interfaces.decisions.interpretation import Interpreter
 from higvf_interfaces.decisions.options import DECODING, RECORDED, decoder_of, signal_request
 from higvf_interfaces.emulation import ERRORS, EmulatedFeed, error_model
@@ -28,21 +28,25 @@ OPTIONS = (
     *(key for key in interpretation.OPTIONS if key not in ("threshold", "refractory")),
     *(key for key in RECORDED if key != "format"), *DECODING, *ERRORS, *lsl.OPTIONS,
 )  # fmt: skip
-_RECORDED_ALONE = ("format", "start")  # options that mean nothing live; others may speak of a calibration
+_RECORDED_ALONE = ("format", "start")  # not applicable to a live stream
 
 
 class DecisionReplay:
-    """A channel's decisions, played on the session clock.
+    """Interface that turns a feed of decisions into commands.
 
-    They are those of a log or a live stream or, with the option `decoder`, those that the decoder makes of raw signals.
-    What gives no command is counted and told by `health`.
+    The feed is a log, a live stream or, with the option `decoder`, a decoder of raw signals. Decisions that give no
+    command are counted and reported by `health`.
     """
 
     def __init__(self, spec: InputSpec, defaults: Mapping[str, str]) -> None:
-        """Reads `spec.source`; `defaults` are the channel's own labels and their actions.
+        """Open `spec.source`.
+
+        Args:
+            spec: the input.
+            defaults: actions of the channel's default labels.
 
         Raises:
-            InputError: the recording, an option or the label map cannot be used.
+            InputError: If the recording, an option or the label map is invalid.
         """
         options = option_fields(spec, OPTIONS)
         decodes = decoder_of(spec, options, "channels") is not None
@@ -74,11 +78,11 @@ class DecisionReplay:
 
     @property
     def trace(self) -> Sequence[Verdict]:
-        """The last decisions, each with the stage that held it or let it pass, oldest first."""
+        """Verdicts on the last decisions, oldest first."""
         return tuple(self._interpreter.trace)
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
-        """Commands of the decisions that have fallen due, at their own times."""
+        """Return the commands of the decisions that are due, stamped with the times of the decisions."""
         if context.time < self._now:
             self._interpreter.restart()
         self._now = context.time
@@ -90,7 +94,7 @@ class DecisionReplay:
         return given
 
     def health(self, now: float) -> ChannelHealth:
-        """Never seen before the first decision, ended after the last; the detail tells what was ignored."""
+        """Never seen before the first decision, ended after the last; the detail lists ignored decisions."""
         detail = "; ".join((*self._interpreter.describe(), *self._feed.notes))
         if self._live is not None:
             quiet = self._live.quiet
@@ -101,16 +105,16 @@ class DecisionReplay:
         return ChannelHealth(ChannelState.LIVE if self._feed.started else ChannelState.NEVER_SEEN, detail)
 
     def decision_report(self, now: float) -> DecisionReport:
-        """Where the debouncer stands."""
+        """Return the state of the debouncer."""
         return self._interpreter.report(now)
 
     def close(self) -> None:
-        """Ends the reading of a live stream; a file is closed after reading."""
+        """Stop reading a live stream; files are closed as soon as they are read."""
         if self._live is not None:
             self._live.close()
 
     def _repeats(self, index: int, command: OperatorCommand) -> bool:
-        """Whether this is a restart that the log gave before; given twice, the run would never end."""
+        """Return whether the log already gave this `reset_run`; repeating it would reset the run endlessly."""
         if not isinstance(command, ResetRun):
             return False
         known = index in self._resets

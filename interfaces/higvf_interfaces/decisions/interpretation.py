@@ -1,4 +1,4 @@
-"""Label -> action -> evidence -> command; a robot change of low confidence is only proposed."""
+"""Interpretation of decisions: label -> action -> evidence -> command; a doubtful robot change is only proposed."""
 
 import math
 from collections import Counter, deque
@@ -14,24 +14,24 @@ from higvf_interfaces.decisions.evidence import NEEDS, EvidenceTable
 from higvf_interfaces.fields import Fields, shown
 from higvf_interfaces.formats.records import Decision
 
-UNKNOWN = "unknown"  # the stage of a label, or a robot, that there is not
-IDLE = "none"  # the action of a label that is known and means nothing
+UNKNOWN = "unknown"  # stage of an unknown label or robot
+IDLE = "none"  # action of a label that gives no command
 OPTIONS = (*NEEDS, "evidence", "confirm", "confirm_within")
 _TRACE = 50  # verdicts kept for display
 
 
 class Interpreter:
-    """Turns decoded labels into commands; what gives none is counted, and every decision leaves its verdict.
+    """Turns decoded labels into commands; counts decisions without a command and keeps the verdicts.
 
     Attributes:
         trace: the last verdicts, oldest first.
     """
 
     def __init__(self, defaults: Mapping[str, str], options: Fields, base: Evidence) -> None:
-        """Reads the label map and what the actions need.
+        """Read the label map and the evidence required for the actions.
 
         Raises:
-            InputError: an option cannot be used; the message gives the choices.
+            InputError: If an option is invalid; the message lists the choices.
         """
         self._actions = label_map(defaults, options)
         self._evidence = EvidenceTable(options, base)
@@ -40,7 +40,7 @@ class Interpreter:
         self.restart()
 
     def restart(self) -> None:
-        """Forgets what was decoded and counted, because the run has started again."""
+        """Reset state and counters, because the run was reset."""
         self._state = Debounced()
         self._ignored: Counter[str] = Counter()
         self._stages: Counter[str] = Counter()
@@ -50,11 +50,11 @@ class Interpreter:
         self.trace: deque[Verdict] = deque(maxlen=_TRACE)
 
     def command(self, decision: Decision, robots: int) -> OperatorCommand | None:
-        """The command that a decision gives, with its confidence; None where it gives none.
+        """Return the command of a decision, with its confidence, or None.
 
         Args:
-            decision: not earlier than the one before.
-            robots: how many there are.
+            decision: next decision in order of time.
+            robots: number of robots.
         """
         decision = decision._replace(label=plain_label(decision.label))
         self._latest = decision
@@ -77,7 +77,7 @@ class Interpreter:
         return None if wanted is None else self._sure_enough(replace(wanted, confidence=decision.confidence))
 
     def describe(self) -> tuple[str, ...]:
-        """The latest decision, and what was ignored, in words."""
+        """Return the latest decision and the ignored decisions as text."""
         ignored = ", ".join(f"{count} x {reason}" for reason, count in self._ignored.most_common(5))
         latest = "no decision yet"
         if self._latest is not None:
@@ -86,7 +86,7 @@ class Interpreter:
         return (latest, *([f"ignored: {ignored}"] if ignored else []))
 
     def report(self, now: float) -> DecisionReport:
-        """The latest decision and the evidence for its label, at session time `now` [s]; what became of all."""
+        """Return the latest decision, the evidence for its label at session time `now` [s], and the counters."""
         label = "" if self._latest is None else self._latest.label
         needed, recent = self._needed(label), self._state.recent
         accepted = dict(self._state.accepted).get(label, -math.inf)
@@ -110,7 +110,7 @@ class Interpreter:
         )
 
     def _sure_enough(self, wanted: OperatorCommand) -> OperatorCommand:
-        """The command, or the proposal of a robot change that any channel may confirm."""
+        """Return the command, or the proposal of a doubtful robot change, which any channel may confirm."""
         if not isinstance(wanted, Pick) or wanted.confidence is None or wanted.confidence >= self._confirm:
             return wanted
         self._proposed += 1
@@ -126,16 +126,16 @@ class Interpreter:
 
 
 def label_map(defaults: Mapping[str, str], options: Fields) -> dict[str, str]:
-    """Label -> action; `IDLE` for a label that means nothing.
+    """Return the action of each label; `IDLE` for a label without a command.
 
     Raises:
-        InputError: a label that is no text, or an action that is not in the list; the message gives the list.
+        InputError: If a label is not text or an action is unknown; the message lists the known actions.
     """
     actions = {action: action for action in ACTIONS}
     actions |= {plain_label(label): action for label, action in defaults.items()}
     for label, action in cast(Mapping[object, object], options.mapping("labels")).items():
         if isinstance(label, bool) or not isinstance(label, str | int):
-            options.fail(f"labels: {shown(label)} is not a text; put it in quotation marks")
+            options.fail(f"labels: {shown(label)} is not text; put it in quotation marks")
         text = IDLE if action is None else str(action).strip()
         if text != IDLE and command_for(text) is None:
             options.fail(
@@ -146,5 +146,5 @@ def label_map(defaults: Mapping[str, str], options: Fields) -> dict[str, str]:
 
 
 def plain_label(label: str) -> str:
-    """A label as it is compared: without case, without blanks at its ends."""
+    """Return a label in the form used for comparison: case-folded, without surrounding blanks."""
     return label.strip().casefold()

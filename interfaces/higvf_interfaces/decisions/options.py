@@ -1,4 +1,4 @@
-"""Options that say how a recording of an EMG or BCI is to be read, and how it is to be decoded."""
+"""Options of EMG and BCI inputs: how to read the recording and how to decode it."""
 
 from higvf_console.core.interface import InputSpec
 from higvf_interfaces.fields import Fields, shown
@@ -13,13 +13,13 @@ DECODING = ("decoder", *dict.fromkeys(key for keys in DECODERS.values() for key 
 
 
 def signal_request(options: Fields) -> SignalRequest:
-    """What the options `RECORDED` say.
+    """Read the options `RECORDED`.
 
     Raises:
-        InputError: a value that cannot be used, or both rate and period.
+        InputError: If a value is invalid, or both `rate` and `period` are given.
     """
     if options.has("rate") and options.has("period"):
-        options.fail("rate and period say the same; give one")
+        options.fail("rate and period exclude each other; give one")
     rate = options.number("rate", 0.0, 0.1, 100_000.0, "Hz") or None
     if options.has("period"):
         rate = 1.0 / options.number("period", None, 1e-5, 10.0, "s")
@@ -28,24 +28,24 @@ def signal_request(options: Fields) -> SignalRequest:
 
 
 def named_decoder(options: Fields) -> str | None:
-    """The decoder that the options name; None = none.
+    """Return the name of the decoder, or None if the option is not set.
 
     Raises:
-        InputError: there is no such decoder.
+        InputError: If the decoder is unknown.
     """
     return options.choice("decoder", "", tuple(DECODERS)) if options.has("decoder") else None
 
 
 def decoder_of(spec: InputSpec, options: Fields, *raw: str) -> str | None:
-    """Name of the decoder that an input's options ask for; None = none.
+    """Return the name of the decoder after checking that the other options fit it, or None if none is set.
 
     Args:
         spec: the input.
-        options: its options, those of the scenario included.
-        raw: further options that mean nothing without a decoder.
+        options: options of the command line and the scenario.
+        raw: further options that need a decoder.
 
     Raises:
-        InputError: there is no such decoder, or the command line has an option that is for another one.
+        InputError: If the decoder is unknown, or the command line has an option of another decoder.
     """
     name = named_decoder(options)
     for key in spec.options:
@@ -56,22 +56,22 @@ def decoder_of(spec: InputSpec, options: Fields, *raw: str) -> str | None:
 
 
 def word(options: Fields, key: str) -> str:
-    """A word that may look like a number: in a scenario, `stream: 2` is stream 2.
+    """Return an option as text; a number is accepted, since YAML reads `stream: 2` as one.
 
     Raises:
-        InputError: neither a text nor a number.
+        InputError: If the value is neither text nor a number.
     """
     value = options.values[key]
     if isinstance(value, bool) or not isinstance(value, str | int | float):
-        options.fail(f"{key}: {shown(value)} is not a text")
+        options.fail(f"{key}: {shown(value)} is not text")
     return f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
 def words(options: Fields) -> tuple[str, ...]:
-    """The channels wanted: `channels=TP9+AF7`, or a list in a scenario.
+    """Return the names in the option `channels`: `channels=TP9+AF7`, or a list in a scenario.
 
     Raises:
-        InputError: neither.
+        InputError: If the value is neither text nor a list.
     """
     if not options.has("channels"):
         return ()

@@ -1,1 +1,1 @@
-"""Decoders of raw EMG and EEG: chunks of samples in, decisions out; worked examples for decoders of your own."""
+"""Decoders of raw EMG and EEG signals, and their evaluation; also examples for decoders of your own."""

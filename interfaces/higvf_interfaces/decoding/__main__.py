@@ -1,7 +1,7 @@
-"""Measures a decoder on a recording: `python -m higvf_interfaces.decoding FILE decoder=lda`.
+"""Evaluate a decoder on a recording: `python -m higvf_interfaces.decoding FILE decoder=lda`.
 
 The options are those of `--input`, joined by commas. A recording with trials gives accuracy by trial, latency and wrong
-commands per minute; with `--idle`, nobody meant anything in it, and every command is a false one.
+commands per minute. With `--idle` the recording contains no intended command, and every command counts as false.
 """
 
 import argparse
@@ -27,15 +27,17 @@ from higvf_interfaces.decoding.ssvep import WINDOW
 from higvf_interfaces.fields import Fields, option_fields
 from higvf_interfaces.formats.signals.reading import read_signals
 
-FULL_BAND = 2 * BAND[1]  # sampling rate that holds all of surface EMG [Hz]
+FULL_BAND = 2 * BAND[1]  # Nyquist rate of surface EMG [Hz]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command; returns its exit code."""
+    """Run the command and return its exit code."""
     parser = argparse.ArgumentParser(prog="python -m higvf_interfaces.decoding", description=__doc__)
     parser.add_argument("file", help="recording of raw samples")
     parser.add_argument("options", help="such as decoder=ssvep,targets=1@30+2@20,mains=60,trial_s=3")
-    parser.add_argument("--idle", action="store_true", help="nobody meant anything: count false commands")
+    parser.add_argument(
+        "--idle", action="store_true", help="the recording contains no intended command: count false commands"
+    )
     parser.add_argument("--json", action="store_true", help="write JSON")
     given = parser.parse_args(arguments)
     try:
@@ -50,10 +52,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def report(source: str, options: Fields) -> dict[str, Any]:
-    """The figures of a labelled recording, cross-validated by trial where the decoder is fitted.
+    """Return the scores of a labelled recording, cross-validated by trial if the decoder is fitted.
 
     Raises:
-        InputError: the recording, its trials or an option cannot be used.
+        InputError: If the recording, its trials or an option is invalid.
     """
     kind, mains = options.choice("decoder", "", tuple(DECODERS)), options.number("mains", 50.0, 0.0, 1000.0, "Hz")
     record = read_signals(source, signal_request(options))
@@ -62,7 +64,7 @@ def report(source: str, options: Fields) -> dict[str, Any]:
     if kind == "lda":
         result = score_emg(record, trials, mains)
         if record.rate < FULL_BAND:
-            cautions.append(f"{record.rate:.0f} Hz hold only a part of surface EMG, which reaches {BAND[1]:.0f} Hz")
+            cautions.append(f"{record.rate:.0f} Hz covers only part of the EMG band, which extends to {BAND[1]:.0f} Hz")
     else:
         window = options.number("window", WINDOW, 0.2, 10.0, "s")
         result = score_decoder(kind, record, trials, replay.ssvep_decoder(record, options, mains), window)
@@ -70,10 +72,10 @@ def report(source: str, options: Fields) -> dict[str, Any]:
 
 
 def idle_report(source: str, options: Fields) -> dict[str, Any]:
-    """False commands per minute in a recording in which nobody meant anything.
+    """Return the false commands per minute in a recording without intended commands.
 
     Raises:
-        InputError: the recording or an option cannot be used.
+        InputError: If the recording or an option is invalid.
     """
     feed = replay.decoder_feed(source, options, 0.0)
     decisions = [due.decision for due in feed.due(float("inf"))]

@@ -1,4 +1,4 @@
-"""Causal filters that keep their state from chunk to chunk: band pass, and notches at the mains and its harmonics."""
+"""Causal streaming filters: a band pass, and notches at the mains frequency and its harmonics."""
 
 from typing import Any
 
@@ -8,23 +8,30 @@ from scipy.signal import butter, iirnotch, sosfilt, sosfilt_zi, tf2sos
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
 
-_TOP = 0.45  # of the sampling rate: the highest frequency used
-_NOTCH_Q = 20.0  # 60 Hz +- 1.5 Hz
+_TOP = 0.45  # highest frequency used, as a share of the sampling rate
+_NOTCH_Q = 20.0  # at 60 Hz: +- 1.5 Hz
 _MOST_NOTCHES = 4
 
 
 class Conditioner:
-    """Filters samples (n, c) of a stream; missing samples repeat the last one."""
+    """Filters the samples (n, c) of a stream chunk by chunk; missing samples repeat the last one."""
 
     def __init__(self, rate: float, low: float, high: float, mains: float, order: int = 4) -> None:
-        """A Butterworth band pass from `low` to `high` [Hz], or as high as `rate` [Hz] allows, and notches at `mains`.
+        """Design a Butterworth band pass and notches.
+
+        Args:
+            rate: sampling rate [Hz].
+            low: lower band edge [Hz].
+            high: upper band edge [Hz]; limited to 0.45 `rate`.
+            mains: mains frequency [Hz]; 0 for no notches.
+            order: order of the band pass.
 
         Raises:
-            InputError: the rate is too low for the band.
+            InputError: If the rate is too low for the band.
         """
         top = min(high, _TOP * rate)
         if top < 1.5 * low:
-            raise InputError(f"a rate of {rate:g} Hz cannot carry the band from {low:g} Hz up that this decoder needs")
+            raise InputError(f"a rate of {rate:g} Hz cannot carry the band from {low:g} Hz up that the decoder needs")
         band: Any = butter(order, (low, top), btype="bandpass", fs=rate, output="sos")
         hums = [mains * k for k in range(1, _MOST_NOTCHES + 1) if mains > 0 and low < mains * k < top]
         notches = [tf2sos(*iirnotch(hum, _NOTCH_Q, fs=rate)) for hum in hums]
@@ -33,16 +40,16 @@ class Conditioner:
         self.restart()
 
     def restart(self) -> None:
-        """Forgets the samples."""
+        """Clear the state."""
         self._state: Floats | None = None  # (s, 2, c)
         self._last: Floats | None = None  # (c,)
 
     def filtered(self, values: Floats) -> Floats:
-        """The next samples (n, c), filtered."""
+        """Return the next samples (n, c), filtered."""
         if not len(values):
             return values
         if self._state is None or self._last is None:
-            # An amplifier's offset is thousands of times its signal; the filter starts as if it had always been there.
+            # An amplifier's offset is thousands of times its signal: start in the steady state of the first sample.
             self._last = np.where(np.isfinite(values[0]), values[0], 0.0)
             self._state = self._at_rest[:, :, None] * self._last
         whole = _held(values, self._last)
@@ -52,7 +59,7 @@ class Conditioner:
 
 
 def _held(values: Floats, last: Floats) -> Floats:
-    """Samples in which a missing one repeats the one before."""
+    """Replace missing samples by the last one before them."""
     missing = ~np.isfinite(values)
     if not missing.any():
         return values

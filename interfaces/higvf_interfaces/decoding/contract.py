@@ -1,4 +1,4 @@
-"""What a decoder of raw signals owes, and the window that all of them look through."""
+"""Protocol of decoders of raw signals, with the trials and sliding windows that decoders share."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
@@ -11,24 +11,24 @@ from higvf_interfaces.formats.signals.records import SignalChunk
 
 
 class Decoder(Protocol):
-    """Turns a stream of samples into decisions; the same whatever the chunks are, live or replayed."""
+    """Turns a stream of samples into decisions; the decisions must not depend on the division into chunks."""
 
     @property
     def labels(self) -> Sequence[str]:
-        """Every label that it can give."""
+        """All labels that the decoder can give."""
         ...
 
     def push(self, chunk: SignalChunk) -> list[Decision]:
-        """Decisions that the next samples complete; the time of each is that of the last sample it rests on."""
+        """Return the decisions completed by the next samples; each has the time of its last sample."""
         ...
 
     def restart(self) -> None:
-        """Forgets the samples, because the stream starts again."""
+        """Clear the state, because the stream starts again."""
         ...
 
 
 class Trial(NamedTuple):
-    """A stretch of a recording in which the person was to do one thing: `label` from `start` to `end` [s]."""
+    """A cued interval of a recording: the person was to perform `label` from `start` to `end` [s]."""
 
     label: str
     start: float
@@ -36,27 +36,27 @@ class Trial(NamedTuple):
 
 
 class Window(NamedTuple):
-    """The samples that one decision rests on: `values` (n, c), the last of them at `time` [s]."""
+    """The samples of one decision: `values` (n, c), the last at `time` [s]."""
 
     time: float
     values: Floats
 
 
 class SlidingWindow:
-    """Cuts a stream into overlapping windows."""
+    """Divides a stream into overlapping windows."""
 
     def __init__(self, length: int, hop: int) -> None:
-        """Windows of `length` samples, one every `hop` samples."""
+        """Set a window of `length` samples every `hop` samples."""
         self._length, self._hop = length, hop
         self.restart()
 
     def restart(self) -> None:
-        """Forgets the samples."""
+        """Clear the state."""
         self._times: Floats = np.zeros(0)
         self._values: Floats | None = None
 
     def push(self, chunk: SignalChunk) -> Iterator[Window]:
-        """Windows that the next samples complete."""
+        """Yield the windows completed by the next samples."""
         held = self._values
         values = chunk.values if held is None else np.concatenate([held, chunk.values])
         times = np.concatenate([self._times, chunk.times])

@@ -1,25 +1,28 @@
-"""Time-domain features of a window of EMG after Hudgins (1993): amplitude, waveform length and counts of its turns."""
+"""Time-domain features of EMG after Hudgins (1993): amplitudes, waveform length, zero crossings, slope sign changes."""
 
 import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
 
 PER_CHANNEL = 5
-_DEADBAND = 0.1  # of a channel's standard deviation: what the counts take for noise
+_DEADBAND = 0.1  # noise threshold of the counts, as a share of a channel's standard deviation
 _TINY = 1e-12
 
 
 def features(window: Floats, deadband: Floats) -> Floats:
-    """Log MAV, log RMS, log WL, ZC and SSC of each channel, shape (5 c,).
+    """Compute log MAV, log RMS, log WL, ZC and SSC of each channel.
 
         MAV = mean |x|    RMS = sqrt(mean x^2)    WL = mean |x[k+1] - x[k]|
-        ZC: share of steps that cross zero    SSC: share of samples at which the slope changes its sign
+        ZC: share of steps that cross zero    SSC: share of samples at which the slope changes sign
 
-    Amplitudes are taken in logarithms, in which they are nearly normal, as linear discriminant analysis assumes.
+    The logarithms of the amplitudes are nearly normally distributed, as linear discriminant analysis assumes.
 
     Args:
         window: (n, c) band-passed samples, n >= 3.
-        deadband: (c,) smaller steps count neither as crossing nor as turn.
+        deadband: (c,) smaller steps count neither as a zero crossing nor as a slope sign change.
+
+        Returns:
+            Features (5 c,).
     """
     steps = np.diff(window, axis=0)
     crossing = (window[:-1] * window[1:] < 0) & (np.abs(steps) > deadband)
@@ -30,5 +33,5 @@ def features(window: Floats, deadband: Floats) -> Floats:
 
 
 def deadband_of(samples: Floats) -> Floats:
-    """Deadband (c,) of calibration samples (n, c)."""
+    """Return the deadband (c,) for calibration samples (n, c)."""
     return floats(_DEADBAND * samples.std(axis=0))

@@ -1,8 +1,9 @@
-"""Gestures from multi-channel EMG: time-domain features and linear discriminant analysis, calibrated each session.
+"""EMG decoder `lda`: gestures by time-domain features and linear discriminant analysis.
 
-    raw -> band pass from 20 Hz, mains notches -> 0.25 s windows, one each 0.1 s -> features -> LDA -> posterior
+    raw -> band pass from 20 Hz, mains notches -> 0.25 s windows every 0.1 s -> features -> LDA -> posterior
 
-Electrodes shift and skin dries, so a model of yesterday is worth little: it is fitted to a labelled recording of today.
+Electrode positions and skin impedance change between sessions, so the model is fitted to a labelled recording of the
+same session.
 """
 
 from collections.abc import Sequence
@@ -18,31 +19,31 @@ from higvf_interfaces.decoding.emg_features import deadband_of, features
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signals.records import SignalChunk
 
-BAND = (20.0, 450.0)  # of surface EMG [Hz]
+BAND = (20.0, 450.0)  # band of surface EMG [Hz]
 WINDOW, HOP = 0.25, 0.1  # [s]
-_FEWEST_WINDOWS = 5  # of each label
+_FEWEST_WINDOWS = 5  # minimum number of windows per label
 
 
 class EmgModel(NamedTuple):
-    """A fitted classifier: its labels, the deadband (c,) of its features, and the discriminant itself."""
+    """A fitted classifier: its labels, the deadband (c,) of its features, and the discriminant."""
 
     labels: tuple[str, ...]
     deadband: Floats
     discriminant: Any  # sklearn's LinearDiscriminantAnalysis
 
     def posterior(self, window: Floats) -> Floats:
-        """Probability of each label, shape (k,), given a filtered window (n, c)."""
+        """Return the probability of each label (k,) for a filtered window (n, c)."""
         return floats(self.discriminant.predict_proba(features(window, self.deadband)[None])[0])
 
 
 class EmgFrontEnd:
-    """Filters and cuts a stream of EMG; the same in calibration and in use."""
+    """Filters and windows of an EMG stream, for calibration and decoding."""
 
     def __init__(self, rate: float, mains: float) -> None:
-        """For samples at `rate` [Hz] taken near a mains of `mains` [Hz].
+        """Set the sampling rate [Hz] and the mains frequency [Hz].
 
         Raises:
-            InputError: the rate is too low for EMG.
+            InputError: If the rate is too low for EMG.
         """
         self._filter = Conditioner(rate, *BAND, mains)
         self._window = SlidingWindow(max(3, round(WINDOW * rate)), max(1, round(HOP * rate)))
@@ -53,15 +54,15 @@ class EmgFrontEnd:
         self._window.restart()
 
     def windows(self, chunk: SignalChunk) -> list[Window]:
-        """Filtered windows that the next samples complete."""
+        """Return the filtered windows completed by the next samples."""
         return list(self._window.push(chunk._replace(values=self._filter.filtered(chunk.values))))
 
 
 class EmgDecoder:
-    """Says at each window which gesture it is, with the posterior as confidence."""
+    """Decides the gesture of each window, with the posterior as confidence."""
 
     def __init__(self, model: EmgModel, rate: float, mains: float) -> None:
-        """A decoder of a stream at `rate` [Hz] with the channels that `model` was fitted to."""
+        """Decode a stream at `rate` [Hz] that has the channels of `model`; `mains` is the mains frequency [Hz]."""
         self._model = model
         self._front = EmgFrontEnd(rate, mains)
         self.labels: Sequence[str] = model.labels
@@ -71,22 +72,22 @@ class EmgDecoder:
         self._front.restart()
 
     def push(self, chunk: SignalChunk) -> list[Decision]:
-        """One decision for each window that the next samples complete."""
+        """Return one decision per window completed by the next samples."""
         return [decided(self._model, window) for window in self._front.windows(chunk)]
 
 
 def decided(model: EmgModel, window: Window) -> Decision:
-    """The most probable label of a filtered window."""
+    """Return the most probable label of a filtered window."""
     posterior = model.posterior(window.values)
     best = int(np.argmax(posterior))
     return Decision(window.time, model.labels[best], float(posterior[best]))
 
 
 def fit(windows: Sequence[Window], trials: Sequence[Trial]) -> EmgModel:
-    """The model of labelled windows; those that are not wholly within a trial are left out.
+    """Fit the model to the windows that lie entirely within a trial.
 
     Raises:
-        InputError: scikit-learn is not installed, or the trials are too few or of fewer than two labels.
+        InputError: If scikit-learn is not installed, or there are too few windows or labels.
     """
     analysis = _linear_discriminant_analysis()
     labelled = [(window, label) for window in windows if (label := label_at(window, trials)) is not None]
@@ -94,7 +95,7 @@ def fit(windows: Sequence[Window], trials: Sequence[Trial]) -> EmgModel:
     counts = {label: sum(other == label for _, other in labelled) for label in labels}
     if len(labels) < 2 or min(counts.values()) < _FEWEST_WINDOWS:
         raise InputError(
-            f"calibration needs two labels or more with {_FEWEST_WINDOWS} windows of {WINDOW:g} s each; "
+            f"calibration needs at least two labels with {_FEWEST_WINDOWS} windows of {WINDOW:g} s each; "
             f"it has {counts or 'none'}"
         )
     deadband = deadband_of(np.concatenate([window.values for window, _ in labelled]))
@@ -104,7 +105,7 @@ def fit(windows: Sequence[Window], trials: Sequence[Trial]) -> EmgModel:
 
 
 def label_at(window: Window, trials: Sequence[Trial]) -> str | None:
-    """The label of the trial that the window lies wholly in."""
+    """Return the label of the trial that contains the whole window, if any."""
     inside = (t.label for t in trials if t.start <= window.time - WINDOW and window.time <= t.end)
     return next(inside, None)
 

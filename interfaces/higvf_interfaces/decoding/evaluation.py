@@ -1,7 +1,7 @@
-"""How well a decoder does on a labelled recording: by trial, with its interval, and as the commands it would give.
+"""Evaluation of decoders on labelled recordings: accuracy by trial with its interval, and the resulting commands.
 
-Windows overlap and neighbours in time are alike, so they are never split between fitting and testing: the EMG model is
-fitted to all repetitions of the gestures but one and tested on that one.
+Overlapping and neighbouring windows are correlated, so windows of one trial are never split between training and test:
+the EMG model is trained on all repetitions of the gestures but one and tested on the one left out.
 """
 
 import math
@@ -19,25 +19,25 @@ from higvf_interfaces.decoding.ssvep import IDLE
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signals.records import SignalRecord
 
-STEERING = 0.7  # share of right decisions that control is usually said to need
-_Z = 1.96  # 95 %
+STEERING = 0.7  # accuracy commonly required for control
+_Z = 1.96  # normal quantile of a 95 % interval
 
 
 class Score(NamedTuple):
-    """What a decoder did.
+    """Scores of a decoder.
 
     Attributes:
-        decoder: its name.
-        trials: how many.
-        correct: how many of them were decided right, by the confidence of their windows.
-        windows: decisions within trials.
-        windows_correct: how many of them were right.
-        chance: share of trials that one constant answer would have right.
-        latency_s: median time from a trial's start to its right command [s]; NaN where none was right.
-        reached: trials that gave their right command at all.
-        wrong_commands: commands within trials that were not the trial's own.
-        minutes: of trials.
-        confusion: (cued, decided) -> trials.
+        decoder: name of the decoder.
+        trials: number of trials.
+        correct: number of trials with the correct label, decided by the summed confidence of their windows.
+        windows: number of decisions within trials.
+        windows_correct: number of correct decisions within trials.
+        chance: share of trials of the most frequent label.
+        latency_s: median time from the start of a trial to its correct command [s]; NaN without one.
+        reached: number of trials that gave their correct command.
+        wrong_commands: number of other commands within trials.
+        minutes: total duration of the trials [min].
+        confusion: number of trials by (cued, decided) label.
     """
 
     decoder: str
@@ -54,7 +54,7 @@ class Score(NamedTuple):
 
     @property
     def accuracy(self) -> float:
-        """Share of trials decided right."""
+        """Share of correct trials."""
         return self.correct / self.trials
 
     @property
@@ -69,10 +69,10 @@ class Score(NamedTuple):
 
 
 def score_emg(record: SignalRecord, trials: Sequence[Trial], mains: float) -> Score:
-    """Cross-validates the EMG decoder, leaving out one repetition of every gesture at a time.
+    """Cross-validate the EMG decoder, leaving out one repetition of every gesture at a time.
 
     Raises:
-        InputError: too few trials to leave one out.
+        InputError: If there are too few trials.
     """
     front = EmgFrontEnd(record.rate, mains)
     windows = [window for chunk in record.chunks() for window in front.windows(chunk)]
@@ -89,39 +89,39 @@ def score_emg(record: SignalRecord, trials: Sequence[Trial], mains: float) -> Sc
 
 
 def score_decoder(name: str, record: SignalRecord, trials: Sequence[Trial], decoder: Decoder, window: float) -> Score:
-    """Runs a decoder that needs no calibration over the whole recording.
+    """Evaluate a decoder that needs no calibration on the whole recording.
 
     Args:
-        name: of the decoder.
-        record: with the signal.
-        trials: in it.
-        decoder: at its start.
-        window: that each decision rests on [s]; only windows wholly within a trial decide it.
+        name: name of the decoder.
+        record: the signal.
+        trials: trials in the signal.
+        decoder: decoder in its initial state.
+        window: duration of a window [s]; only windows entirely within a trial decide the trial.
     """
     made = [decision for chunk in record.chunks() for decision in decoder.push(chunk)]
-    last_seen = [[d for d in made if t.start < d.time <= t.end] for t in trials]
-    pure = [[d for d in own if d.time - window >= t.start] for t, own in zip(trials, last_seen, strict=True)]
-    return score(name, trials, pure, last_seen)
+    during = [[d for d in made if t.start < d.time <= t.end] for t in trials]
+    pure = [[d for d in own if d.time - window >= t.start] for t, own in zip(trials, during, strict=True)]
+    return score(name, trials, pure, during)
 
 
 def score(
-    name: str, trials: Sequence[Trial], pure: Sequence[Sequence[Decision]], last_seen: Sequence[Sequence[Decision]]
+    name: str, trials: Sequence[Trial], pure: Sequence[Sequence[Decision]], during: Sequence[Sequence[Decision]]
 ) -> Score:
-    """The score of decisions by trial.
+    """Compute the scores of decisions by trial.
 
     Args:
-        name: of the decoder.
-        trials: n of them.
-        pure: n lists of decisions that rest on the trial alone; they decide it.
-        last_seen: n lists of all decisions made during the trial; they go through the debouncer to become commands.
+        name: name of the decoder.
+        trials: n trials.
+        pure: for each trial, the decisions whose window lies entirely within it; they decide the trial.
+        during: for each trial, all decisions made during it; the debouncer turns them into commands.
 
     Raises:
-        InputError: there are no trials, or none holds a decision.
+        InputError: If there are no trials, or no trial contains a decision.
     """
     if not any(pure):
         raise InputError(f"{name}: none of the {len(trials)} trials is long enough for a decision")
     verdicts = [_elected(own) for own in pure]
-    commands = [_commands(own) for own in last_seen]
+    commands = [_commands(own) for own in during]
     hits = [next((c.time - t.start for c in given if c.label == t.label), math.nan)
             for t, given in zip(trials, commands, strict=True)]  # fmt: skip
     cued = [trial.label for trial in trials]
@@ -142,14 +142,14 @@ def score(
 
 
 def false_commands_per_minute(decisions: Sequence[Decision], evidence: Evidence) -> float:
-    """Commands per minute that a decoder gives where nobody means any; `decisions` in order of time."""
+    """Return the commands per minute from `decisions`, in order of time, that contain no intended command."""
     if len(decisions) < 2:
         return math.nan
     return len(_commands(decisions, evidence)) / (decisions[-1].time - decisions[0].time) * 60.0
 
 
 def wilson(successes: int, count: int) -> tuple[float, float]:
-    """Wilson's 95 % interval of a share, which stays within [0, 1] also for few trials."""
+    """Return Wilson's 95 % interval of a proportion; it stays within [0, 1] for few trials too."""
     share, z2 = successes / count, _Z**2 / count
     centre = (share + z2 / 2) / (1 + z2)
     half = math.sqrt(share * (1 - share) * z2 + z2**2 / 4) / (1 + z2)
@@ -157,18 +157,18 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
 
 
 def verdict(result: Score) -> str:
-    """Whether the signal can carry the task, in a sentence."""
+    """Summarise in one sentence whether the signal suffices for control."""
     low, _ = result.interval
     if low <= result.chance:
-        return "The signal cannot carry the task: this is not better than guessing."
+        return "The signal is unusable for control: the accuracy is not above chance."
     if result.accuracy < STEERING:
-        return f"The signal is too weak to steer with: control is usually said to need {STEERING:.0%} right."
+        return f"The signal is too weak for control, which commonly requires an accuracy of {STEERING:.0%}."
     if result.reached < STEERING * result.trials:
         given = f"only {result.reached} of {result.trials} trials gave their command"
-        return f"The signal tells the classes apart, but not firmly: {given}."
+        return f"The decisions are accurate but rarely pass the debouncer: {given}."
     if low < STEERING:
-        return f"Promising, not shown: with so few trials, less than {STEERING:.0%} right cannot be ruled out."
-    return "The signal carries the task."
+        return f"Inconclusive: with so few trials, an accuracy below {STEERING:.0%} cannot be ruled out."
+    return "The signal suffices for control."
 
 
 def _repetitions(trials: Sequence[Trial]) -> list[int]:
@@ -181,7 +181,7 @@ def _repetitions(trials: Sequence[Trial]) -> list[int]:
 
 
 def _elected(decisions: Sequence[Decision]) -> str:
-    """The label with the most confidence behind it, idleness aside; empty where there is none."""
+    """Return the label with the highest summed confidence, idle excluded; empty without one."""
     votes: dict[str, float] = {}
     for decision in decisions:
         if decision.label != IDLE:
@@ -190,7 +190,7 @@ def _elected(decisions: Sequence[Decision]) -> str:
 
 
 def _commands(decisions: Sequence[Decision], evidence: Evidence = STREAMING) -> list[Decision]:
-    """The decisions that come through the debouncer."""
+    """Return the decisions that pass the debouncer."""
     state = Debounced()
     given: list[Decision] = []
     for decision in decisions:

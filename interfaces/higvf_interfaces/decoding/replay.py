@@ -1,4 +1,4 @@
-"""A decoder at work on a recording of raw signals, on the session clock: `decoder=lda` or `decoder=ssvep`."""
+"""Replay of raw signals through a decoder on the session clock: `decoder=lda` or `decoder=ssvep`."""
 
 import math
 from collections.abc import Sequence
@@ -26,21 +26,21 @@ _MAINS = 50.0  # [Hz]
 
 
 class Labelled(NamedTuple):
-    """Trials on the clock of their recording, and what was done to put them there."""
+    """Trials on the clock of their recording, and notes on the alignment."""
 
     trials: list[Trial]
     notes: Sequence[str]
 
 
 class DecoderFeed:
-    """Decisions that a decoder makes of a recording as its samples fall due."""
+    """Feed of the decisions of a decoder on a recording."""
 
     def __init__(self, record: SignalRecord, decoder: Decoder, notes: Sequence[str], start: float) -> None:
-        """Plays `record` from session time `start` on [s]; decisions before 0 are not given.
+        """Play `record` shifted by `start` [s]; decisions before session time 0 are dropped.
 
-        The chunks before 0, which may hold minutes, are decoded here, once for all plays.
+        The chunks before session time 0 may last minutes; they are decoded here, once for all replays.
         """
-        self._record, self._start, self._said = record, start, tuple(notes)
+        self._record, self._start, self._decoder_notes = record, start, tuple(notes)
         self.labels: Sequence[str] = decoder.labels
         self._skipped = 0
         for chunk in takewhile(lambda chunk: chunk.times[-1] + start < 0, record.chunks()):
@@ -51,12 +51,12 @@ class DecoderFeed:
 
     @property
     def notes(self) -> Sequence[str]:
-        """What was repaired in the recording, and how the decoder was calibrated."""
-        return (*self._said, *self._record.notes)
+        """Notes on the decoder's calibration and the repairs of the recording."""
+        return (*self._decoder_notes, *self._record.notes)
 
     @property
     def started(self) -> bool:
-        """Whether any decision has been made."""
+        """Whether a decision has been made."""
         return self._count > 0
 
     @property
@@ -65,7 +65,7 @@ class DecoderFeed:
         return self._chunk is None
 
     def due(self, now: float) -> list[Due]:
-        """Decisions that the samples up to session time `now` [s] have completed."""
+        """Return the decisions completed by the samples up to session time `now` [s]."""
         if now < self._now:
             self._restart()
         self._now = now
@@ -84,7 +84,7 @@ class DecoderFeed:
         return given
 
     def _shifted(self, chunk: SignalChunk) -> SignalChunk:
-        """A chunk on the session clock."""
+        """Return a chunk on the session clock."""
         return SignalChunk(chunk.times + self._start, chunk.values)
 
     def _restart(self) -> None:
@@ -95,10 +95,10 @@ class DecoderFeed:
 
 
 def decoder_feed(source: str, options: Fields, start: float) -> DecoderFeed:
-    """The feed that an input's options describe.
+    """Open the feed that an input's options describe.
 
     Raises:
-        InputError: the recording, its calibration or an option cannot be used.
+        InputError: If the recording, its calibration or an option is invalid.
     """
     beside = options.text("calibration") if options.has("calibration") else ""
     record = read_signals(source, _request_of(source, beside, options))
@@ -106,15 +106,15 @@ def decoder_feed(source: str, options: Fields, start: float) -> DecoderFeed:
 
 
 def make_decoder(source: str, record: SignalRecord, options: Fields) -> tuple[Decoder, Sequence[str]]:
-    """The decoder that an input's options describe, and what there is to say of it.
+    """Return the decoder that an input's options describe, and notes on its calibration.
 
     Args:
-        source: file that `record` was read from; empty for a live stream.
-        record: what is to be decoded: its channels and rate.
-        options: of the input.
+        source: file of `record`; empty for a live stream.
+        record: signal to decode; only its channels and rate are used.
+        options: options of the input.
 
     Raises:
-        InputError: the calibration or an option cannot be used.
+        InputError: If the calibration or an option is invalid.
     """
     kind = options.choice("decoder", "", tuple(DECODERS))
     mains = options.number("mains", _MAINS, 0.0, 1000.0, "Hz")
@@ -124,25 +124,25 @@ def make_decoder(source: str, record: SignalRecord, options: Fields) -> tuple[De
 
 
 def ssvep_decoder(record: SignalRecord, options: Fields, mains: float) -> SsvepDecoder:
-    """The SSVEP decoder of `record` that the options describe.
+    """Return the SSVEP decoder of `record` that the options describe.
 
     Raises:
-        InputError: an option cannot be used.
+        InputError: If an option is invalid.
     """
     window, hop = options.number("window", WINDOW, 0.2, 10.0, "s"), options.number("hop", HOP, 0.02, 10.0, "s")
     return SsvepDecoder(_targets(options), record.rate, mains, window, hop)
 
 
 def labelled(source: str, record: SignalRecord, options: Fields) -> Labelled:
-    """The trials of a labelled recording, by the options `markers` (another file), `marker_stream` and `trial_s`.
+    """Read the trials of a labelled recording; options `markers`, `marker_stream` and `trial_s`.
 
     Args:
         source: file of the recording.
-        record: its signal, on whose clock the trials are.
-        options: of the input.
+        record: its signal, which defines the clock of the trials.
+        options: options of the input.
 
     Raises:
-        InputError: there are no markers, they make no trials, or none of them lies within the recording.
+        InputError: If there are no markers, they define no trials, or none lies within the recording.
     """
     length = options.number("trial_s", None, 0.1, 3600.0, "s") if options.has("trial_s") else None
     marked = options.text("markers") if options.has("markers") else source
@@ -150,21 +150,24 @@ def labelled(source: str, record: SignalRecord, options: Fields) -> Labelled:
     log = read_decisions(marked, SignalRequest(None, stream, signal_request(options).rate, (), "marker_stream"))
     kept = _same(marked, source) and log.epoch == record.epoch
     shift = 0.0 if kept else shift_to(record, log, marked)
-    notes = (f"the markers were moved by {shift:+.3f} s, onto the clock of the recording",) if shift else ()
+    notes = (f"the markers were shifted by {shift:+.3f} s to the clock of the recording",) if shift else ()
     return Labelled(trials_of([d._replace(time=d.time + shift) for d in log.decisions], length), notes)
 
 
 def calibrated(source: str, request: SignalRequest, options: Fields, mains: float) -> tuple[EmgModel, Sequence[str]]:
-    """The EMG model of a labelled recording, and what was done to its markers.
+    """Fit the EMG model to a labelled recording.
 
     Args:
         source: file of the recording.
-        request: how it is to be read.
-        options: of the input.
-        mains: frequency to be notched [Hz].
+        request: how to read it.
+        options: options of the input.
+        mains: mains frequency [Hz].
+
+        Returns:
+            The model, and notes on the markers.
 
     Raises:
-        InputError: the recording has no channels of that kind, or too few trials.
+        InputError: If the recording lacks a requested channel or has too few trials.
     """
     record = read_signals(source, request)
     trials, notes = labelled(source, record, options)
@@ -181,16 +184,16 @@ def _lda(source: str, record: SignalRecord, options: Fields, mains: float) -> tu
     if len(model.deadband) != len(record.names):
         options.fail(
             f"calibration: {calibration} has {len(model.deadband)} channels and the recording {len(record.names)}; "
-            "choose the same by channels=NAME+NAME"
+            "choose the same channels by channels=NAME+NAME"
         )
-    praised = " of the recording that it decodes, so it looks better than it is" if own else ""
+    overlap = " of the recording that it decodes, so its accuracy is overestimated" if own else ""
     until = f" up to {options.values['calibrate_to']} s" if options.has("calibrate_to") else ""
-    notes = [f"calibrated on {len(model.labels)} labels{praised}{until}", *moved]
+    notes = [f"calibrated on {len(model.labels)} labels{overlap}{until}", *moved]
     return EmgDecoder(model, record.rate, mains), notes
 
 
 def _request_of(file: str, beside: str, options: Fields) -> SignalRequest:
-    """How a recording, or the calibration beside it, is to be read: `stream` is for those of both that are XDF."""
+    """Return how to read `file`; the option `stream` is dropped if only the other file, `beside`, is XDF."""
     request = signal_request(options)
     elsewhere = request.stream is not None and bool(beside) and not _is_xdf(file) and _is_xdf(beside)
     return request._replace(stream=None) if elsewhere else request
@@ -201,12 +204,12 @@ def _is_xdf(source: str) -> bool:
 
 
 def _same(one: str, other: str) -> bool:
-    """Whether two names are of one file; the empty name of a live stream is of none."""
+    """Return whether two names refer to the same file; False for the empty name of a live stream."""
     return bool(other) and named(one).resolve() == named(other).resolve()
 
 
 def _targets(options: Fields) -> dict[str, float]:
-    """`targets=robot1@30+robot2@20`, or a mapping in a scenario; frequencies in Hz."""
+    """Return frequency [Hz] by label: `targets=robot1@30+robot2@20`, or a mapping in a scenario."""
     if isinstance(options.values.get("targets"), dict):
         given = list(options.mapping("targets").items())
     else:

@@ -1,8 +1,9 @@
-"""Which flickering target a person looks at, from EEG: filter-bank CCA with sham targets that catch idleness.
+"""SSVEP decoder `ssvep`: filter-bank CCA with sham targets to detect idleness.
 
-The nearest frequencies that do not flicker (shams) correlate with the background as well as a target does when nobody
-looks at it. Under white noise of nu degrees of freedom a frequency's log-likelihood ratio is -nu/2 log(1 - R^2); the
-posterior over targets and shams, which have the higher prior, gives the confidence; the shams' share is that of `idle`.
+Shams are frequencies near a target at which nothing flickers; they correlate with the background EEG as well as an
+unattended target does. Under white noise of nu degrees of freedom the log-likelihood ratio of a frequency is
+-nu/2 log(1 - R^2). The confidence is the posterior over targets and shams, where shams have the higher prior; the
+posterior of all shams is the confidence of `idle`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,29 +21,30 @@ from higvf_interfaces.formats.signals.records import SignalChunk
 IDLE = "idle"
 WINDOW, HOP = 1.0, 0.25  # [s]
 HARMONICS = 2
-IDLE_ODDS = 10.0  # prior odds of a sham against a target: people mostly look elsewhere
+IDLE_ODDS = 10.0  # prior odds of a sham against a target, because people mostly look elsewhere
 _BAND_TOP = 88.0  # [Hz]
-_BAND_EDGE = 2.0  # a sub-band starts so far below the lowest target's harmonic [Hz]
-_SHAMS = (-3.0, -2.0, 2.0, 3.0)  # distances of the shams from a target, in 1 / window
+_BAND_EDGE = 2.0  # distance from the lower edge of a sub-band to the harmonic of the lowest target [Hz]
+_SHAMS = (-3.0, -2.0, 2.0, 3.0)  # offsets of the shams from a target, in units of 1 / window
 
 
 class SsvepDecoder:
-    """Says at each window which target is looked at, or `idle`."""
+    """Decides for each window which target is looked at, or `idle`."""
 
     def __init__(
         self, targets: Mapping[str, float], rate: float, mains: float, window: float = WINDOW, hop: float = HOP
     ) -> None:
-        """A decoder of flickers.
+        """Design filters and references.
 
         Args:
-            targets: label -> frequency of the flicker [Hz].
-            rate: of the samples [Hz].
-            mains: frequency of the mains [Hz]; 0 = none.
-            window: that a decision rests on [s].
-            hop: from decision to decision [s].
+            targets: flicker frequency of each label [Hz].
+            rate: sampling rate [Hz].
+            mains: mains frequency [Hz]; 0 for none.
+            window: duration of a window [s].
+            hop: time between decisions [s].
 
         Raises:
-            InputError: fewer than two targets, two of them too near for the window, or one without a usable harmonic.
+            InputError: If there are fewer than two targets, two are too close for the window, or one has no usable
+                harmonic.
         """
         self.labels: Sequence[str] = (*targets, IDLE)
         frequencies = list(targets.values())
@@ -66,12 +68,12 @@ class SsvepDecoder:
         self._references = [reference(f, multiples, samples, rate) for f, multiples in tried]
 
     def restart(self) -> None:
-        """Forgets the samples."""
+        """Clear the state."""
         for part in (*self._bands, *self._windows):
             part.restart()
 
     def push(self, chunk: SignalChunk) -> list[Decision]:
-        """One decision for each window that the next samples complete."""
+        """Return one decision per window completed by the next samples."""
         bands = [
             list(window.push(chunk._replace(values=band.filtered(chunk.values))))
             for band, window in zip(self._bands, self._windows, strict=True)
@@ -84,7 +86,7 @@ class SsvepDecoder:
         return decisions
 
     def posterior(self, bands: Sequence[Floats]) -> Floats:
-        """Probability of each label, shape (k + 1,), given the window in each sub-band, (n, c) each."""
+        """Return the probability of each label (k + 1,) for a window in each sub-band, (n, c) each."""
         bases = [basis(band) for band in bands]
         shared = [
             sum(w * canonical_correlation(b, r) ** 2 for w, b in zip(self._weights, bases, strict=True))
@@ -99,7 +101,7 @@ class SsvepDecoder:
 
 def _check(targets: Mapping[str, float], window: float) -> None:
     if len(targets) < 2:
-        raise InputError(f"targets: {dict(targets)}: SSVEP needs two flickers or more, such as targets=1@30+2@20")
+        raise InputError(f"targets: {dict(targets)}: SSVEP needs at least two flickers, such as targets=1@30+2@20")
     ordered = sorted(targets.values())
     nearest = float(np.min(np.diff(ordered)))
     if ordered[0] <= 3 or nearest < 1 / window:

@@ -1,4 +1,4 @@
-"""Trials of a labelled recording: spans between "0s" and "0e", or a given time behind each onset."""
+"""Trials of a labelled recording: intervals between markers such as "0s" and "0e", or of fixed length."""
 
 import re
 from collections.abc import Sequence
@@ -10,44 +10,45 @@ from higvf_interfaces.formats.signals import bids_events, brainvision, edf
 from higvf_interfaces.formats.signals.records import SignalRecord
 
 _SPAN = re.compile(r"(.*?)[\s_-]*(s|start|onset|e|end|offset)", re.IGNORECASE | re.DOTALL)
-_FROM_START = (bids_events.NAME, brainvision.NAME, edf.MARKED_NAME)  # their times count from the recording's start
+_FROM_START = (bids_events.NAME, brainvision.NAME, edf.MARKED_NAME)  # formats with times from the recording's start
 
 
 def trials_of(markers: Sequence[Decision], length: float | None) -> list[Trial]:
-    """The trials that markers cut out, in order of time.
+    """Return the trials that markers define, in order of time.
 
-    Markers that come in pairs of start and end make spans; else each marker starts a trial of `length`.
+    Pairs of start and end markers define intervals. Without pairs, each marker starts a trial of `length`.
 
     Args:
         markers: in order of time.
-        length: of a trial without an end marker [s]; None = unknown.
+        length: duration of a trial without end marker [s]; None if unknown.
 
     Raises:
-        InputError: there are no pairs and `length` is not given.
+        InputError: If there are no pairs and `length` is None.
     """
     spans = _spans(markers)
     if spans:
         return spans
     if length is None:
         raise InputError(
-            f"the {len(markers)} markers are no pairs such as '1s' ... '1e'; give trial_s=SECONDS, which a trial lasts"
+            f"the {len(markers)} markers are not pairs such as '1s' ... '1e'; give the duration of a trial: "
+            "trial_s=SECONDS"
         )
     return [Trial(marker.label, marker.time, marker.time + length) for marker in markers]
 
 
 def shift_to(record: SignalRecord, log: CommandLog, place: str) -> float:
-    """What puts the markers of another file on the clock of a signal [s].
+    """Return the shift that aligns the markers of another file with the clock of a signal [s].
 
-    Both tell the device's time at their 0. A log below an hour does not say whether it counts by the device or from the
-    signal's start: it is taken so that most of it lies within the signal, by the device where both fit alike.
+    Both files give the device time of their time 0. A log that starts below one hour may use device time or count from
+    the start of the signal; the shift with more markers within the signal is chosen, device time on a tie.
 
     Args:
         record: the signal.
         log: the markers.
-        place: file of the markers, for the message.
+        place: file of the markers, for error messages.
 
     Raises:
-        InputError: no marker lies within the signal.
+        InputError: If no marker lies within the signal.
     """
     ends = [(float(chunk.times[0]), float(chunk.times[-1])) for chunk in record.chunks() if len(chunk.times)]
     first, last = (ends[0][0], ends[-1][1]) if ends else (0.0, 0.0)
@@ -59,7 +60,7 @@ def shift_to(record: SignalRecord, log: CommandLog, place: str) -> float:
         raise InputError(
             f"{place}: none of its {len(log.decisions)} markers lies within the recording: they are from {begin:.3f} "
             f"to {end:.3f} s, the recording from {first + record.epoch:.3f} to {last + record.epoch:.3f} s; both files "
-            "must have one clock"
+            "must use the same clock"
         )
     return shifts[inside.index(max(inside))]
 

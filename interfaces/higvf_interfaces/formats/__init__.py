@@ -1,1 +1,1 @@
-"""Readers of recorded formats, found by what a file holds, never by its name alone: `reading` is the entrance."""
+"""Readers of recorded files. `reading` and `signals.reading` detect the format from the content and read the file."""

@@ -1,4 +1,4 @@
-"""Device times -> one increasing clock, block by block, with every repair counted."""
+"""Repair of device times: converts them to strictly increasing times, block by block, and counts the repairs."""
 
 import math
 from pathlib import Path
@@ -7,37 +7,44 @@ import numpy as np
 
 from higvf_console.core.arrays import Floats, Ints, floats, ints
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.records import MAX_HOLE, log_start
+from higvf_interfaces.formats.records import MAX_GAP, log_start
 
-_SAME_TIME = 1e-5  # samples nearer in time are one, given twice [s]
-_RESTART = 1.0  # a step back by more is a restarted clock, by less a row out of order [s]
-_USUAL_STEP = 1e-3  # between samples, until one has been seen [s]
-_COARSEST = (("s", 0.5), ("ms", 500.0), ("μs", 5e5))  # steps between gaze samples lie below, in that unit
+_SAME_TIME = 1e-5  # samples closer in time are duplicates [s]
+_RESTART = 1.0  # a larger step back is a clock restart, a smaller one a row out of order [s]
+_USUAL_STEP = 1e-3  # assumed time between samples until it is known [s]
+_COARSEST = (("s", 0.5), ("ms", 500.0), ("μs", 5e5))  # upper bound of the time step between gaze samples in each unit
 
 
 class GazeClock:
-    """Repairs device times: rows without a time or out of order go, restarts are joined on, long holes shortened."""
+    """Repairs device times: drops rows without time or out of order, joins clock restarts, shortens long gaps."""
 
-    def __init__(self, path: Path, start: float | None, longest_hole: float = MAX_HOLE) -> None:
-        """Starts a recording.
+    def __init__(self, path: Path, start: float | None, longest_gap: float = MAX_GAP) -> None:
+        """Start at the beginning of a recording.
 
         Args:
-            path: of the file, for messages.
-            start: of the first sample [s]; None = its own time where that is below an hour, else 0.
-            longest_hole: longer ones are shortened to this [s].
+            path: path of the file, for messages.
+            start: session time of the first sample [s]; None means its own time if below one hour, otherwise 0.
+            longest_gap: longer gaps are shortened to this [s].
         """
         self._path = path
-        self._start, self._limit = start, longest_hole
+        self._start, self._limit = start, longest_gap
         self._raw = math.nan  # newest device time [s]
-        self._now = 0.0  # its place on the repaired clock [s]
-        self._reached = -np.inf  # newest time that was kept [s]
+        self._now = 0.0  # the same instant on the repaired clock [s]
+        self._reached = -np.inf  # newest time kept [s]
         self._step = _USUAL_STEP
-        self._untimed = self._restarts = self._holes = self._late = 0
+        self._untimed = self._restarts = self._gaps = self._late = 0
         self._longest = 0.0
-        self.epoch = 0.0  # device time of 0 [s]
+        self.epoch = 0.0  # device time at time 0 [s]
 
     def repair(self, seconds: Floats) -> tuple[Floats, Ints]:
-        """Strictly increasing times (m,) near 0 [s] of a block of device times (n,), and the row of each (m,)."""
+        """Repair a block of device times.
+
+        Args:
+            seconds: device times (n,) [s]; NaN if missing.
+
+        Returns:
+            Strictly increasing times (m,) [s] that start near 0, and the row of each (m,).
+        """
         timed = np.flatnonzero(np.isfinite(seconds))
         self._untimed += len(seconds) - len(timed)
         if not len(timed):
@@ -55,43 +62,43 @@ class GazeClock:
         return time[advancing], ints(timed[advancing])
 
     def check(self) -> None:
-        """To be called at the recording's end.
+        """Check at the end of the recording that it had times.
 
         Raises:
-            InputError: no row had a time.
+            InputError: If no row had a time.
         """
         if math.isnan(self._raw):
             raise InputError(f"{self._path}: no row has a time")
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has been repaired so far, in words."""
-        said = (
-            (self._untimed, f"{self._untimed} rows without a time left out"),
-            (self._restarts, f"the clock restarts {self._restarts} times: joined on"),
-            (self._holes, f"{self._holes} holes, the longest {self._longest:.0f} s, shortened to {self._limit:.0f} s"),
-            (self._late, f"{self._late} rows out of order or doubled left out"),
+        """Repairs so far."""
+        repairs = (
+            (self._untimed, f"{self._untimed} rows without a time dropped"),
+            (self._restarts, f"{self._restarts} clock restarts joined"),
+            (self._gaps, f"{self._gaps} gaps shortened to {self._limit:.0f} s, the longest {self._longest:.0f} s"),
+            (self._late, f"{self._late} rows out of order or duplicate dropped"),
         )
-        return tuple(text for count, text in said if count)
+        return tuple(text for count, text in repairs if count)
 
     def _steps(self, raw: Floats) -> Floats:
-        with np.errstate(over="ignore"):  # a wild time makes an infinite step, which is then repaired
+        with np.errstate(over="ignore"):  # an extreme time gives an infinite step, which is repaired below
             steps = np.diff(raw, prepend=self._raw)
-        forward = steps[(steps > 0) & (steps <= MAX_HOLE)]
+        forward = steps[(steps > 0) & (steps <= MAX_GAP)]
         self._step = float(np.median(forward)) if len(forward) else self._step
         restarts = steps < -_RESTART
         steps[restarts] = self._step
-        holes = steps > self._limit
-        if holes.any():
-            self._longest = max(self._longest, float(steps[holes].max()))
-            steps[holes] = self._limit
+        gaps = steps > self._limit
+        if gaps.any():
+            self._longest = max(self._longest, float(steps[gaps].max()))
+            steps[gaps] = self._limit
         self._restarts += int(np.count_nonzero(restarts))
-        self._holes += int(np.count_nonzero(holes))
+        self._gaps += int(np.count_nonzero(gaps))
         return floats(steps)
 
 
 def unit_by_steps(times: Floats) -> str:
-    """The unit in which the steps between device times (n,) are those of an eye tracker: s, ms, μs or ns."""
+    """Infer the unit of device times (n,) from their median step, assuming an eye tracker: s, ms, μs or ns."""
     steps = np.diff(times[np.isfinite(times)])
     steps = steps[steps > 0]
     typical = float(np.median(steps)) if len(steps) else 1.0

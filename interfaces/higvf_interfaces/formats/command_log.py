@@ -1,6 +1,6 @@
-"""Logs of decoded commands, as tables `time,label[,confidence]` or as JSON lines with the same keys.
+"""Command logs: CSV tables `time,label[,confidence]`, or JSON lines with the same keys.
 
-A log without times is refused, unless a person says the period from entry to entry.
+A log without times is rejected unless the period between entries is given.
 """
 
 import itertools
@@ -19,36 +19,36 @@ CSV_NAME, JSON_NAME = "command-csv", "command-jsonl"
 CSV_TITLE = "command log CSV (time,label[,confidence])"
 JSON_TITLE = 'command log JSON lines ({"time": 1.5, "label": "fist", "confidence": 0.9})'
 LABELS = ("label", "command", "marker", "event")
-_RECORDING = "recording"  # what the first line of the console's own recordings says
-_WAY_OUT = "a log without times is replayed only with period=SECONDS"
+_RECORDING = "recording"  # key in the first line of the console's own recordings
+_WAY_OUT = "a log without times needs period=SECONDS"
 
 
 class _Entry(NamedTuple):
     place: str
     time: float
     label: str
-    confidence: object  # as the file has it; None or empty = unknown
+    confidence: object  # as in the file; None or empty means unknown
 
 
 def matches_labels(file: TextFile) -> bool:
-    """Whether the header names a label; the times may be missing."""
+    """Return whether the header has a label column; a time column is optional."""
     return not matches_jsonl(file) and file.find(*LABELS) is not None
 
 
 def matches_jsonl(file: TextFile) -> bool:
-    """Whether the first line begins a JSON object."""
+    """Return whether the first line begins a JSON object."""
     return file.first_line.lstrip().startswith("{")
 
 
 def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
-    """Reads a table.
+    """Read a CSV table.
 
     Args:
-        file: with a header row.
-        period: from row to row of a table without times [s].
+        file: file with a header row.
+        period: time between rows, for a table without times [s].
 
     Raises:
-        InputError: no time or label column, no row with both, or a confidence outside [0, 1].
+        InputError: If a time or label column is missing, no row has both, or a confidence is outside [0, 1].
     """
     time, label, confidence = file.find(*TIMES), file.find(*LABELS), file.find("confidence")
     if time is None and period is None:
@@ -59,24 +59,25 @@ def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
     entries: list[_Entry] = []
     notes: list[str] = []
     for index, row in enumerate(file.rows(notes), start=1):
-        said = as_label(cell(row, label)), cell(row, confidence)
-        entries.append(_Entry(f"row {index}", seconds(cell(row, time)), *said))
+        content = as_label(cell(row, label)), cell(row, confidence)
+        entries.append(_Entry(f"row {index}", seconds(cell(row, time)), *content))
     return _log(file, entries, CSV_NAME, notes, period)
 
 
 def read_jsonl(file: TextFile, period: float | None = None) -> CommandLog:
-    """Reads JSON lines; a line that is not an object (the torn end of a log, say) is left out and noted.
+    """Read JSON lines; lines that are not objects, such as a truncated last line, are dropped with a note.
 
     Args:
-        file: with an object a line.
-        period: from line to line of a log without times [s].
+        file: file with one object per line.
+        period: time between lines, for a log without times [s].
 
     Raises:
-        InputError: no line with a time and a label, a confidence outside [0, 1], or a recording of the console.
+        InputError: If no line has a time and a label, a confidence is outside [0, 1], or the file is a recording of the
+            console.
     """
     broken: list[int] = []
     entries = list(_objects(file, broken))
-    notes = [f"{len(broken)} lines that are not JSON objects left out, the first is line {broken[0]}"] if broken else []
+    notes = [f"{len(broken)} lines that are not JSON objects dropped, first: line {broken[0]}"] if broken else []
     return _log(file, entries, JSON_NAME, notes, period)
 
 
@@ -93,7 +94,7 @@ def _objects(file: TextFile, broken: list[int]) -> Iterator[_Entry]:
             continue
         fields = cast(dict[str, object], entry)
         if _RECORDING in fields and not any(key in fields for key in LABELS):
-            raise InputError(f"{file.path}: is a recording of this console; play it by: higvf replay {file.path}")
+            raise InputError(f"{file.path}: is a recording of this console; play it with: higvf replay {file.path}")
         label = next((fields[key] for key in LABELS if key in fields), "")
         time = _number(next((fields[key] for key in TIMES if key in fields), None))
         time = time * 1e-3 if "time_ms" in fields else without_milliseconds(time)
@@ -109,18 +110,18 @@ def _log(file: TextFile, entries: list[_Entry], name: str, notes: list[str], per
         if period is None:
             raise InputError(f"{file.path}: no entry has a time; {_WAY_OUT}")
         entries = [entry._replace(time=number * period) for number, entry in enumerate(entries)]
-        notes.append(f"no times in the file: indexed at the period given, {period:g} s")
+        notes.append(f"no times in the file: entries spaced by the given period, {period:g} s")
     usable = [entry for entry in entries if math.isfinite(entry.time) and entry.label]
     if not usable:
         raise InputError(f"{file.path}: no entry has both a time and a label")
     if len(usable) < len(entries):
-        notes.append(f"{len(entries) - len(usable)} entries without a time or a label left out")
+        notes.append(f"{len(entries) - len(usable)} entries without time or label dropped")
     if any(later.time < earlier.time for earlier, later in itertools.pairwise(usable)):
         notes.append("entries out of order: sorted by time")
     usable.sort(key=lambda entry: entry.time)
     start = log_start(usable[0].time)
     if start:
-        notes.append(f"times count from an epoch: {start:.3f} s became 0")
+        notes.append(f"times count from an epoch: shifted by {-start:.3f} s")
     decisions = tuple(Decision(e.time - start, e.label, _confidence(file, e)) for e in usable)
     return CommandLog(decisions, start, name, tuple(notes))
 

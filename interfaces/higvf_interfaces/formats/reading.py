@@ -1,4 +1,4 @@
-"""The entrance to all readers: tells formats apart by content, or takes the one that `format=` names."""
+"""Reading of gaze recordings: detects the format from the content, or uses the option `format`."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -22,13 +22,13 @@ from higvf_interfaces.formats.gaze import (
     tobii_research,
 )
 from higvf_interfaces.formats.gaze import plain as gaze_csv
-from higvf_interfaces.formats.records import ANYTHING, MAX_HOLE, GazeBlock, GazeRecording, GazeStream, Wanted
+from higvf_interfaces.formats.records import ANYTHING, MAX_GAP, GazeBlock, GazeRecording, GazeStream, Wanted
 from higvf_interfaces.formats.text import TextFile, look
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 
 
 class GazeFormat(NamedTuple):
-    """A format of gaze: its short name, what it is, and how to know it and begin to read it."""
+    """A gaze format: its name and title, and functions to recognise and open it."""
 
     name: str
     title: str
@@ -36,10 +36,10 @@ class GazeFormat(NamedTuple):
     begin: Callable[[TextFile, Wanted], GazeStream]
 
     def stream(self, file: TextFile, wanted: Wanted) -> GazeStream:
-        """Begins to read.
+        """Open a file in this format.
 
         Raises:
-            InputError: the file lacks what the format needs, or a stream or channel is wanted and it has but one.
+            InputError: If the file lacks a required part, or a stream or channel is selected and the format is not XDF.
         """
         chosen = [f"{option}={value[:80]}" for option, value in wanted._asdict().items() if value is not None]
         if chosen and self.name != gaze_xdf.NAME:
@@ -47,7 +47,7 @@ class GazeFormat(NamedTuple):
         return self.begin(file, wanted)
 
 
-# From the most particular to the most general: the first that matches is taken.
+# From the most specific to the most general: the first match is used.
 GAZE_FORMATS: tuple[GazeFormat, ...] = (
     GazeFormat(gaze_xdf.NAME, gaze_xdf.TITLE, gaze_xdf.matches, gaze_xdf.stream),
     GazeFormat(neon_native.NAME, neon_native.TITLE, neon_native.matches, neon_native.stream),
@@ -65,21 +65,21 @@ GAZE_FORMATS: tuple[GazeFormat, ...] = (
 
 
 class KnownFormat(Protocol):
-    """What every format says of itself."""
+    """Attributes common to all formats."""
 
     @property
     def name(self) -> str:
-        """The short name that `format=` takes."""
+        """Name, as given to the option `format`."""
         ...
 
     @property
     def title(self) -> str:
-        """What it is."""
+        """Title, for messages."""
         ...
 
     @property
     def matches(self) -> Callable[..., bool]:
-        """Whether a `TextFile` looks like it."""
+        """Function that returns whether a `TextFile` has this format."""
         ...
 
 
@@ -87,19 +87,19 @@ _Known = TypeVar("_Known", bound=KnownFormat)
 
 
 class GazeFile:
-    """A gaze recording being read block by block, on one clock that starts near 0."""
+    """A gaze recording that is read block by block, with repaired times that start near 0."""
 
     def __init__(self, path: Path, stream: GazeStream) -> None:
-        """Takes what a format yields."""
+        """Wrap the stream of a format."""
         self.stream = stream
         self._path = path
-        self._clock = GazeClock(path, stream.start, math.inf if stream.in_step else MAX_HOLE)
+        self._clock = GazeClock(path, stream.start, math.inf if stream.in_step else MAX_GAP)
 
     def blocks(self) -> Iterator[GazeBlock]:
-        """The samples, once, at strictly increasing times; where the file breaks off later, its readable part.
+        """Yield the samples once, at strictly increasing times; a file damaged later on yields its readable part.
 
         Raises:
-            InputError: no row has a time, or the file cannot be read from its start.
+            InputError: If no row has a time, or not even the first block can be read.
         """
         readable = False
         try:
@@ -111,35 +111,35 @@ class GazeFile:
         except InputError as problem:
             if not readable:
                 raise
-            self.stream.notes.append(f"the readable part is used: {problem}")
+            self.stream.notes.append(f"only the readable part is used: {problem}")
         self._clock.check()
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has been repaired or assumed so far, in words."""
+        """Repairs and assumptions so far."""
         return (*self.stream.notes, *self._clock.notes)
 
     @property
     def epoch(self) -> float:
-        """The device's own time at time 0 [s]."""
+        """Device time at time 0 [s]."""
         return self.stream.epoch + self._clock.epoch
 
 
 def stream_gaze(source: str, format_name: str | None = None, wanted: Wanted = ANYTHING) -> GazeFile:
-    """Begins to read a gaze recording of any length.
+    """Open a gaze recording of any length.
 
     Raises:
-        InputError: the file is missing or empty, of no known format, or lacks what its format needs.
+        InputError: If the file is missing, empty or unrecognised, or lacks a required part of its format.
     """
     file = look(source)
     return GazeFile(file.path, choose_format(file, format_name, GAZE_FORMATS).stream(file, wanted))
 
 
 def read_gaze(source: str, format_name: str | None = None, wanted: Wanted = ANYTHING) -> GazeRecording:
-    """Reads a gaze recording whole.
+    """Read a whole gaze recording.
 
     Raises:
-        InputError: as `stream_gaze`, or the recording is without times or valid gaze.
+        InputError: As `stream_gaze`, or if the recording has no times or no valid gaze.
     """
     file = stream_gaze(source, format_name, wanted)
     blocks = list(file.blocks())
@@ -162,10 +162,10 @@ def read_gaze(source: str, format_name: str | None = None, wanted: Wanted = ANYT
 
 
 def choose_format(file: TextFile, name: str | None, formats: Sequence[_Known]) -> _Known:
-    """The format called `name`; without one, the first that the file's content matches.
+    """Return the format called `name`, or without a name the first one that matches the content.
 
     Raises:
-        InputError: none is; the message gives the choices.
+        InputError: If there is none; the message lists the choices.
     """
     for known in formats:
         if known.name == name or (name is None and known.matches(file)):
@@ -176,7 +176,7 @@ def choose_format(file: TextFile, name: str | None, formats: Sequence[_Known]) -
 
 
 def unknown_format(file: TextFile, sought: Sequence[tuple[str, str]]) -> InputError:
-    """The refusal of a file that is none of the formats sought, given as name and title."""
+    """Return the error for an unrecognised file; `sought` lists name and title of the formats tried."""
     titles = "; ".join(f"{name}: {title}" for name, title in sought)
-    held = f"its first line has: {file.titles}" if file.head else "it is a folder without a recording in it"
-    return InputError(f"{file.path}: not a known format ({titles}); {held}")
+    held = f"its first line has: {file.titles}" if file.head else "it is a folder without a recording"
+    return InputError(f"{file.path}: unrecognised format; {held}; formats tried: {titles}")

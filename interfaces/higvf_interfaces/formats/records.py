@@ -1,4 +1,7 @@
-"""What every reader yields: one record for gaze and one for decoded commands, on one clock that starts near 0."""
+"""Records of all readers: gaze readers yield `GazeStream`s, readers of decoded labels return `CommandLog`s.
+
+Times start near 0.
+"""
 
 from collections.abc import Iterable, Iterator
 from itertools import islice
@@ -9,14 +12,14 @@ import numpy as np
 from higvf_console.core.arrays import Bools, Floats, bools, floats
 
 FRAMES = ("arena", "screen", "unit")
-SCENE_FRAMES = {"scene": "screen", "scene-unit": "unit"}  # of a camera on the head, and what it is taken as on demand
+SCENE_FRAMES = {"scene": "screen", "scene-unit": "unit"}  # frame of a head-mounted camera -> frame it may be read as
 TOP_LEFT, BOTTOM_LEFT = "top left", "bottom left"
 ORIGINS = (TOP_LEFT, BOTTOM_LEFT)
-MAX_HOLE = 10.0  # a longer hole between samples is shortened to this [s]
-EPOCH_FROM = 3600.0  # a log that starts later counts from some epoch, not from the start of a run [s]
-BLOCK = 256  # samples read at once: what is held of a long recording, and what one poll of its replay may cost
+MAX_GAP = 10.0  # longer gaps between samples are shortened to this [s]
+EPOCH_FROM = 3600.0  # a log that starts later counts from an epoch, not from the start of a run [s]
+BLOCK = 256  # samples read at once; bounds the memory and the time of one poll
 
-Row: TypeAlias = tuple[float, float, float, bool, float]  # time [s], x, y, vouched for, confidence
+Row: TypeAlias = tuple[float, float, float, bool, float]  # time [s], x, y, valid, confidence
 
 
 class GazeRecording(NamedTuple):
@@ -25,15 +28,15 @@ class GazeRecording(NamedTuple):
     Attributes:
         time: (n,) strictly increasing [s].
         points: (n, 2) in `frame`; NaN where missing.
-        valid: (n,) whether the tracker vouches for the sample; implies finite points.
-        confidence: (n,) in [0, 1]; None where the format has none.
-        frame: arena [m], screen [px] or unit (0..1 of the screen); scene [px] or scene-unit where a camera on the head
-            is the frame; None where the file does not say.
-        screen: width and height of the recording's screen [px]; None where the file does not say.
-        epoch: the device's own time at `time` = 0 [s].
+        valid: (n,) whether the sample is valid; implies finite points.
+        confidence: (n,) in [0, 1]; None if the format has none.
+        frame: arena [m], screen [px] or unit (0..1 of the screen); scene [px] or scene-unit for a head-mounted camera;
+            None if the file does not specify it.
+        screen: width and height of the recording's screen [px]; None if unknown.
+        epoch: device time at `time` = 0 [s].
         format: name of the format.
-        notes: what was repaired or assumed, in words.
-        origin: where 0, 0 of a screen or scene is; y runs away from it.
+        notes: repairs and assumptions.
+        origin: corner of the screen or scene at coordinates 0, 0; y increases away from it.
     """
 
     time: Floats
@@ -49,12 +52,12 @@ class GazeRecording(NamedTuple):
 
 
 class GazeBlock(NamedTuple):
-    """Neighbouring samples of a recording.
+    """Consecutive samples of a recording.
 
     Attributes:
         time: (n,) [s].
-        points: (n, 2) as the file has them; NaN where missing.
-        valid: (n,) whether the tracker vouches for the sample; implies finite points.
+        points: (n, 2) as in the file; NaN where missing.
+        valid: (n,) whether the sample is valid; implies finite points.
         confidence: (n,) in [0, 1]; NaN where unknown.
     """
 
@@ -65,7 +68,7 @@ class GazeBlock(NamedTuple):
 
 
 class StreamInfo(NamedTuple):
-    """One stream of a file that holds several."""
+    """Metadata of one stream in a file with several streams; `rate` [Hz]."""
 
     name: str
     type: str
@@ -75,21 +78,21 @@ class StreamInfo(NamedTuple):
 
 
 class GazeStream(NamedTuple):
-    """A gaze recording being read, block by block: what a format module yields.
+    """An open gaze recording, as returned by a format's module.
 
     Attributes:
         format: name of the format.
         columns: titles of the columns or channels used.
         frame: as in `GazeRecording`.
-        blocks: the samples, once, on the device's clock [s]; NaN where the time is missing.
-        notes: what was repaired or assumed; grows while the blocks are read.
+        blocks: iterator over the samples, on the device's clock [s]; NaN where the time is missing.
+        notes: repairs and assumptions; grows while the blocks are read.
         origin: as in `GazeRecording`.
         screen: as in `GazeRecording`.
-        start: session time of the first sample [s]; None = its own time where that is below an hour, else 0.
-        in_step: whether markers or signals on the same clock lie beside it, so that its holes stay as long as they are.
-        has_confidence: whether the format gives one.
-        epoch: device time that has been taken off the blocks' times already [s].
-        streams: all streams of the file, where it holds several.
+        start: session time of the first sample [s]; None means its own time if below one hour, otherwise 0.
+        in_step: whether the clock is shared with markers or signals, so that gaps must not be shortened.
+        has_confidence: whether the file has confidences.
+        epoch: device time already subtracted from the times of the blocks [s].
+        streams: all streams of the file, if it holds several.
     """
 
     format: str
@@ -107,7 +110,7 @@ class GazeStream(NamedTuple):
 
 
 class Wanted(NamedTuple):
-    """What the operator says of a file that may hold several streams: names or numbers from 1; None = unsaid."""
+    """Selection of a stream and its channels in an XDF file, by name or number from 1; None if not selected."""
 
     stream: str | None = None
     x: str | None = None
@@ -118,21 +121,21 @@ ANYTHING = Wanted()
 
 
 def blocks_of(rows: Iterable[Row]) -> Iterator[GazeBlock]:
-    """Rows, `BLOCK` at a time; a sample without finite coordinates is not valid."""
+    """Group rows into blocks of `BLOCK` samples; a sample without finite coordinates is invalid."""
     rows = iter(rows)
     while batch := list(islice(rows, BLOCK)):
         table = floats(batch, -1, 5)
         yield block_of(table[:, 0], table[:, 1:3], bools(table[:, 3] > 0), table[:, 4])
 
 
-def block_of(time: Floats, points: Floats, vouched: Bools, confidence: Floats | None = None) -> GazeBlock:
-    """A block of which only samples with finite coordinates are valid."""
+def block_of(time: Floats, points: Floats, valid: Bools, confidence: Floats | None = None) -> GazeBlock:
+    """Make a block; a sample without finite coordinates is invalid."""
     known = np.full(len(time), np.nan) if confidence is None else floats(confidence)
-    return GazeBlock(floats(time), floats(points), bools(vouched & np.isfinite(points).all(axis=1)), known)
+    return GazeBlock(floats(time), floats(points), bools(valid & np.isfinite(points).all(axis=1)), known)
 
 
 class Decision(NamedTuple):
-    """One decoded label; `confidence` in [0, 1], or None where the log has none."""
+    """One decoded label at `time` [s]; `confidence` in [0, 1], or None if unknown."""
 
     time: float
     label: str
@@ -140,7 +143,7 @@ class Decision(NamedTuple):
 
 
 class CommandLog(NamedTuple):
-    """Decisions of one channel in order of time, as `GazeRecording` describes `epoch`, `format` and `notes`."""
+    """Decisions of one channel in order of time; see `GazeRecording` for the other attributes."""
 
     decisions: tuple[Decision, ...]
     epoch: float
@@ -149,5 +152,5 @@ class CommandLog(NamedTuple):
 
 
 def log_start(first: float) -> float:
-    """Device time that becomes 0 in a log whose first entry is at `first` [s]."""
+    """Return the device time that becomes time 0 in a log whose first entry is at `first` [s]."""
     return first if first >= EPOCH_FROM or first < 0 else 0.0

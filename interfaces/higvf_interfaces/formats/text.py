@@ -1,4 +1,4 @@
-"""Text tables as people export them: any Unicode encoding, tabs, commas or semicolons, decimal comma or point."""
+"""Text tables: detection of encoding, compression, delimiter and columns, and row-by-row reading."""
 
 import codecs
 import contextlib
@@ -17,10 +17,16 @@ from typing import IO, NamedTuple
 from higvf_console.core.errors import InputError
 from higvf_interfaces.paths import named
 
-TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "us": 1e-6, "ns": 1e-9}  # [s]; NFKC makes both mu this one
-_HEAD = 65_536  # bytes that settle encoding and delimiter
-_LONGEST_LINE = 1_000_000  # letters; what has none shorter is no text
-_MS_FROM = 1e11  # an epoch that large counts milliseconds, not seconds
+TIME_UNITS = {
+    "s": 1.0,
+    "ms": 1e-3,
+    "μs": 1e-6,
+    "us": 1e-6,
+    "ns": 1e-9,
+}  # [s]; NFKC maps both characters for mu to this one
+_HEAD = 65_536  # bytes used to detect encoding and delimiter
+_LONGEST_LINE = 1_000_000  # characters; a file with a longer line is not text
+_MS_FROM = 1e11  # larger time stamps are in milliseconds, not seconds
 _WHOLE = re.compile(r"([+-]?\d+)[.,]0")
 _GZIP = b"\x1f\x8b"
 _BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
@@ -36,17 +42,17 @@ class Column(NamedTuple):
 
 
 class TextFile(NamedTuple):
-    """A file, looked at: enough to tell formats apart and, where it is text, to read it row by row.
+    """A file with the properties needed to detect its format and to read it as a text table.
 
     Attributes:
-        path: a file, or a folder that a device wrote.
-        encoding: of the text.
-        delimiter: of its cells.
-        complete: whether the last line has its end.
-        first_line: that is not empty.
-        columns: its cells.
-        head: the first bytes, unpacked; empty for a folder.
-        packed: whether gzip packed it.
+        path: a file, or a folder written by a device.
+        encoding: encoding of the text.
+        delimiter: delimiter of the cells.
+        complete: whether the last line ends with a line break.
+        first_line: first line that is not empty.
+        columns: cells of that line.
+        head: first bytes, decompressed; empty for a folder.
+        packed: whether the file is compressed with gzip.
     """
 
     path: Path
@@ -60,12 +66,12 @@ class TextFile(NamedTuple):
 
     @property
     def titles(self) -> str:
-        """The column titles as a list for messages, cut where they are many."""
+        """The column titles as text for messages, shortened if there are many."""
         shown = [column.title[:60] for column in self.columns[:40]]
         return ", ".join(shown) + (f", and {len(self.columns) - 40} more" if len(self.columns) > 40 else "")
 
     def find(self, *names: str, units: tuple[str, ...] | None = None) -> Column | None:
-        """The first column with one of `names` (in that order of preference) and, where given, one of `units`."""
+        """Return the first column with one of `names`, in order of preference, and one of `units` if given."""
         for name in names:
             for column in self.columns:
                 if column.name == name and (units is None or column.unit in units):
@@ -73,33 +79,33 @@ class TextFile(NamedTuple):
         return None
 
     def lines(self, notes: list[str] | None = None, *, blank: bool = False) -> Iterator[str]:
-        """Lines without their ends, one by one.
+        """Yield the lines without line breaks.
 
         Args:
-            notes: what says so where packed data end too early.
-            blank: whether empty lines are given, too.
+            notes: receives a note if compressed data end prematurely.
+            blank: whether to include empty lines.
 
         Raises:
-            InputError: it is no text, or can no longer be read.
+            InputError: If the file is not text or cannot be read.
         """
         try:
             with self._open() as stream:
                 while line := stream.readline(_LONGEST_LINE):
                     if len(line) == _LONGEST_LINE:
-                        raise InputError(f"{self.path}: has a line of over {_LONGEST_LINE} letters: it is no text")
+                        raise InputError(f"{self.path}: is not text: a line exceeds {_LONGEST_LINE} characters")
                     if blank or line.strip():
                         yield line.rstrip("\n")
         except (EOFError, zlib.error):
             if notes is not None:
-                notes.append("the packed data end too early: the readable part is used")
+                notes.append("the compressed data end prematurely: only the readable part is used")
         except OSError as problem:
             raise InputError(f"{self.path}: cannot be read: {problem}") from problem
 
     def rows(self, notes: list[str]) -> Iterator[list[str]]:
-        """Cells of each row below the header; a last row that is torn is left out, and `notes` say so.
+        """Yield the cells of each row below the header; a truncated last row is dropped with a note.
 
         Raises:
-            InputError: the text is no table.
+            InputError: If the text is not a table.
         """
         quoting = csv.QUOTE_NONE if self.delimiter == "\t" else csv.QUOTE_MINIMAL
         reader = csv.reader(self.lines(notes), delimiter=self.delimiter, quoting=quoting)
@@ -111,14 +117,14 @@ class TextFile(NamedTuple):
                     yield last
                 last = row
             if last is not None and not self.complete and len(last) < len(self.columns):
-                notes.append("the last row is torn: left out")
+                notes.append("truncated last row dropped")
             elif last is not None:
                 yield last
         except csv.Error as problem:
             raise InputError(f"{self.path}: is not a table: {problem}") from problem
 
     def first_rows(self, count: int) -> list[list[str]]:
-        """Cells of at most `count` rows below the header, as far as they can be read."""
+        """Return the cells of at most `count` rows below the header, as far as they are readable."""
         rows: list[list[str]] = []
         with contextlib.suppress(InputError):
             rows.extend(itertools.islice(self.rows([]), count))
@@ -131,10 +137,10 @@ class TextFile(NamedTuple):
 
 
 def look(source: str) -> TextFile:
-    """Opens a file or a folder far enough to tell what it is.
+    """Open a file or folder and detect its properties.
 
     Raises:
-        InputError: no file is named, there is no such file, it cannot be read, or it is empty.
+        InputError: If no file is named, or the file is missing, unreadable or empty.
     """
     if not source:
         raise InputError("no file is given; write CHANNEL=FILE")
@@ -169,18 +175,18 @@ def look(source: str) -> TextFile:
 
 
 def cell(row: list[str], column: Column | None) -> str:
-    """The text of a cell, plain; empty where column or cell is missing."""
+    """Return the text of a cell; empty if the column or the cell is missing."""
     return plain(row[column.place]) if column is not None and column.place < len(row) else ""
 
 
 def plain(text: str) -> str:
-    """A cell without the blanks around it and the quotes that some programs put around all texts of a table."""
+    """Strip surrounding blanks and quotation marks, which some programs put around all text cells."""
     text = text.strip()
     return text[1:-1].strip() if len(text) > 1 and text[0] == text[-1] == '"' else text
 
 
 def number(text: str) -> float:
-    """A number written with decimal point or comma; NaN where it is missing or none."""
+    """Parse a number with decimal point or comma; NaN if it is missing, invalid or infinite."""
     if "," in text:
         grouping = "." if text.rfind(",") > text.rfind(".") else ","
         text = text.replace(grouping, "").replace(",", ".")
@@ -192,17 +198,17 @@ def number(text: str) -> float:
 
 
 def epoch_seconds(text: str) -> float:
-    """A stamp in seconds or, where it is that large, in milliseconds since an epoch, in seconds."""
+    """Parse a time stamp without unit to seconds; see `without_milliseconds`."""
     return without_milliseconds(number(text))
 
 
 def without_milliseconds(stamp: float) -> float:
-    """A stamp that has no unit, in seconds: so large a one counts milliseconds since an epoch."""
+    """Convert a time stamp without unit to seconds; a value above 1e11 counts milliseconds since an epoch."""
     return stamp * 1e-3 if stamp > _MS_FROM else stamp
 
 
 def as_label(value: object) -> str:
-    """A label as it is known: the number 1 is `1`, also where a program wrote it as 1.0; empty where it is none."""
+    """Normalise a label: the numbers 1 and 1.0 give `1`; a value that is neither text nor number gives ``."""
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         return ""
     if isinstance(value, float):
@@ -213,7 +219,7 @@ def as_label(value: object) -> str:
 
 
 def _ends(path: Path) -> tuple[bytes, bytes, bool]:
-    """The first bytes, unpacked; the last two; and whether gzip packed them."""
+    """Return the first bytes, decompressed; the last two bytes; and whether the file is compressed with gzip."""
     with path.open("rb") as stream:
         head = stream.read(_HEAD)
         stream.seek(max(0, stream.seek(0, os.SEEK_END) - 2))
@@ -222,7 +228,7 @@ def _ends(path: Path) -> tuple[bytes, bytes, bool]:
         return head, tail, False
     unpacker = zlib.decompressobj(wbits=31)
     try:
-        return unpacker.decompress(head[:-8], _HEAD), tail, True  # a wrong checksum behind them is told by the reader
+        return unpacker.decompress(head[:-8], _HEAD), tail, True  # the reader reports a wrong checksum
     except zlib.error:
         return head, tail, False
 

@@ -1,1 +1,1 @@
-"""Gaze as operator input: recordings, fixations, calibration, attention."""
+"""Gaze interface: playback, fixation detection, calibration, attention measures."""

@@ -1,8 +1,8 @@
-"""What the operator looked at, and how unforeseeably: the target of each fixation, the entropy of going between them.
+"""Attention measures: assignment of fixations to targets, and gaze transition entropy.
 
-Workload follows the literature's simplest signs: under load fixations become longer or fewer, and gaze goes round
-between areas less predictably. Krejtz et al., "Gaze transition entropy", ACM Trans. Appl. Percept. 13(1), 2015. They
-compare one operator's runs with one another; there is no scale across people.
+Under workload, fixations become longer or fewer, and transitions between areas become less predictable (Krejtz et al.,
+"Gaze transition entropy", ACM Trans. Appl. Percept. 13(1), 2015). The measures compare runs of one operator; they are
+not comparable between people.
 """
 
 import math
@@ -15,13 +15,16 @@ from higvf_console.core.arrays import Floats, Ints, ints
 ELSEWHERE = -1
 
 
-def looked_at(points: Floats, targets: Floats, reach: Floats) -> Ints:
-    """The target of each fixation (k,): the one whose border is nearest, within it; else ELSEWHERE.
+def fixated_targets(points: Floats, targets: Floats, reach: Floats) -> Ints:
+    """Assign each fixation to the target with the nearest border, if the fixation lies inside that border.
 
     Args:
-        points: (k, 2) centroids [m].
-        targets: (k, t, 2) where the targets were during each fixation [m], or (t, 2) where they never move.
-        reach: (t,) or (k, t) how far from its centre a target is still looked at: its radius and what gaze is off [m].
+        points: (k, 2) fixation centroids [m].
+        targets: (k, t, 2) positions of the targets during each fixation [m], or (t, 2) if they do not move.
+        reach: (t,) or (k, t) radius of each target plus the gaze error [m].
+
+        Returns:
+            Index of the target of each fixation (k,), or `ELSEWHERE`.
     """
     if not len(points) or not targets.shape[-2]:
         return ints(np.full(len(points), ELSEWHERE))
@@ -33,19 +36,19 @@ def looked_at(points: Floats, targets: Floats, reach: Floats) -> Ints:
 
 
 class Transitions:
-    """How gaze goes from area to area, counted as it goes: what each step costs does not grow with their number."""
+    """Gaze transitions between areas, counted incrementally: the cost of a transition is constant."""
 
     def __init__(self) -> None:
-        """Starts before the first area."""
+        """Start without transitions."""
         self._steps: Counter[tuple[int, int]] = Counter()
         self._left: Counter[int] = Counter()
         self._areas: set[int] = set()
         self._at: int | None = None
         self._count = 0
-        self._surprise = 0.0  # sum of n log2 n over the areas that were left, minus that over the steps
+        self._surprise = 0.0  # sum of n log2 n over the areas left, minus the sum over the transitions
 
     def add(self, area: int) -> None:
-        """Gaze is on an area, by number; on the same one again counts as a step too."""
+        """Count a transition to `area`, an area number; a transition to the same area counts too."""
         if self._at is not None:
             step = (self._at, area)
             self._surprise += _growth(self._left[self._at]) - _growth(self._steps[step])
@@ -57,10 +60,10 @@ class Transitions:
 
     @property
     def entropy(self) -> float:
-        """Entropy of the next area given this one, in [0, 1]; NaN with fewer than two steps.
+        """Normalised transition entropy in [0, 1]; NaN with fewer than two transitions, 0 with one area.
 
-        H = -sum_i p(i) sum_j p(j | i) log2 p(j | i), weighted by how often gaze left each of the n areas that were
-        looked at, over what chance among them would give, log2(n); 0 where there is one area.
+        H = -sum_i p(i) sum_j p(j | i) log2 p(j | i), divided by log2(n), the entropy of random transitions between
+        the n areas seen; p(i) is the share of the transitions that leave area i.
         """
         if self._count < 2:
             return math.nan
@@ -70,6 +73,6 @@ class Transitions:
 
 
 def _growth(count: int) -> float:
-    """By how much n log2 n grows when n = `count` becomes one more."""
+    """Return the increase of n log2 n from n = `count` to n = `count` + 1."""
     before = count * math.log2(count) if count else 0.0
     return (count + 1) * math.log2(count + 1) - before

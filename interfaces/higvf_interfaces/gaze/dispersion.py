@@ -1,28 +1,31 @@
-"""Fixations by dispersion (I-DT): the longest stretches of gaze that stay within a small window.
+"""Dispersion-based fixation detection (I-DT): the longest runs of gaze that stay within a small window.
 
 Salvucci and Goldberg, "Identifying fixations and saccades in eye-tracking protocols", ETRA 2000. A window of the
-shortest duration slides on until gaze stays within it, then grows for as long as it does.
+shortest duration slides until the dispersion is within the limit, then grows while it stays within the limit.
 """
 
 import numpy as np
 
 from higvf_console.core.arrays import Bools, Floats, Ints, bools, ints
 
-_STEP = 64  # samples by which a stretch grows at first
+_STEP = 64  # samples by which a run grows at first
 
 
 def still_stretches(
     time: Floats, points: Floats, steady: Bools, within: float, shortest: float, longest_gap: float
 ) -> tuple[Ints, Ints]:
-    """First and last sample of each stretch whose width plus height stays within a limit.
+    """Find the runs of samples whose dispersion (width plus height) stays within a limit.
 
     Args:
         time: (n,) strictly increasing [s].
-        points: (n, 2) [px]; finite where steady.
-        steady: (n,) samples that may belong to a fixation; another one ends a stretch.
-        within: the limit [px].
-        shortest: shorter stretches are none [s].
-        longest_gap: a hole in time that is longer ends a stretch [s].
+        points: (n, 2) [px]; finite where `steady`.
+        steady: (n,) samples that may belong to a fixation; any other sample ends a run.
+        within: limit of the dispersion [px].
+        shortest: minimum duration of a run [s].
+        longest_gap: a longer gap in time ends a run [s].
+
+        Returns:
+            Indices of the first and last sample of each run, (m,) each.
     """
     firsts: list[int] = []
     lasts: list[int] = []
@@ -43,7 +46,7 @@ def still_stretches(
 
 
 def covered(count: int, first: Ints, last: Ints) -> Bools:
-    """Whether each of `count` samples lies in one of the stretches from `first` to `last` inclusive."""
+    """Return whether each of `count` samples lies in a run from `first` to `last` inclusive."""
     edges = np.zeros(count + 1, dtype=np.int64)
     np.add.at(edges, first, 1)
     np.add.at(edges, last + 1, -1)
@@ -63,7 +66,7 @@ def _dispersion(points: Floats) -> float:
 
 
 def _grown(points: Floats, begin: int, last: int, stop: int, within: float) -> int:
-    """The last sample up to which [begin, ...] stays within the limit."""
+    """Return the last sample of the longest run from `begin` that stays within the limit."""
     low, high, step = points[begin : last + 1].min(axis=0), points[begin : last + 1].max(axis=0), _STEP
     while last < stop:
         more = points[last + 1 : min(last + step, stop) + 1]

@@ -1,20 +1,20 @@
-"""A button that gaze presses by resting on it: the clutch of an operator whose hands are full."""
+"""Dwell button: an on-screen button that the operator presses by looking at it."""
 
 from typing import NamedTuple
 
-DWELL = 0.8  # gaze must rest on the button for so long [s]
-REFRACTORY = 0.6  # after a press, before the next may begin [s]
-GLANCE = 0.1  # gaze may leave for so long, as it does in a blink, without losing its progress [s]
+DWELL = 0.8  # dwell time of a press [s]
+REFRACTORY = 0.6  # pause after a press [s]
+GLANCE = 0.1  # gaze may leave the button this long, for example in a blink, without resetting the progress [s]
 
 
 class DwellButton(NamedTuple):
-    """Where a button stands.
+    """State of a button.
 
     Attributes:
-        pressed: whether it has just been pressed, in this step alone.
-        progress: share of the dwell time that has passed, for the ring round the button.
-        since: when gaze came to rest on it [s]; None = it does not.
-        left: when gaze left it while its progress still counts [s]; None = it has not.
+        pressed: whether this step completed a press.
+        progress: elapsed share of the dwell time, shown as a ring.
+        since: session time at which gaze entered the button [s]; None if gaze is elsewhere.
+        left: session time at which gaze left the button [s]; None if gaze is on it or the progress is lost.
         free_from: end of the refractory time [s].
     """
 
@@ -29,13 +29,13 @@ IDLE = DwellButton()
 
 
 def step(button: DwellButton, time: float, on: bool, dwell: float = DWELL) -> DwellButton:
-    """The button at session `time` [s].
+    """Advance the button to session `time`.
 
     Args:
-        button: as it was.
-        time: not before the last step's.
-        on: whether gaze is on the button now.
-        dwell: how long it must rest there [s].
+        button: previous state.
+        time: session time, non-decreasing [s].
+        on: whether gaze is on the button.
+        dwell: dwell time of a press [s].
     """
     if time < button.free_from:
         return DwellButton(free_from=button.free_from)

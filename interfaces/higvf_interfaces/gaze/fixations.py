@@ -1,11 +1,11 @@
-"""Gaze samples -> fixations, as eye-tracking software finds them: by velocity (I-VT) or by dispersion (I-DT).
+"""Fixation detection by velocity (I-VT) or by dispersion (I-DT), as in eye-tracking software.
 
-    fill short gaps -> cut around blinks -> angular speed -> threshold -> runs -> merge near ones -> drop short ones
-                                        \\-> stretches of small dispersion ---/
+    fill short gaps -> cut around blinks -> angular speed -> threshold -> runs -> merge close runs -> drop short runs
+                                        \\-> runs of small dispersion -------------/
 
 Salvucci and Goldberg, "Identifying fixations and saccades in eye-tracking protocols", ETRA 2000; Olsen, "The Tobii I-VT
-fixation filter", 2012. Points are in screen pixels; `px_per_deg` turns them into degrees of visual angle (about 38 on
-a 24-inch screen of 1920 pixels seen from 60 cm). All functions are pure and take a whole recording.
+fixation filter", 2012. Points are in screen pixels; `px_per_deg` converts them to degrees of visual angle (about 38 on
+a 24-inch screen of 1920 pixels at 60 cm). All functions are pure and take a whole recording.
 """
 
 from typing import NamedTuple
@@ -21,33 +21,33 @@ METHODS = (IVT, IDT)
 
 
 class Thresholds(NamedTuple):
-    """What parts a fixation from a saccade."""
+    """Parameters of fixation detection."""
 
-    longest_filled: float = 0.075  # gap that is filled by a straight line [s]
-    blink_margin: float = 0.05  # cut on both sides of a longer gap: the lid drags the gaze along [s]
-    window: float = 0.033  # over which speed is measured [s]
-    speed: float = 30.0  # from which a sample belongs to a saccade [deg/s]
-    merge_time: float = 0.075  # fixations nearer in time ... [s]
-    merge_angle: float = 0.5  # ... and in angle are one [deg]
-    shortest: float = 0.06  # shorter ones are dropped [s]
-    dispersion: float = 1.0  # I-DT: what a fixation may cover, its width plus its height [deg]
-    shortest_by_dispersion: float = 0.1  # I-DT: shorter ones are none [s]
+    longest_filled: float = 0.075  # longest gap that is interpolated [s]
+    blink_margin: float = 0.05  # cut on both sides of a longer gap: the eyelid distorts gaze there [s]
+    window: float = 0.033  # window over which speed is measured [s]
+    speed: float = 30.0  # minimum speed of a saccade [deg/s]
+    merge_time: float = 0.075  # fixations closer in time ... [s]
+    merge_angle: float = 0.5  # ... and in angle are merged [deg]
+    shortest: float = 0.06  # shorter fixations are dropped [s]
+    dispersion: float = 1.0  # I-DT: largest width plus height of a fixation [deg]
+    shortest_by_dispersion: float = 0.1  # I-DT: shortest fixation [s]
 
 
 THRESHOLDS = Thresholds()
 
 
 class Classified(NamedTuple):
-    """A recording, sample by sample and as m fixations.
+    """A classified recording of n samples and m fixations.
 
     Attributes:
         time: (n,) [s].
-        points: (n, 2) with short gaps filled [px]; NaN where missing.
-        seen: (n,) whether there is gaze, short gaps included.
-        steady: (n,) `seen` without what lies beside a blink.
-        fixating: (n,) whether the sample is slow, or still, enough to belong to a fixation.
-        first: (m,) first sample of each fixation.
-        last: (m,) its last sample.
+        points: (n, 2) gaze with short gaps filled [px]; NaN where missing.
+        seen: (n,) whether gaze is known, filled gaps included.
+        steady: (n,) `seen` without the samples next to a blink.
+        fixating: (n,) whether the sample meets the criterion of speed (I-VT) or dispersion (I-DT).
+        first: (m,) index of the first sample of each fixation.
+        last: (m,) index of the last sample of each fixation.
     """
 
     time: Floats
@@ -60,7 +60,7 @@ class Classified(NamedTuple):
 
 
 class Fixation(NamedTuple):
-    """A rest of the eye: its `start` and `end` [s], and its centroid `point` (2,) [px, or m once mapped]."""
+    """A fixation: its `start` and `end` [s] and its centroid `point` (2,) [px, or m after mapping to the ground]."""
 
     start: float
     end: float
@@ -76,16 +76,16 @@ def classify(
     method: str = IVT,
     begin: int = 0,
 ) -> Classified:
-    """Finds the fixations of a recording.
+    """Find the fixations of a recording.
 
     Args:
         time: (n,) strictly increasing [s].
         points: (n, 2) [px].
-        valid: (n,) whether the tracker vouches for the sample.
-        px_per_deg: pixels in one degree of visual angle.
-        limits: what parts a fixation from a saccade.
+        valid: (n,) whether the sample is valid.
+        px_per_deg: pixels per degree of visual angle.
+        limits: parameters of the detection.
         method: one of `METHODS`.
-        begin: the sample from which fixations may begin; those before only help to fill, cut and measure.
+        begin: first sample that a fixation may contain; earlier samples are only context for the filters.
     """
     filled, seen = fill_gaps(time, points, valid, limits.longest_filled)
     steady = cut_blinks(time, seen, limits.longest_filled, limits.blink_margin)
@@ -104,26 +104,26 @@ def classify(
 
 
 def centroid(gaze: Classified, first: int, last: int) -> Floats:
-    """Mean (2,) of the fixating samples from `first` to `last` inclusive [px]."""
+    """Return the mean (2,) of the fixating samples from `first` to `last` inclusive [px]."""
     inside = slice(first, last + 1)
     return floats(gaze.points[inside][gaze.fixating[inside]].mean(axis=0))
 
 
 def fixation(gaze: Classified, first: int, last: int) -> Fixation:
-    """The fixation from sample `first` to `last` inclusive, in pixels."""
+    """Return the fixation from sample `first` to `last` inclusive, in pixels."""
     return Fixation(float(gaze.time[first]), float(gaze.time[last]), centroid(gaze, first, last))
 
 
 def fixations_of(gaze: Classified) -> list[Fixation]:
-    """All fixations, in order of time, in pixels."""
+    """Return all fixations in order of time, in pixels."""
     return [fixation(gaze, *ends) for ends in zip(gaze.first.tolist(), gaze.last.tolist(), strict=True)]
 
 
 def fill_gaps(time: Floats, points: Floats, valid: Bools, longest: float) -> tuple[Floats, Bools]:
-    """Straight lines through gaps between valid samples of at most `longest` [s].
+    """Interpolate linearly across gaps of at most `longest` [s] between valid samples.
 
     Returns:
-        The points (n, 2), NaN where nothing is known, and whether each is known (n,).
+        The points (n, 2), NaN where unknown, and whether each point is known (n,).
     """
     known = np.flatnonzero(valid)
     if not len(known):
@@ -139,13 +139,13 @@ def fill_gaps(time: Floats, points: Floats, valid: Bools, longest: float) -> tup
 
 
 def cut_blinks(time: Floats, seen: Bools, longest_filled: float, margin: float) -> Bools:
-    """`seen` without the samples within `margin` [s] of a gap that was too long to fill.
+    """Return `seen` without the samples within `margin` [s] of a gap too long to fill.
 
-    A gap is a run of unseen samples, or a hole in time longer than `longest_filled`.
+    A gap is a run of unseen samples, or a gap in time longer than `longest_filled` [s].
     """
     lost = time[~seen]
-    hole = np.flatnonzero(np.diff(time) > longest_filled)
-    edges = np.sort(np.concatenate([lost, time[hole] + 1e-9, time[hole + 1] - 1e-9]))
+    gap = np.flatnonzero(np.diff(time) > longest_filled)
+    edges = np.sort(np.concatenate([lost, time[gap] + 1e-9, time[gap + 1] - 1e-9]))
     if not len(edges):
         return seen
     right = np.searchsorted(edges, time)
@@ -156,9 +156,9 @@ def cut_blinks(time: Floats, seen: Bools, longest_filled: float, margin: float) 
 
 
 def angular_speed(time: Floats, points: Floats, steady: Bools, px_per_deg: float, window: float) -> Floats:
-    """Speed (n,) between the ends of a window round each sample [deg/s]; NaN where it cannot be told.
+    """Return the angular speed (n,) [deg/s] across a window around each sample; NaN where undefined.
 
-    The window shrinks at the border of a run of steady samples.
+    The window shrinks at the ends of a run of steady samples.
     """
     if len(time) < 2:
         return np.full(len(time), np.nan)
@@ -177,7 +177,7 @@ def angular_speed(time: Floats, points: Floats, steady: Bools, px_per_deg: float
 
 
 def runs(time: Floats, fixating: Bools, longest_gap: float) -> tuple[Ints, Ints]:
-    """First and last sample of each run of fixating samples; a hole in time ends a run."""
+    """Return the first and last sample of each run of fixating samples; a gap over `longest_gap` [s] ends a run."""
     padded = np.concatenate([[False], fixating, [False]])
     broken = np.concatenate([[False], np.diff(time) > longest_gap, [False]])
     starts = padded[1:] & (~padded[:-1] | broken)
@@ -188,7 +188,7 @@ def runs(time: Floats, fixating: Bools, longest_gap: float) -> tuple[Ints, Ints]
 def merge(
     time: Floats, points: Floats, fixating: Bools, first: Ints, last: Ints, *, longest_gap: float, reach: float
 ) -> tuple[Ints, Ints]:
-    """Joins neighbouring runs that are at most `longest_gap` [s] and `reach` [px] apart."""
+    """Merge neighbouring runs that are at most `longest_gap` [s] and `reach` [px] apart."""
     firsts: list[int] = []
     lasts: list[int] = []
     centres: list[Floats] = []

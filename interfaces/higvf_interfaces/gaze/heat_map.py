@@ -1,36 +1,43 @@
-"""Where gaze has been, as a picture over the arena: counts on a coarse grid, blurred, in the turbo colours."""
+"""Heat map of gaze: counts on a coarse grid over the arena, blurred, in the turbo colour map."""
 
-import cv2
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.optional import optional
 from higvf_console.core.viewport import Arena
 
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "devices")
+
 _COARSE = 4  # pixels of the picture in one cell of the grid
-_FAINT = 0.02  # share of the peak below which the picture is clear
+_FAINT = 0.02  # share of the peak below which the picture is transparent
 
 
 def heat_map(points: Floats, arena: Arena, width_px: int, sigma: float) -> NDArray[np.uint8]:
-    """A heat map of gaze over the arena.
+    """Draw a heat map of gaze over the arena.
 
     Args:
-        points: (n, 2) gaze on the ground [m], one sample each or one fixation's many times; NaN and what lies outside
-            the arena are left out.
-        arena: what the picture shows.
-        width_px: of the picture; its height follows from the arena.
-        sigma: standard deviation of the blur, about one degree of visual angle [m].
+        points: (n, 2) gaze samples on the ground [m]; NaN and points outside the arena are ignored.
+        arena: ground that the picture covers.
+        width_px: width of the picture [px]; the height follows from the arena.
+        sigma: standard deviation of the blur [m], about one degree of visual angle.
 
     Returns:
-        (height, width, 4) red, green, blue, opacity; row 0 is the top.
+        Picture (height, width, 4) of red, green, blue, opacity; row 0 is the top.
     """
     return paint(counts(points, arena, width_px), arena, width_px, sigma)
 
 
 def counts(points: Floats, arena: Arena, width_px: int, weights: Floats | None = None) -> Floats:
-    """Samples (rows, columns) in each cell of the grid, a quarter of the picture's resolution; row 0 is the top.
+    """Count samples per grid cell, shape (rows, columns), at a quarter of the picture's resolution.
 
-    Counts of parts of a recording add up to the counts of the whole. `weights` (n,) are what each sample counts.
+    Row 0 is the top. `weights` (n,) are the weights of the samples, by default 1. The counts of the parts of a
+    recording sum to the counts of the whole.
     """
     columns, rows = (max(1, side // _COARSE) for side in _size(arena, width_px))
     share = (points - np.array([arena.x_min, arena.y_max])) / np.array([arena.width, -arena.height])
@@ -41,7 +48,7 @@ def counts(points: Floats, arena: Arena, width_px: int, weights: Floats | None =
 
 
 def paint(grid: Floats, arena: Arena, width_px: int, sigma: float) -> NDArray[np.uint8]:
-    """The picture (height, width, 4) of a grid of counts, as `heat_map` describes it."""
+    """Draw the picture (height, width, 4) of a grid of counts; see `heat_map`."""
     blurred = cv2.GaussianBlur(grid, (0, 0), max(0.5, sigma / arena.width * grid.shape[1]))
     share = floats(blurred) / max(float(np.max(blurred)), 1e-12)
     fine = cv2.resize(share, _size(arena, width_px), interpolation=cv2.INTER_LINEAR)
@@ -52,5 +59,5 @@ def paint(grid: Floats, arena: Arena, width_px: int, sigma: float) -> NDArray[np
 
 
 def _size(arena: Arena, width_px: int) -> tuple[int, int]:
-    """Width and height of the picture [px]."""
+    """Return width and height of the picture [px]."""
     return width_px, max(1, round(width_px * arena.height / arena.width))

@@ -1,11 +1,11 @@
-"""Gaze, replayed or live, as operator input: where the operator looks is the cursor, under the clutch fixations draw.
+"""Gaze interface, replayed or live: gaze moves the cursor, and fixations draw a stroke while the clutch is closed.
 
-    recording -> screen pixels -> fixations, piece by piece -> session clock -> Cursor, StrokeBegin / Points / End
+    recording -> screen pixels -> fixations in chunks -> session clock -> Cursor, StrokeBegin, StrokePoints, StrokeEnd
 
-Drawing starts and stops by an explicit clutch, never because gaze is in the arena (the Midas touch): a key or a
-decoded gesture that holds it, the pause, or a button that gaze rests on. A fixation adds its centroid when it is
-complete; the one that lasts when the clutch opens adds what there is of it. Finding fixations ahead of time gives the
-same ones as finding them live would: no centroid is handed out before its fixation has ended.
+An explicit clutch starts and stops drawing, so that looking at the arena alone draws nothing (the Midas touch problem):
+a key or a decoded gesture, the pause, or a dwell button. A fixation adds its centroid when it ends; a fixation that is
+unfinished when the clutch opens adds the centroid of its part so far. A replay detects fixations ahead of time but uses
+none before its end, so a replay and a live stream give the same strokes.
 """
 
 import math
@@ -20,30 +20,30 @@ from higvf_console.core.reports import AttentionReport, CalibrationReport, Captu
 from higvf_console.core.viewport import Viewport
 from higvf_interfaces.emulation import GAZE_ERRORS
 from higvf_interfaces.fields import Fields, option_fields
+from higvf_interfaces.gaze.attention_counts import AttentionCounts
 from higvf_interfaces.gaze.calibration import calibration_report
-from higvf_interfaces.gaze.capture import Capture
 from higvf_interfaces.gaze.dwell_button import IDLE, step
 from higvf_interfaces.gaze.fixations import THRESHOLDS, Fixation
+from higvf_interfaces.gaze.live_calibration import LiveCalibration
 from higvf_interfaces.gaze.playback import GazePlayback
 from higvf_interfaces.gaze.screens import ground_length, to_ground
 from higvf_interfaces.gaze.source import OPTIONS as SOURCE_OPTIONS
 from higvf_interfaces.gaze.source import GazeSource
-from higvf_interfaces.gaze.tally import GazeTally
 from higvf_interfaces.live import lsl
 from higvf_interfaces.live.gaze import LiveGaze
 from higvf_interfaces.streams import Stamp
 
 OPTIONS = (*SOURCE_OPTIONS, *lsl.OPTIONS, "clutch", "button", "viewport", "commit")
-_RECORDED_ALONE = ("format", "stream", "start", *GAZE_ERRORS)  # options that mean nothing live
+_RECORDED_ALONE = ("format", "stream", "start", *GAZE_ERRORS)  # options that do not apply to a live stream
 CLUTCHES = ("held", "paused", "always", "dwell")
-PEN_UP = 1.5  # without valid gaze for so long, the pen lifts itself [s]
-LOST = 0.5  # a hole in the log that long loses the cursor [s]
-SMOOTHING = 0.5  # what gaze can be off by [deg]
-_FEWEST = 3  # distinct points that make a stroke
+PEN_UP = 1.5  # a longer loss of gaze ends the stroke [s]
+LOST = 0.5  # a longer gap hides the cursor [s]
+SMOOTHING = 0.5  # typical gaze error [deg]
+_FEWEST = 3  # minimum number of distinct points of a stroke
 
 
 class Box(NamedTuple):
-    """A rectangle of the screen, in shares of its width and height from the top left corner."""
+    """A rectangle on the screen, in fractions of its width and height from the top left corner."""
 
     left: float
     top: float
@@ -51,11 +51,18 @@ class Box(NamedTuple):
     bottom: float
 
 
-BUTTON = Box(0.0, 0.85, 0.1, 1.0)  # the bottom left corner: the arena is letterboxed, and the eye seldom there
+BUTTON = Box(0.0, 0.85, 0.1, 1.0)  # bottom left corner: outside a letterboxed arena, and seldom looked at
 
 
-class Manner(NamedTuple):
-    """How gaze draws: its clutch and button, whether the browser's view counts, whether a path waits for `confirm`."""
+class DrawingOptions(NamedTuple):
+    """Options of drawing.
+
+    Attributes:
+        clutch: one of `CLUTCHES`.
+        box: dwell button.
+        follows_browser: whether the recording's screen is stretched onto the browser's view.
+        waits: whether a drawn path waits for the action `confirm`.
+    """
 
     clutch: str
     box: Box
@@ -64,22 +71,22 @@ class Manner(NamedTuple):
 
 
 class GazeReplay:
-    """A gaze recording on the session clock, or a live stream."""
+    """Gaze interface on a recording or a live stream."""
 
     def __init__(self, spec: InputSpec) -> None:
-        """Opens `spec.source` and finds the first fixations.
+        """Open `spec.source` and prefetch the first fixations.
 
         Raises:
-            InputError: the recording or an option cannot be used.
+            InputError: If the recording or an option is invalid.
         """
         options = option_fields(spec, OPTIONS)
-        self._clutch, self._box, self._follows_browser, self._waits = manner(options)
+        self._clutch, self._box, self._follows_browser, self._waits = drawing_options(options)
         self._live = LiveGaze(spec, options) if lsl.is_live(spec, _RECORDED_ALONE) else None
         self._source = self._live or GazeSource(spec, options)
-        self._playback = GazePlayback(self._source.pieces) if isinstance(self._source, GazeSource) else self._source
+        self._playback = GazePlayback(self._source.chunks) if isinstance(self._source, GazeSource) else self._source
         self._arena = spec.arena
         shown = self._source.screen.shown
-        self._capture = Capture(spec.arena, (shown.width_px, shown.height_px), self._source.px_per_deg)
+        self._live_calibration = LiveCalibration(spec.arena, (shown.width_px, shown.height_px), self._source.px_per_deg)
         self._name = spec.channel
         self._stamp = Stamp(spec.channel)
         self._now = -math.inf
@@ -91,11 +98,11 @@ class GazeReplay:
         return self._name
 
     def attention_report(self) -> AttentionReport | None:
-        """What has been looked at so far; None before the first sample."""
-        return self._tally.report()
+        """Return the attention counts so far; None before the first sample."""
+        return self._attention.report()
 
     def dwell_report(self) -> DwellReport | None:
-        """The button; None with another clutch."""
+        """Return progress and outline of the dwell button; None with another clutch."""
         if self._clutch != "dwell":
             return None
         shown, box = self._source.screen.shown, self._box
@@ -104,26 +111,26 @@ class GazeReplay:
         return DwellReport(self._dwell.progress, to_ground(corners, self._source.screen, self._browser))
 
     def calibration_report(self) -> CalibrationReport | None:
-        """The calibration in use."""
+        """Return the calibration in use, if any."""
         calibration = self._source.screen.calibration
         return None if calibration is None else calibration_report(calibration)
 
     def capture_report(self) -> CaptureReport:
-        """How the making of a calibration stands; a recording can have none."""
+        """Return the state of the live calibration; a recording refuses one."""
         if self._live is None:
-            return CaptureReport("Gaze is replayed: a calibration is made with a live eye tracker.")
-        return self._capture.report()
+            return CaptureReport("Gaze is replayed: calibration needs a live eye tracker.")
+        return self._live_calibration.report()
 
     def begin_capture(self) -> None:
-        """Begins to make a calibration; callable from any thread."""
-        self._capture.begin()
+        """Request a calibration; callable from any thread."""
+        self._live_calibration.begin()
 
     def cancel_capture(self) -> None:
-        """Gives it up; callable from any thread."""
-        self._capture.cancel()
+        """Cancel the running calibration; callable from any thread."""
+        self._live_calibration.cancel()
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
-        """The newest cursor, and what the stroke has become, by session time."""
+        """Return the newest cursor and the changes of the stroke up to the session time."""
         if context.time < self._now:
             self._forget()
         self._now = context.time
@@ -136,7 +143,7 @@ class GazeReplay:
         return [self._stamp(command, context.time, context) for command in commands]
 
     def health(self, now: float) -> ChannelHealth:
-        """Never seen before the first sample; a recording is stale in a hole and ended behind its last sample."""
+        """Never seen before the first sample; a recording is stale in a gap and ended after its last sample."""
         detail = "; ".join((self._remark, self._source.format, *self._source.notes))
         if self._live is not None:
             quiet = self._live.reader.quiet
@@ -146,49 +153,49 @@ class GazeReplay:
             return ChannelHealth(ChannelState.NEVER_SEEN, f"starts at {self._playback.first_time:.1f} s; {detail}")
         if self._playback.ended:
             return ChannelHealth(ChannelState.ENDED, f"replayed to its end; {detail}")
-        hole = now - self._playback.time > LOST
-        return ChannelHealth(ChannelState.STALE if hole else ChannelState.LIVE, detail)
+        gap = now - self._playback.time > LOST
+        return ChannelHealth(ChannelState.STALE if gap else ChannelState.LIVE, detail)
 
     def close(self) -> None:
-        """Ends the reading of a live stream; a file was closed after reading."""
+        """Stop reading a live stream; files are closed as soon as they are read."""
         if self._live is not None:
             self._live.close()
 
     def _forget(self) -> None:
-        """Starts like new, because the run has."""
+        """Reset the state, because the run was reset."""
         self._dwell = IDLE
-        self._tally = GazeTally(self._arena)
-        self._browser: Viewport | None = None  # onto which the recording's screen is stretched
-        self._toggled = False  # by the button: drawing is wanted
+        self._attention = AttentionCounts(self._arena)
+        self._browser: Viewport | None = None  # view onto which the recording's screen is stretched
+        self._toggled = False  # state of the clutch set by the dwell button
         self._cursor_shown = False
         self._last_seen = -math.inf
-        self._pointer_state = False
-        self._lifted = False  # the pen lifted itself; the clutch must open before it draws again
+        self._drawing = False
+        self._lifted = False  # a loss of gaze ended the stroke; the clutch must open before a new one
         self._stroke: list[Floats] = []
         self._remark = "no stroke yet"
 
     def _calibrate(self) -> None:
-        """Hands a live tracker's samples to the making of a calibration, and uses the one that is made."""
+        """Pass the samples of a live tracker to the calibration, and adopt a completed one."""
         if self._live is None:
             return
-        made = self._capture.take(self._live.newest)
+        made = self._live_calibration.take(self._live.newest)
         if made is not None:
             self._live.screen = self._live.screen._replace(calibration=made)
 
     def _count(self, ended: list[Fixation], context: OperatorContext) -> None:
-        """Adds to what has been looked at."""
+        """Update the attention counts."""
         playback = self._playback
         fresh = playback.started and playback.seen and self._now - playback.time <= THRESHOLDS.longest_filled
-        self._tally.look(self._now, self._ground(playback.point) if fresh else None, context.targets)
+        self._attention.look(self._now, self._ground(playback.point) if fresh else None, context.targets)
         self._fixate(ended)
 
     def _fixate(self, ended: list[Fixation]) -> None:
         degree = self._length(1.0) if ended else 0.0
         for fixation in ended:
-            self._tally.fixate(fixation._replace(point=self._ground(fixation.point)), degree)
+            self._attention.fixate(fixation._replace(point=self._ground(fixation.point)), degree)
 
     def _press(self) -> None:
-        """Lets gaze work the button."""
+        """Update the dwell button."""
         if self._clutch != "dwell" or not self._playback.started:
             return
         fresh = self._playback.seen and self._now - self._playback.time <= LOST
@@ -201,7 +208,7 @@ class GazeReplay:
         return self._clutch == "dwell" and box.left <= x <= box.right and box.top <= y <= box.bottom
 
     def _look(self, new: bool) -> list[OperatorCommand]:
-        """The cursor: at the newest sample, or NaN once when gaze is lost."""
+        """Return the cursor at the newest sample, or NaN once when gaze is lost."""
         if not self._playback.started:
             return []
         age = self._now - self._playback.time
@@ -217,27 +224,27 @@ class GazeReplay:
         return [Cursor(np.full(2, np.nan))]
 
     def _draw(self, ended: list[Fixation], context: OperatorContext) -> list[OperatorCommand]:
-        """The stroke: begins and ends by the clutch, grows by the centroids of fixations that have ended."""
+        """Return the commands of the stroke: begin and end follow the clutch, completed fixations add points."""
         wanted = self._wanted(context)
         self._lifted = self._lifted and wanted
         commands: list[OperatorCommand] = []
-        if wanted and not self._pointer_state and not self._lifted:
-            self._pointer_state, self._stroke, self._last_seen = True, [], max(self._last_seen, self._now)
+        if wanted and not self._drawing and not self._lifted:
+            self._drawing, self._stroke, self._last_seen = True, [], max(self._last_seen, self._now)
             commands.append(StrokeBegin())
-        if not self._pointer_state:
+        if not self._drawing:
             return commands
         blind = self._clutch != "always" and self._now - self._last_seen > PEN_UP
         if not wanted or blind:
             rest = self._playback.unfinished()
             ended = [*ended, *rest]
-            if self._live is not None:  # it does not hand them out again
+            if self._live is not None:  # a live stream does not return these fixations again
                 self._fixate(rest)
         grown = [fixation.point for fixation in ended if not self._on_button(fixation.point)]
         if grown:
             self._stroke += [self._ground(point) for point in grown]
             commands.append(StrokePoints(floats(self._stroke[-len(grown) :])))
         if not wanted or blind:
-            self._pointer_state, self._lifted, self._toggled = False, blind, False
+            self._drawing, self._lifted, self._toggled = False, blind, False
             commands.append(self._end())
         return commands
 
@@ -252,12 +259,12 @@ class GazeReplay:
         distinct = len(np.unique(floats(self._stroke, -1, 2), axis=0))
         self._remark = f"last stroke: {distinct} fixations"
         if distinct < _FEWEST:
-            self._remark += f", dropped: {_FEWEST} make a path"
+            self._remark += f", dropped: a path needs {_FEWEST}"
             return StrokeCancel()
         return StrokeEnd(smoothing=self._length(SMOOTHING), preview=self._waits)
 
     def _length(self, degrees: float) -> float:
-        """What an angle at the eye is on the ground [m]."""
+        """Return the ground length [m] of a visual angle [deg]."""
         return ground_length(degrees * self._source.px_per_deg, self._source.screen, self._browser)
 
     def _ground(self, pixel: Floats) -> Floats:
@@ -269,13 +276,13 @@ def open_gaze(spec: InputSpec) -> GazeReplay:
     return GazeReplay(spec)
 
 
-def manner(options: Fields) -> Manner:
-    """What the options say of drawing.
+def drawing_options(options: Fields) -> DrawingOptions:
+    """Read the options of drawing.
 
     Raises:
-        InputError: one cannot be used.
+        InputError: If an option is invalid.
     """
-    return Manner(
+    return DrawingOptions(
         clutch=options.choice("clutch", "held", CLUTCHES),
         box=_button(options),
         follows_browser=options.choice("viewport", "fit", ("fit", "browser")) == "browser",
@@ -284,10 +291,10 @@ def manner(options: Fields) -> Manner:
 
 
 def _button(options: Fields) -> Box:
-    """The button's place: the option `button`, [left, top, right, bottom] in shares of the screen."""
+    """Return the dwell button: the option `button`, or the default."""
     if not options.has("button"):
         return BUTTON
     box = Box(*options.numbers("button", 4))
     if not (0 <= box.left < box.right <= 1 and 0 <= box.top < box.bottom <= 1):
-        options.fail(f"button: {list(box)!r} is not [left, top, right, bottom] in shares of the screen, 0 to 1")
+        options.fail(f"button: {list(box)!r} is not [left, top, right, bottom] in fractions of the screen, 0 to 1")
     return box

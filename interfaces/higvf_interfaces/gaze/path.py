@@ -1,9 +1,9 @@
-"""Fixations -> a path: the steps by which the eyes' rests become a curve, each to be seen.
+"""Gaze path: fit a spline to the fixation centroids.
 
-Raw samples make no path (the radius of a spline through them goes to zero); the centroids of fixations do. A cubic
-smoothing spline (Dierckx; `scipy.interpolate.make_splprep`) leaves them by half a degree on average; its ends are
-pinned to the first and the last centroid, which it would miss by far otherwise. The console fits its own path from the
-same centroids; this is the preview.
+A spline through raw samples has a radius of curvature near zero, so the path is fitted to fixation centroids: a cubic
+smoothing spline (Dierckx; `scipy.interpolate.make_splprep`) whose distance to them is half a degree on average. Large
+weights pin its ends to the first and last centroid. This fit serves the inspection only; the console fits its own path
+to the same centroids.
 """
 
 from typing import Any, NamedTuple
@@ -13,20 +13,20 @@ from scipy.interpolate import make_splprep
 
 from higvf_console.core.arrays import Floats, floats
 
-FEWEST = 4  # distinct points of a cubic
-_SAME = 1e-6  # points nearer to one another are one [m]
-_PINNED = 1e3  # weight of the ends over the others
+FEWEST = 4  # minimum number of distinct points of a cubic
+_SAME = 1e-6  # closer points count as one [m]
+_PINNED = 1e3  # weight of the end points; the others have weight 1
 _SAMPLES = 400
 
 
 class GazePath(NamedTuple):
-    """A curve through centroids.
+    """A spline fitted to fixation centroids.
 
     Attributes:
-        distinct: (m, 2) centroids without those that repeat the one before [m].
-        curve: (n, 2) points along the path [m]; empty where there are too few centroids.
-        length: of the curve [m].
-        smallest_radius: of curvature [m]; inf for a straight line, NaN without a curve.
+        distinct: (m, 2) centroids without consecutive duplicates [m].
+        curve: (n, 2) points along the spline [m]; empty if there are too few centroids.
+        length: length of the curve [m].
+        smallest_radius: smallest radius of curvature [m]; inf for a straight line, NaN without a curve.
     """
 
     distinct: Floats
@@ -36,11 +36,11 @@ class GazePath(NamedTuple):
 
 
 def gaze_path(centroids: Floats, smoothing: float) -> GazePath:
-    """The path through fixation centroids.
+    """Fit the path to fixation centroids.
 
     Args:
-        centroids: (k, 2) on the ground, in order of time [m]; NaN beyond the arena's horizon.
-        smoothing: standard deviation by which the curve may leave them [m].
+        centroids: (k, 2) centroids on the ground in order of time [m]; NaN beyond the horizon is ignored.
+        smoothing: standard deviation of the centroids from the curve [m].
     """
     known = centroids[np.isfinite(centroids).all(axis=1)]
     steps = np.hypot(*np.diff(known, axis=0).T) if len(known) > 1 else np.zeros(0)

@@ -1,4 +1,4 @@
-"""Plays classified gaze on the session clock, holding no more of it than what is due in a few seconds."""
+"""Playback of a gaze recording on the session clock, in bounded memory."""
 
 from collections.abc import Callable, Iterator
 
@@ -6,40 +6,39 @@ import numpy as np
 
 from higvf_console.core.arrays import Floats
 from higvf_interfaces.gaze.fixations import THRESHOLDS, Classified, Fixation, fixation
-from higvf_interfaces.lookahead import Lookahead
+from higvf_interfaces.gaze.prefetch import Prefetcher
 from higvf_interfaces.streams import CLOCK_GRAIN
 
 
 class GazePlayback:
-    """Hands out each sample and each fixation of a recording once, when its time has come.
+    """Plays each sample and each fixation of a recording once, when it is due.
 
     Attributes:
-        started: whether anything has been played; before, there is no newest sample.
-        first_time: when the first sample is due [s].
+        started: whether a sample has been played; the newest sample is undefined before.
+        first_time: session time of the first sample [s].
     """
 
-    def __init__(self, pieces: Callable[[], Iterator[Classified | None]]) -> None:
-        """Stands before a recording.
+    def __init__(self, chunks: Callable[[], Iterator[Classified | None]]) -> None:
+        """Start before the first sample.
 
         Args:
-            pieces: begins to read the recording, as `Lookahead` takes it; called again when the session clock has gone
-                back.
+            chunks: opens the recording; see `Prefetcher`.
         """
-        self._pieces = Lookahead(pieces)
-        self.first_time = self._pieces.first_time
+        self._chunks = Prefetcher(chunks)
+        self.first_time = self._chunks.first_time
         self._begin()
 
     def advance(self, now: float) -> tuple[bool, list[Fixation]]:
-        """Plays on to session time `now` [s], or again from the start where that has gone back.
+        """Play up to session time `now` [s], from the start if the clock went back.
 
         Returns:
-            Whether there are new samples, and the fixations that have ended.
+            Whether there are new samples, and the fixations that have ended since the last call.
         """
         if now < self._now:
-            self._pieces.rewind()
+            self._chunks.rewind()
             self._begin()
         self._now = now
-        self._pieces.read_on(now)
+        self._chunks.read_on(now)
         new, ended = self._play()
         while (following := self._following()) is not None and following.time[0] <= now + CLOCK_GRAIN:
             self._take()
@@ -48,33 +47,33 @@ class GazePlayback:
         return new, ended
 
     def unfinished(self) -> list[Fixation]:
-        """What there is so far of the fixation that lasts now, if it is long enough to be one."""
-        piece, newest = self._piece, self._next - 1
-        current = int(np.searchsorted(piece.first, newest, side="right")) - 1
-        if current < 0 or piece.last[current] <= newest:
+        """Return the part played so far of the current fixation, if it is long enough to be a fixation."""
+        chunk, newest = self._chunk, self._next - 1
+        current = int(np.searchsorted(chunk.first, newest, side="right")) - 1
+        if current < 0 or chunk.last[current] <= newest:
             return []
-        if piece.time[newest] - piece.time[piece.first[current]] < THRESHOLDS.shortest:
+        if chunk.time[newest] - chunk.time[chunk.first[current]] < THRESHOLDS.shortest:
             return []
-        return [fixation(piece, int(piece.first[current]), newest)]
+        return [fixation(chunk, int(chunk.first[current]), newest)]
 
     @property
     def time(self) -> float:
-        """When the newest sample was due [s]."""
-        return float(self._piece.time[self._next - 1])
+        """Session time of the newest sample [s]."""
+        return float(self._chunk.time[self._next - 1])
 
     @property
     def point(self) -> Floats:
-        """The newest sample (2,) [px]."""
-        return self._piece.points[self._next - 1]
+        """Position of the newest sample (2,) [px]."""
+        return self._chunk.points[self._next - 1]
 
     @property
     def seen(self) -> bool:
-        """Whether the newest sample saw the eye."""
-        return bool(self._piece.seen[self._next - 1])
+        """Whether gaze is known at the newest sample."""
+        return bool(self._chunk.seen[self._next - 1])
 
     @property
     def ended(self) -> bool:
-        """Whether everything has been played."""
+        """Whether the whole recording has been played."""
         return self._played and self._following() is None
 
     def _begin(self) -> None:
@@ -84,24 +83,24 @@ class GazePlayback:
 
     @property
     def _played(self) -> bool:
-        """Whether the piece has been played; nothing of the next one is due before."""
-        return self._next >= len(self._piece.time)
+        """Whether the current chunk has been played."""
+        return self._next >= len(self._chunk.time)
 
     def _following(self) -> Classified | None:
-        return self._pieces.following() if self._played else None
+        return self._chunks.following() if self._played else None
 
     def _take(self) -> None:
-        """Goes on with the next piece; what lies before session time 0 is never played."""
-        self._piece = piece = self._pieces.take()
-        self._next = int(np.searchsorted(piece.time, 0.0))
-        self._fixation = int(np.searchsorted(piece.time[piece.last], 0.0))
+        """Load the next chunk; samples before session time 0 are skipped."""
+        self._chunk = chunk = self._chunks.take()
+        self._next = int(np.searchsorted(chunk.time, 0.0))
+        self._fixation = int(np.searchsorted(chunk.time[chunk.last], 0.0))
 
     def _play(self) -> tuple[bool, list[Fixation]]:
-        """What of the current piece has fallen due."""
-        piece, until = self._piece, self._now + CLOCK_GRAIN
-        due = max(self._next, int(np.searchsorted(piece.time, until, side="right")))
-        done = max(self._fixation, int(np.searchsorted(piece.time[piece.last], until, side="right")))
-        ended = [fixation(piece, int(piece.first[k]), int(piece.last[k])) for k in range(self._fixation, done)]
+        """Play the part of the current chunk that is due."""
+        chunk, until = self._chunk, self._now + CLOCK_GRAIN
+        due = max(self._next, int(np.searchsorted(chunk.time, until, side="right")))
+        done = max(self._fixation, int(np.searchsorted(chunk.time[chunk.last], until, side="right")))
+        ended = [fixation(chunk, int(chunk.first[k]), int(chunk.last[k])) for k in range(self._fixation, done)]
         new = due > self._next
         self._next, self._fixation = due, done
         self.started = self.started or new

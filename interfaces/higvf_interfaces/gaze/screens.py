@@ -1,4 +1,4 @@
-"""Where gaze falls on the ground: recorded frames -> pixels of the recording's screen -> metres of the arena."""
+"""Coordinate frames of gaze: recorded points -> pixels of the recording's screen -> metres in the arena."""
 
 from typing import NamedTuple
 
@@ -16,18 +16,18 @@ DEFAULT_SCREEN = (1920.0, 1080.0)  # [px]
 
 
 class UnusableError(InputError):
-    """A recording can be read, and its gaze cannot be used: its frame is unknown, or no sample is on the screen."""
+    """The recording is readable but its gaze is unusable: unknown frame, or no usable sample on the screen."""
 
 
 class Screen(NamedTuple):
-    """The screen of a recording and how the arena lies under it.
+    """The screen of a recording and the position of the arena on it.
 
     Attributes:
-        frame: what the recording's points are: arena, screen or unit.
-        origin: where their 0, 0 is.
-        shown: size in pixels, and the arena as it lay on it where nothing else is known.
-        calibration: the map to the arena; None = by `shown`.
-        notes: what had to be assumed.
+        frame: frame of the recorded points: arena, screen or unit.
+        origin: corner of the screen at coordinates 0, 0.
+        shown: size of the screen [px] and default position of the arena on it.
+        calibration: mapping to the arena; None means the mapping of `shown`.
+        notes: assumptions made.
     """
 
     frame: str
@@ -38,11 +38,11 @@ class Screen(NamedTuple):
 
 
 def choose_screen(stream: GazeStream, options: Fields, arena: Arena) -> Screen:
-    """What the options say of the screen, else what the file says, else what is usual.
+    """Determine the screen of a recording from the options, then the file, then the defaults.
 
     Raises:
-        InputError: an option cannot be used.
-        UnusableError: nobody says what the points are.
+        InputError: If an option is invalid.
+        UnusableError: If neither the options nor the file give the frame.
     """
     text = options.text("calibration") if options.has("calibration") else ""
     calibration = read_calibration(named(text)) if text else None
@@ -53,7 +53,7 @@ def choose_screen(stream: GazeStream, options: Fields, arena: Arena) -> Screen:
 
 
 def to_pixels(points: Floats, screen: Screen) -> Floats:
-    """Recorded points (n, 2) as pixels of the recording's screen (n, 2), from its top left corner."""
+    """Convert recorded points (n, 2) to pixels (n, 2) from the top left corner of the recording's screen."""
     if screen.frame == "arena":
         return screen.shown.to_screen(points)
     size = np.array([screen.shown.width_px, screen.shown.height_px])
@@ -64,19 +64,19 @@ def to_pixels(points: Floats, screen: Screen) -> Floats:
 
 
 def on_screen(pixels: Floats, screen: Screen) -> Bools:
-    """Whether each of the points (n, 2) lies on the screen; NaN does not."""
+    """Return whether each point (n, 2) [px] lies on the screen; False for NaN."""
     size = np.array([screen.shown.width_px, screen.shown.height_px])
     return bools(((pixels >= 0) & (pixels <= size)).all(axis=1))
 
 
 def to_ground(pixels: Floats, screen: Screen, browser: Viewport | None = None) -> Floats:
-    """Ground points (n, 2) [m] under pixels of the recording's screen.
+    """Map pixels of the recording's screen to ground points (n, 2) [m].
 
     Args:
-        pixels: (n, 2).
-        screen: the recording's.
-        browser: onto which the recording's screen is stretched; None = the arena as it lay on the recording's screen.
-            A calibration goes over both.
+        pixels: (n, 2) gaze [px].
+        screen: the recording's screen.
+        browser: browser view onto which the recording's screen is stretched; None uses the position of the arena on
+            the recording's screen. A calibration takes precedence over both.
     """
     if screen.calibration is not None:
         return to_arena(screen.calibration, pixels)
@@ -87,7 +87,7 @@ def to_ground(pixels: Floats, screen: Screen, browser: Viewport | None = None) -
 
 
 def ground_length(pixels: float, screen: Screen, browser: Viewport | None = None) -> float:
-    """What a length on the screen's middle [px] is on the ground [m]."""
+    """Return the ground length [m] of a length at the centre of the screen [px]."""
     middle = np.array([screen.shown.width_px, screen.shown.height_px]) / 2
     half = np.array([pixels / 2, 0.0])
     ends = to_ground(floats([middle - half, middle + half]), screen, browser)
@@ -102,15 +102,15 @@ def _choose_frame(stream: GazeStream, options: Fields, calibrated: bool) -> str:
         if calibrated:
             return SCENE_FRAMES[recorded]
         options.fail(
-            "gaze is in the image of a camera on the head, which moves over the screen; map it onto the screen in the "
-            "maker's software (a surface with markers) and give that table, or give calibration=FILE, or, if the head "
-            f"was still and the camera saw just the screen, frame={SCENE_FRAMES[recorded]}",
+            "gaze is in the image of a camera on the head, which moves relative to the screen; map gaze onto the "
+            "screen in the vendor's software (a surface with markers) and use that table, or give calibration=FILE, "
+            f"or, if the head was still and the camera showed only the screen, frame={SCENE_FRAMES[recorded]}",
             UnusableError,
         )
     if recorded is None:
         options.fail(
-            "the file does not say what its x and y are; give frame=arena (metres), frame=screen (pixels from the top "
-            "left corner, or origin=bottom-left) or frame=unit (0 to 1 of the screen, likewise)",
+            "the file does not specify the frame of x and y; give frame=arena (metres), frame=screen (pixels) or "
+            "frame=unit (0 to 1 of the screen); add origin=bottom-left if y counts from the bottom",
             UnusableError,
         )
     return recorded
@@ -119,7 +119,7 @@ def _choose_frame(stream: GazeStream, options: Fields, calibrated: bool) -> str:
 def _choose_size(
     stream: GazeStream, options: Fields, calibration: Calibration | None
 ) -> tuple[tuple[float, float], tuple[str, ...]]:
-    """Width and height [px]: the option `screen` (1920x1080), else the calibration's, the file's, or a common one."""
+    """Return the size of the screen [px] from the option `screen`, the calibration, the file, or the default."""
     if options.has("screen"):
         text = str(options.values["screen"])
         parts = [part.strip() for part in text.lower().split("x")]
@@ -130,4 +130,4 @@ def _choose_size(
         return calibration.screen, ()
     if stream.screen is not None:
         return stream.screen, ()
-    return DEFAULT_SCREEN, (f"screen taken as {DEFAULT_SCREEN[0]:.0f} x {DEFAULT_SCREEN[1]:.0f} px",)
+    return DEFAULT_SCREEN, (f"screen size unknown, assumed {DEFAULT_SCREEN[0]:.0f} x {DEFAULT_SCREEN[1]:.0f} px",)

@@ -1,4 +1,4 @@
-"""A gaze recording as an operator's options want it: read again as often as needed, in pixels, on the session clock."""
+"""Source of a gaze recording: applies the options and yields samples in screen pixels on the session clock."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,8 +12,8 @@ from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.reading import GazeFile, stream_gaze
 from higvf_interfaces.formats.records import GazeBlock, GazeStream, Wanted
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
+from higvf_interfaces.gaze.chunked_fixations import Pixels, chunk_per_block
 from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, Classified
-from higvf_interfaces.gaze.pieces import Pixels, piece_by_block
 from higvf_interfaces.gaze.screens import UnusableError, choose_screen, on_screen, to_pixels
 
 OPTIONS = (
@@ -23,23 +23,23 @@ OPTIONS = (
 
 
 class GazeSource:
-    """A recording, opened; reading it through counts what of it cannot be used.
+    """An open gaze recording that can be read several times and counts its unusable samples.
 
     Attributes:
-        screen: the recording's screen and what lies under it.
-        px_per_deg: pixels in one degree of visual angle.
-        method: how fixations are found.
-        file: the recording as it was last opened, with what has been repaired so far.
-        distrusted: samples of too low a confidence so far.
-        away: samples off the screen so far.
+        screen: the recording's screen and its mapping to the arena.
+        px_per_deg: pixels per degree of visual angle.
+        method: method of fixation detection.
+        file: the recording as last opened, with the notes so far.
+        distrusted: number of samples with too low a confidence so far.
+        away: number of samples off the screen so far.
     """
 
     def __init__(self, spec: InputSpec, options: Fields) -> None:
-        """Opens `spec.source` and looks for gaze in it.
+        """Open `spec.source` and search for a usable sample.
 
         Raises:
-            InputError: the recording or an option cannot be used.
-            UnusableError: its frame is unknown, or no sample is valid, trusted and on the screen.
+            InputError: If the recording or an option is invalid.
+            UnusableError: If the frame is unknown, or no sample is valid, of sufficient confidence and on the screen.
         """
         self._spec, self._options = spec, options
         self._format = options.text("format") if options.has("format") else None
@@ -52,12 +52,12 @@ class GazeSource:
         self.distrusted = self.away = 0
         self._loaded: tuple[GazeStream, list[GazeBlock]] | None = None
         self.file = self._open()
-        self._unread = True  # what is open is read first
+        self._unread = True  # the open file serves the first read
         self.screen = choose_screen(self.file.stream, options, spec.arena)
         self._look_for_gaze()
 
     def blocks(self) -> Iterator[tuple[GazeBlock, Pixels]]:
-        """The samples from the start, as recorded and as they can be used."""
+        """Yield the samples from the start, block by block, as recorded and as screen pixels."""
         self.file = self.file if self._unread else self._open()
         self._unread = False
         self.distrusted = self.away = 0
@@ -73,9 +73,9 @@ class GazeSource:
             self.away += int(np.count_nonzero(trusted & ~usable))
             yield block, Pixels(time + self._start, pixels, bools(usable))
 
-    def pieces(self) -> Iterator[Classified | None]:
-        """The samples from the start, with their fixations: an item for each block that is read."""
-        return piece_by_block((pixels for _, pixels in self.blocks()), self.px_per_deg, self.method)
+    def chunks(self) -> Iterator[Classified | None]:
+        """Yield the classified samples from the start; one item per block, see `chunk_per_block`."""
+        return chunk_per_block((pixels for _, pixels in self.blocks()), self.px_per_deg, self.method)
 
     @property
     def format(self) -> str:
@@ -84,14 +84,14 @@ class GazeSource:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has been repaired, assumed or left out so far, in words."""
+        """Repairs, assumptions and omissions so far."""
         away = (f"{self.away} samples off the screen",) if self.away else ()
-        doubtful = (f"{self.distrusted} samples of too low a confidence",) if self.distrusted else ()
+        doubtful = (f"{self.distrusted} samples below min_confidence",) if self.distrusted else ()
         made = (f"emulated: {describe(self._errors)}",) if self._errors is not None else ()
         return (*self.file.notes, *self.screen.notes, *away, *doubtful, *made)
 
     def _open(self) -> GazeFile:
-        """Begins to read the recording; XDF, which is loaded whole, is loaded once."""
+        """Open the recording; an XDF file is loaded whole, so it is loaded only once."""
         if self._loaded is None:
             file = stream_gaze(self._spec.source, self._format, self._wanted)
             if file.stream.format != gaze_xdf.NAME:
@@ -110,5 +110,6 @@ class GazeSource:
         if not valid:
             self._options.fail(f"none of the {samples} gaze samples is valid", UnusableError)
         self._options.fail(
-            "no gaze sample is trusted and on the screen; check frame, origin, screen and min_confidence", UnusableError
+            "no gaze sample is confident and on the screen; check frame, origin, screen and min_confidence",
+            UnusableError,
         )

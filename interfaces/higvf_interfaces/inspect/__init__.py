@@ -1,1 +1,1 @@
-"""What a file is, and what it would become as operator input."""
+"""File inspection for `higvf inspect`: format, contents, and conversion to operator commands."""

@@ -1,19 +1,25 @@
-"""Describes a log of decoded commands: its labels, how often and how sure, and the actions that they would become."""
+"""Inspection of command logs: counts and confidence of the labels, and their actions by channel."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from higvf_console.core.optional import optional
 from higvf_interfaces.decisions.actions import ACTIONS
 from higvf_interfaces.decisions.bci import CLASSES
 from higvf_interfaces.decisions.emg import GESTURES
 from higvf_interfaces.decisions.options import signal_request
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, read_decisions
-from higvf_interfaces.inspect.describing import Request, description, write_picture
+from higvf_interfaces.inspect.description import Request, description, write_picture
+
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "devices")
 
 _CHANNELS: tuple[tuple[str, Mapping[str, str]], ...] = (("emg", GESTURES), ("bci", CLASSES))
 _SHOWN = 30  # labels
@@ -23,7 +29,7 @@ _INK, _PAPER = (40, 60, 110), 255
 
 
 def knows(request: Request) -> bool:
-    """Whether it is a log of labels, or is said to be."""
+    """Return whether the file is a command log, by the option `format` or by its content."""
     names = [known.name for known in DECISION_FORMATS]
     if request.format is not None:
         return request.format in names
@@ -31,10 +37,10 @@ def knows(request: Request) -> bool:
 
 
 def describe(request: Request) -> Mapping[str, object]:
-    """Reads the log.
+    """Read and describe the log.
 
     Raises:
-        InputError: it has no times or no labels.
+        InputError: If the log has no times or no labels.
     """
     log = read_decisions(request.spec.source, signal_request(request.options))
     labels = Counter(decision.label for decision in log.decisions)
@@ -44,7 +50,7 @@ def describe(request: Request) -> Mapping[str, object]:
     unknown = [
         label for label in labels if all(_actions(labels, known).get(label) == _UNKNOWN for _, known in _CHANNELS)
     ]
-    hint = (f"labels that no channel knows: {', '.join(unknown[:_SHOWN])}; name them in the scenario's inputs",)
+    hint = (f"labels unknown to all channels: {', '.join(unknown[:_SHOWN])}; map them in the scenario's inputs",)
     return description(
         format_name=log.format,
         kind="commands",
@@ -58,7 +64,7 @@ def describe(request: Request) -> Mapping[str, object]:
 
 
 def timeline(decisions: Sequence[Decision]) -> NDArray[np.uint8]:
-    """A picture (height, width, 3): a row for each label, a tick for each decision."""
+    """Draw a timeline (height, width, 3) with a row per label and a tick per decision."""
     labels = [label for label, _ in Counter(decision.label for decision in decisions).most_common(_SHOWN)]
     picture = np.full((_ROW * (len(labels) + 1), _WIDTH, 3), _PAPER, dtype=np.uint8)
     begin, length = decisions[0].time, max(decisions[-1].time - decisions[0].time, 1e-9)
@@ -76,6 +82,6 @@ def timeline(decisions: Sequence[Decision]) -> NDArray[np.uint8]:
 
 
 def _actions(labels: Counter[str], defaults: Mapping[str, str]) -> Mapping[str, str]:
-    """What a channel makes of the labels unless the scenario says otherwise."""
+    """Return the default action of each label in a channel."""
     known = {**{action: action for action in ACTIONS}, **{name.casefold(): action for name, action in defaults.items()}}
     return {label: known.get(label.strip().casefold(), _UNKNOWN) for label, _ in labels.most_common(_SHOWN)}

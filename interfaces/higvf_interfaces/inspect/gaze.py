@@ -1,4 +1,4 @@
-"""Describes a gaze recording in one pass and bounded memory, and tells the steps from its samples to a path."""
+"""Inspection of gaze recordings in one pass and bounded memory."""
 
 from collections.abc import Iterator, Mapping
 
@@ -7,15 +7,15 @@ import numpy as np
 from higvf_interfaces.formats.reading import GAZE_FORMATS, GazeFile, choose_format
 from higvf_interfaces.formats.records import GazeBlock, Wanted
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
-from higvf_interfaces.gaze.becoming import Becoming
-from higvf_interfaces.gaze.pieces import Pixels, classify_blocks
+from higvf_interfaces.gaze.chunked_fixations import Pixels, classify_blocks
+from higvf_interfaces.gaze.conversion_preview import ConversionPreview
 from higvf_interfaces.gaze.screens import UnusableError
 from higvf_interfaces.gaze.source import GazeSource
-from higvf_interfaces.inspect.describing import Request, description, write_picture
+from higvf_interfaces.inspect.description import Request, description, write_picture
 
 
 def knows(request: Request) -> bool:
-    """Whether it is gaze, or is said to be; an XDF file only where a stream is."""
+    """Return whether the file is a gaze recording; an XDF file is one only if it has a gaze stream or `x` is set."""
     options = request.options
     if request.format is not None:
         return request.format in [known.name for known in GAZE_FORMATS]
@@ -25,59 +25,59 @@ def knows(request: Request) -> bool:
 
 
 def describe(request: Request) -> Mapping[str, object]:
-    """Reads the recording through.
+    """Read and describe the recording.
 
     Raises:
-        InputError: it cannot be read, or an option is wrong. Where only the frame is unknown, or nothing in it can be
-            used, what is known is told and the reason is among the warnings.
+        InputError: If the recording cannot be read or an option is invalid. If only the frame is unknown, or no sample
+            is usable, the description gives the known values and the reason as a warning.
     """
-    tally = Tally()
+    counts = SampleCounts()
     try:
         source = GazeSource(request.spec, request.options)
     except UnusableError as problem:
-        return _unusable(request, tally, str(problem))
-    becoming = Becoming(source.screen, source.px_per_deg, request.spec.arena)
-    for piece in classify_blocks(_counted(source, tally), source.px_per_deg, source.method):
-        becoming.add(piece)
-    becoming.finish()
+        return _unusable(request, counts, str(problem))
+    preview = ConversionPreview(source.screen, source.px_per_deg, request.spec.arena)
+    for chunk in classify_blocks(_counted(source, counts), source.px_per_deg, source.method):
+        preview.add(chunk)
+    preview.finish()
     if request.plot is not None:
-        write_picture(request.plot, becoming.picture())
-    recorded = {"recorded": tally.samples, "valid": tally.valid, "trusted and on the screen": tally.usable}
-    told: dict[str, object] = {"steps": {**recorded, **becoming.steps()}} if request.steps else {}
+        write_picture(request.plot, preview.picture())
+    recorded = {"recorded": counts.samples, "valid": counts.valid, "trusted and on the screen": counts.usable}
+    steps: dict[str, object] = {"steps": {**recorded, **preview.steps()}} if request.steps else {}
     stream = source.file.stream
     return description(
         format_name=stream.format,
         kind="gaze",
         streams=stream.streams,
         columns=stream.columns,
-        samples=tally.samples,
-        duration=tally.duration,
-        rate=tally.rate,
+        samples=counts.samples,
+        duration=counts.duration,
+        rate=counts.rate,
         frame=source.screen.frame,
         origin=source.screen.origin,
-        valid_share=tally.valid / max(tally.samples, 1),
-        gaps=becoming.gaps,
-        blinks=becoming.blinks,
+        valid_share=counts.valid / max(counts.samples, 1),
+        gaps=preview.gaps,
+        blinks=preview.blinks,
         screen_px=[source.screen.shown.width_px, source.screen.shown.height_px],
         epoch_s=source.file.epoch,
-        becomes=becoming.summary,
-        **told,
+        becomes=preview.summary,
+        **steps,
         warnings=source.notes,
     )
 
 
-class Tally:
-    """What of a recording can be counted without knowing where its screen is."""
+class SampleCounts:
+    """Sample counts that do not depend on the frame."""
 
     def __init__(self) -> None:
-        """Starts at nothing."""
+        """Start at zero."""
         self.samples = self.valid = self.usable = 0
         self.first: float | None = None
         self.last = 0.0
         self._steps: list[float] = []
 
     def add(self, block: GazeBlock) -> None:
-        """Counts a block."""
+        """Add the counts of a block."""
         self.samples += len(block.time)
         self.valid += int(np.count_nonzero(block.valid))
         self.first = float(block.time[0]) if self.first is None else self.first
@@ -87,46 +87,46 @@ class Tally:
 
     @property
     def duration(self) -> float:
-        """From the first to the last sample [s]."""
+        """Time from the first to the last sample [s]."""
         return 0.0 if self.first is None else self.last - self.first
 
     @property
     def rate(self) -> float | None:
-        """Samples a second [Hz], by the usual step between them."""
+        """Sampling rate [Hz] by the median time step; None if unknown."""
         return 1 / float(np.median(self._steps)) if self._steps else None
 
 
-def _counted(source: GazeSource, tally: Tally) -> Iterator[Pixels]:
-    """The recording's usable samples, counted on their way."""
+def _counted(source: GazeSource, counts: SampleCounts) -> Iterator[Pixels]:
+    """Yield the recording's samples as pixels and count them."""
     for block, pixels in source.blocks():
-        tally.add(block)
-        tally.usable += int(np.count_nonzero(pixels.valid))
+        counts.add(block)
+        counts.usable += int(np.count_nonzero(pixels.valid))
         yield pixels
 
 
-def _unusable(request: Request, tally: Tally, reason: str) -> Mapping[str, object]:
-    """What is known of a recording whose samples cannot be used as they are."""
+def _unusable(request: Request, counts: SampleCounts, reason: str) -> Mapping[str, object]:
+    """Describe a recording whose samples are unusable."""
     options = request.options
     wanted = Wanted(*(str(options.values[key]) if options.has(key) else None for key in ("stream", "x", "y")))
     gaze = GazeFile(
         request.file.path, choose_format(request.file, request.format, GAZE_FORMATS).stream(request.file, wanted)
     )
     for block in gaze.blocks():
-        tally.add(block)
-    picture = ("no picture: it would need the frame",) if request.plot is not None else ()
+        counts.add(block)
+    picture = ("no picture: the frame is unknown or no sample is usable",) if request.plot is not None else ()
     return description(
         format_name=gaze.stream.format,
         kind="gaze",
         streams=gaze.stream.streams,
         columns=gaze.stream.columns,
-        samples=tally.samples,
-        duration=tally.duration,
-        rate=tally.rate,
+        samples=counts.samples,
+        duration=counts.duration,
+        rate=counts.rate,
         frame=gaze.stream.frame,
         origin=gaze.stream.origin,
-        valid_share=tally.valid / max(tally.samples, 1),
+        valid_share=counts.valid / max(counts.samples, 1),
         screen_px=gaze.stream.screen and list(gaze.stream.screen),
         epoch_s=gaze.epoch,
         becomes={},
-        warnings=(f"cannot be used as it is: {reason}", *picture, *gaze.notes),
+        warnings=(f"unusable: {reason}", *picture, *gaze.notes),
     )

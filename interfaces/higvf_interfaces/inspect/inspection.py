@@ -1,7 +1,7 @@
-"""Says what a file is: format, streams, columns, rate, validity, repairs, and what it would become as operator input.
+"""Inspection of a file: format, streams, columns, rate, validity, repairs, and conversion to commands.
 
-The console finds `inspect` by the entry-point group `higvf_console.inspectors`. Each kind of file describes itself: a
-`Kind` is one entry of `KINDS`, the first that knows the file is asked.
+The console finds `inspect` by the entry-point group `higvf_console.inspectors`. The first entry of `KINDS` that
+recognises the file describes it.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,14 +24,14 @@ from higvf_interfaces.inspect import commands as inspect_commands
 from higvf_interfaces.inspect import gaze as inspect_gaze
 from higvf_interfaces.inspect import signals as inspect_signals
 from higvf_interfaces.inspect import streams as inspect_streams
-from higvf_interfaces.inspect.describing import Request
+from higvf_interfaces.inspect.description import Request
 from higvf_interfaces.live import lsl
 
 OPTIONS = tuple(dict.fromkeys(key for key in (*gaze.OPTIONS, *decisions.OPTIONS) if key not in lsl.OPTIONS))
 
 
 class Kind(NamedTuple):
-    """A kind of file: its name, how to know one, how to describe it, and what refuses wrong options of its channel."""
+    """A kind of file: its name, and functions to recognise it, to describe it and to check the options."""
 
     name: str
     knows: Callable[[Request], bool]
@@ -45,7 +45,7 @@ def _deciding(options: Fields) -> None:
 
 
 KINDS: tuple[Kind, ...] = (
-    Kind("gaze", inspect_gaze.knows, inspect_gaze.describe, gaze.manner),
+    Kind("gaze", inspect_gaze.knows, inspect_gaze.describe, gaze.drawing_options),
     Kind("signals", inspect_signals.knows, inspect_signals.describe, _deciding),
     Kind("commands", inspect_commands.knows, inspect_commands.describe, _deciding),
     Kind("streams", inspect_streams.knows, inspect_streams.describe, signal_request),
@@ -53,25 +53,25 @@ KINDS: tuple[Kind, ...] = (
 
 
 def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> Mapping[str, object]:
-    """Describes the file `spec.source`; entry point of the group `higvf_console.inspectors`.
+    """Describe the file `spec.source`; entry point of the group `higvf_console.inspectors`.
 
     Args:
-        spec: the file, the options of the channel that it is for, and the arena that it would steer in.
-        plot: where a small picture (PNG) goes; None = none.
-        steps: whether the steps from samples to a path are told, too.
+        spec: the file, the options of its channel, and the arena.
+        plot: path of a PNG picture to write; None for no picture.
+        steps: whether to report the processing steps from samples to a path.
 
     Returns:
         Plain values: format, kind, streams, columns, samples, duration_s, rate_hz, frame, origin, valid_share, gaps,
-        warnings, what it becomes, and what else its kind has to say.
+        becomes, warnings, and further keys of the kind.
 
     Raises:
-        InputError: the file is of no known kind, or cannot be read, or an option is wrong; the message gives the way
-            out.
+        InputError: If the file is unrecognised or unreadable, or an option is invalid. Unrecognised files are rejected
+            with the list of formats tried.
     """
     request = Request(spec, look(spec.source), option_fields(spec, OPTIONS), plot, steps)
     named_decoder(request.options)
     text = bool(request.file.head) or request.format is not None
-    for kind in KINDS if text else KINDS[:1]:  # of a folder, only gaze can be told
+    for kind in KINDS if text else KINDS[:1]:  # a folder can only be a gaze recording
         if kind.knows(request):
             kind.check(request.options)
             return kind.describe(request)

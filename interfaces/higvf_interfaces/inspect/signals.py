@@ -1,4 +1,4 @@
-"""Describes raw signals of an EMG or BCI in one pass: channels, rate, what is there, and the markers beside them."""
+"""Inspection of raw EMG and EEG signals in one pass: channels, rate, validity, gaps, and markers in the same file."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -14,14 +14,14 @@ from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, SIGNAL_FO
 from higvf_interfaces.formats.signals.records import SignalRecord, pick_channels
 from higvf_interfaces.formats.xdf.file import survey
 from higvf_interfaces.inspect import streams as inspect_streams
-from higvf_interfaces.inspect.describing import Request, description
+from higvf_interfaces.inspect.description import Request, description
 
-_LONGEST_GAP = 0.1  # between samples; a longer one is told [s]
+_LONGEST_GAP = 0.1  # a longer time between samples is reported as a gap [s]
 _SHOWN = 30  # labels
 
 
 def knows(request: Request) -> bool:
-    """Whether it is a recording of raw samples, or is said to be; what a channel plays as a log of labels is none."""
+    """Return whether the file is a recording of raw samples; a command log is none."""
     if request.format is not None:
         return request.format in [known.name for known in SIGNAL_FORMATS]
     played = next((known.name for known in DECISION_FORMATS if known.matches(request.file)), None)
@@ -30,10 +30,10 @@ def knows(request: Request) -> bool:
 
 
 def describe(request: Request) -> Mapping[str, object]:
-    """Reads the recording through.
+    """Read and describe the recording.
 
     Raises:
-        InputError: it has no samples or no times, or its stream or channel is not there.
+        InputError: If it has no samples or no times, or lacks the requested stream or channel.
     """
     wanted = signal_request(request.options)
     known = choose_format(request.file, request.format, SIGNAL_FORMATS)
@@ -50,7 +50,7 @@ def describe(request: Request) -> Mapping[str, object]:
         gaps += steps[steps > _LONGEST_GAP].tolist()
         samples, last = samples + len(chunk.times), float(chunk.times[-1])
         finite += int(np.count_nonzero(np.isfinite(chunk.values).all(axis=1)))
-    picture = ("no picture: there is none of raw signals",) if request.plot is not None else ()
+    picture = ("no picture: not available for raw signals",) if request.plot is not None else ()
     return description(
         format_name=record.format,
         kind="signals",
@@ -63,7 +63,7 @@ def describe(request: Request) -> Mapping[str, object]:
         gaps={"count": len(gaps) - 1, "longest_s": round(max(gaps), 3), "total_s": round(sum(gaps), 3)},
         epoch_s=record.epoch,
         labels=_labels(request),
-        becomes={"commands": "by a decoder: decoder=lda or decoder=ssvep"},
+        becomes={"commands": "with a decoder: decoder=lda or decoder=ssvep"},
         warnings=(*record.notes, *picture),
     )
 
@@ -73,7 +73,7 @@ def _titled(record: SignalRecord) -> list[str]:
 
 
 def _labels(request: Request) -> Mapping[str, int]:
-    """How often each marker in the same file comes; empty where it has none that can be read."""
+    """Return the counts of the markers in the same file; empty if there are none."""
     if not any(known.matches(request.file) for known in DECISION_FORMATS):
         return {}
     try:

@@ -1,25 +1,25 @@
-"""Describes an XDF file of which no stream is said to be gaze: its streams, and how to choose one."""
+"""Inspection of XDF files without a recognised gaze stream: lists the streams and how to choose one."""
 
 from collections.abc import Mapping
 
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 from higvf_interfaces.formats.xdf.file import survey
-from higvf_interfaces.inspect.describing import Request, description
+from higvf_interfaces.inspect.description import Request, description
 
 
 def knows(request: Request) -> bool:
-    """Whether it is an XDF file."""
+    """Return whether the file is an XDF file."""
     return gaze_xdf.matches(request.file)
 
 
 def describe(request: Request, reason: str = "") -> Mapping[str, object]:
-    """Its streams, and the reason why none of them is described alone.
+    """List the streams; `reason` explains why no single stream is described.
 
     Raises:
-        InputError: it is damaged.
+        InputError: If the file is damaged.
     """
     found = survey(request.file.path)
-    torn = ("the file is cut off: its readable part counts",) if found.torn else ()
+    truncated = ("the file is truncated: only its readable part is counted",) if found.truncated else ()
     return description(
         format_name=gaze_xdf.NAME,
         kind="streams",
@@ -27,9 +27,9 @@ def describe(request: Request, reason: str = "") -> Mapping[str, object]:
         samples=sum(stream.samples for stream in found.streams),
         duration=None,
         warnings=(
-            *torn,
+            *truncated,
             *([reason] if reason else []),
-            f"no stream is of type {' or '.join(gaze_xdf.TYPES)}; one that is gaze nonetheless is told by stream= "
+            f"no stream is of type {' or '.join(gaze_xdf.TYPES)}; to read another stream as gaze, give stream= "
             "(name, type, source id or number) with x= and y= (labels or numbers of its channels)",
         ),
     )

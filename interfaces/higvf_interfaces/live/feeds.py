@@ -1,6 +1,6 @@
-"""Decisions from a live stream: of a decoder elsewhere, as markers, or of a decoder here, from raw signals.
+"""Live decision feeds: markers from an external decoder, or raw signals decoded here.
 
-A sample's time on the LSL clock becomes session time by how long ago it was: the session's clock is now.
+The session time of a sample is the current session time minus the sample's age on the LSL clock.
 """
 
 import math
@@ -17,41 +17,41 @@ from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, unique_names
 from higvf_interfaces.formats.xdf.markers import decision_of, label_of
-from higvf_interfaces.live.lsl import WITHIN, LslReader, Wish, wish_of
+from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
 
-MARKERS = Wish(type="Markers")
+MARKERS = StreamQuery(type="Markers")
 
 
 class LiveFeed(DecisionFeed, Protocol):
-    """A feed whose device is alive."""
+    """A decision feed that reads a live stream."""
 
     @property
     def reader(self) -> LslReader:
-        """The stream."""
+        """The reader of the stream."""
         ...
 
 
 class _SessionClock:
-    """Session times of a live stream's decisions: never decreasing, and 0 for what was said before the run."""
+    """Session times of a live stream's decisions: non-decreasing, and 0 for decisions before the run."""
 
     def __init__(self) -> None:
         self._latest, self._now = 0.0, -math.inf
 
     def at(self, now: float, ago: float) -> float:
         if now < self._now:
-            self._latest = 0.0  # the run has been reset
+            self._latest = 0.0  # the run was reset
         self._now = now
         self._latest = min(now, max(self._latest, now - max(0.0, ago)))
         return self._latest
 
 
 class MarkerFeed:
-    """Labels as they come."""
+    """Feed of the labels of a live marker stream."""
 
     ended = False
 
     def __init__(self, reader: LslReader) -> None:
-        """Takes the markers of a stream."""
+        """Read the markers of a stream."""
         self.reader = reader
         self.labels: Sequence[str] = ()
         self._clock = _SessionClock()
@@ -59,7 +59,7 @@ class MarkerFeed:
 
     @property
     def notes(self) -> Sequence[str]:
-        """The stream."""
+        """Notes on the stream."""
         return self.reader.notes
 
     @property
@@ -68,7 +68,7 @@ class MarkerFeed:
         return self.reader.quiet is not None
 
     def due(self, now: float) -> list[Due]:
-        """Decisions that have come since the last call, at their session times up to `now` [s]."""
+        """Return the decisions received since the last call, at session times up to `now` [s]."""
         given: list[Due] = []
         for sample in self.reader.take():
             decision = decision_of(self._clock.at(now, self.reader.now - sample.time), label_of(list(sample.values)))
@@ -79,21 +79,21 @@ class MarkerFeed:
 
 
 class LiveDecoderFeed:
-    """Decisions that a decoder makes of a live signal."""
+    """Feed of the decisions of a decoder on a live signal."""
 
     ended = False
 
     def __init__(self, reader: LslReader, decoder: Decoder, columns: Sequence[int], notes: Sequence[str]) -> None:
-        """Feeds the channels `columns` of a stream to `decoder`."""
-        self.reader, self._decoder, self._columns, self._said = reader, decoder, list(columns), tuple(notes)
+        """Pass the channels `columns` of a stream to `decoder`."""
+        self.reader, self._decoder, self._columns, self._decoder_notes = reader, decoder, list(columns), tuple(notes)
         self.labels: Sequence[str] = decoder.labels
         self._clock = _SessionClock()
         self._latest, self._lost, self._count = -math.inf, 0, 0
 
     @property
     def notes(self) -> Sequence[str]:
-        """The stream, and how the decoder was calibrated."""
-        return (*self._said, *self.reader.notes)
+        """Notes on the decoder's calibration and on the stream."""
+        return (*self._decoder_notes, *self.reader.notes)
 
     @property
     def started(self) -> bool:
@@ -101,7 +101,7 @@ class LiveDecoderFeed:
         return self.reader.quiet is not None
 
     def due(self, now: float) -> list[Due]:
-        """Decisions that the samples since the last call have completed, at their session times up to `now` [s]."""
+        """Return the decisions completed since the last call, at session times up to `now` [s]."""
         if self.reader.lost != self._lost:
             self._lost = self.reader.lost
             self._decoder.restart()
@@ -120,17 +120,17 @@ class LiveDecoderFeed:
 
 
 def live_feed(options: Fields) -> LiveFeed:
-    """The feed of the stream that an input's options describe; with `decoder` of its raw signals.
+    """Open the live feed that an input's options describe: markers, or raw signals with the option `decoder`.
 
     Raises:
-        InputError: no stream fits or several do, or an option cannot be used.
+        InputError: If no stream or several match, or an option is invalid.
     """
     within = options.number("within", WITHIN, 0.1, 3600.0, "s")
     if not options.has("decoder"):
-        return MarkerFeed(LslReader(wish_of(options, MARKERS), options.place, within))
+        return MarkerFeed(LslReader(query_of(options, MARKERS), options.place, within))
     from higvf_interfaces.decoding.replay import make_decoder  # noqa: PLC0415 - filters load for a second
 
-    reader = LslReader(wish_of(options, Wish(type="EEG")), options.place, within)
+    reader = LslReader(query_of(options, StreamQuery(type="EEG")), options.place, within)
     try:
         if not reader.rate:
             options.fail(f"a decoder needs a stream with a rate, not {reader.name}")

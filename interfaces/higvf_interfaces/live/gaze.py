@@ -1,7 +1,7 @@
-"""Gaze from a live stream, in the terms in which a recording is played: fixations are found as the samples come.
+"""Live gaze stream with the interface of a playback: fixations are detected as samples arrive.
 
-A fixation is handed out when later samples can no longer change it, some 0.3 s behind its end; what there is of the one
-that lasts when the clutch opens is handed out at once.
+A fixation is returned about 0.3 s after its end, when later samples can no longer change it. A fixation that is
+unfinished when the clutch opens is returned at once with its part so far.
 """
 
 import math
@@ -14,43 +14,43 @@ from higvf_interfaces.decisions.options import word
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.records import GazeStream
 from higvf_interfaces.formats.xdf.gaze import described_channels, frame_of, point_channels
+from higvf_interfaces.gaze.chunked_fixations import NO_PIXELS, ChunkClassifier, Pixels
 from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, THRESHOLDS, Classified, Fixation, fixations_of
-from higvf_interfaces.gaze.pieces import NO_PIXELS, PieceMaker, Pixels
 from higvf_interfaces.gaze.screens import choose_screen, on_screen, to_pixels
-from higvf_interfaces.live.lsl import WITHIN, LslReader, Wish, wish_of
+from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
 
-GAZE = Wish(type="Gaze")
+GAZE = StreamQuery(type="Gaze")
 
 
 class LiveGaze:
-    """A live gaze stream: source and playback in one.
+    """A live gaze stream: source and playback in one object.
 
     Attributes:
-        reader: the stream.
-        screen: the tracker's screen and what lies under it.
-        px_per_deg: pixels in one degree of visual angle.
-        started: whether any sample has come.
-        seen: whether the newest sample saw the eye.
-        point: the newest sample (2,) [px]; NaN where it saw nothing.
-        ended: never.
-        first_time: session time of the first sample [s]; 0 before.
-        newest: the samples that the last call of `advance` took in, on the clock of the stream.
+        reader: reader of the stream.
+        screen: the tracker's screen and its mapping to the arena.
+        px_per_deg: pixels per degree of visual angle.
+        started: whether a sample has arrived.
+        seen: whether gaze is known at the newest sample.
+        point: newest sample (2,) [px]; NaN if unknown.
+        ended: always False.
+        first_time: always 0 [s].
+        newest: samples of the last call of `advance`, on the clock of the stream.
     """
 
     ended = False
     first_time = 0.0
 
     def __init__(self, spec: InputSpec, options: Fields) -> None:
-        """Finds the stream.
+        """Find and open the stream.
 
         Raises:
-            InputError: no stream fits or several do, its channels cannot be told, or an option cannot be used.
+            InputError: If no stream or several match, its gaze channels are unknown, or an option is invalid.
         """
         self.px_per_deg = options.number("px_per_deg", PX_PER_DEG, 1.0, 1000.0, "px/deg")
         self._method = options.choice("method", IVT, METHODS)
         self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
         within = options.number("within", WITHIN, 0.1, 3600.0, "s")
-        self.reader = LslReader(wish_of(options, GAZE), options.place, within)
+        self.reader = LslReader(query_of(options, GAZE), options.place, within)
         try:
             labels, units = described_channels(self.reader.header, self.reader.channels)
             x, y = (word(options, key) if options.has(key) else None for key in ("x", "y"))
@@ -71,7 +71,7 @@ class LiveGaze:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The stream, and what had to be assumed."""
+        """The stream, and assumptions made."""
         return (*self.reader.notes, *self.screen.notes)
 
     @property
@@ -80,7 +80,7 @@ class LiveGaze:
         return min(self._now, self._now - (self.reader.now - self._latest))
 
     def advance(self, now: float) -> tuple[bool, list[Fixation]]:
-        """Takes in what has come by session time `now` [s].
+        """Process the samples that arrived by session time `now` [s].
 
         Returns:
             Whether there are new samples, and the fixations that have ended, in session time.
@@ -103,29 +103,29 @@ class LiveGaze:
         self._latest, self.started = float(times[kept][-1]), True
         self.point, self.seen = points[-1], bool(valid[-1])
         self.newest = Pixels(floats(times[kept]), points, bools(valid))
-        piece = self._maker.push(self.newest)
-        return True, self._fixations(piece) if piece is not None else []
+        chunk = self._classifier.push(self.newest)
+        return True, self._fixations(chunk) if chunk is not None else []
 
     def unfinished(self) -> list[Fixation]:
-        """The fixations that have not been handed out, the lasting one included if it is long enough."""
-        rest = self._maker.rest()
+        """Return the fixations not returned yet, including the current one if it is long enough."""
+        rest = self._classifier.flush()
         if rest is None:
             return []
-        self._maker = PieceMaker(self.px_per_deg, self._method)
+        self._classifier = ChunkClassifier(self.px_per_deg, self._method)
         return [found for found in self._fixations(rest) if found.end - found.start >= THRESHOLDS.shortest]
 
-    def _fixations(self, piece: Classified) -> list[Fixation]:
-        """The fixations of a piece, in session time."""
+    def _fixations(self, chunk: Classified) -> list[Fixation]:
+        """Return the fixations of a chunk, in session time."""
         shift = self._now - self.reader.now
-        return [rest._replace(start=rest.start + shift, end=rest.end + shift) for rest in fixations_of(piece)]
+        return [rest._replace(start=rest.start + shift, end=rest.end + shift) for rest in fixations_of(chunk)]
 
     def close(self) -> None:
-        """Ends the reading; may be called twice."""
+        """Stop reading; may be called twice."""
         self.reader.close()
 
     def _restart(self) -> None:
-        """Starts like new, because the run has; the device goes on."""
-        self._maker = PieceMaker(self.px_per_deg, self._method)
+        """Reset the state, because the run was reset; the device continues."""
+        self._classifier = ChunkClassifier(self.px_per_deg, self._method)
         self._now = self._latest = -math.inf
         self.started = self.seen = False
         self.point: Floats = np.full(2, np.nan)

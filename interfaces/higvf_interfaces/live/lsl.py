@@ -1,10 +1,10 @@
-"""One stream of the Lab Streaming Layer, read on a thread of its own: found, clock-corrected, watched, found again.
+"""Reader of one Lab Streaming Layer stream on its own thread, with clock correction and reconnection.
 
     network -> inlet -> reader thread -> bounded queue -> poll
 
-`pull_sample` gives nothing on a time-out whether the device is quiet or dead, so the watch is ours: a stream with a
-rate is as alive as its newest sample, one of events is alive while the network still answers for it. Times come on this
-machine's LSL clock (`proc_clocksync`), never decreasing.
+A time-out of `pull_sample` does not distinguish a silent device from a lost one. The reader therefore keeps its own
+sign of life: the newest sample of a stream with a rate; for an event stream, an answer of the network. Times are on
+this machine's LSL clock (`proc_clocksync`) and non-decreasing.
 """
 
 import threading
@@ -20,7 +20,7 @@ from higvf_console.core.interface import InputSpec
 from higvf_interfaces.decisions.options import word
 from higvf_interfaces.fields import Fields
 
-SOURCE = "lsl"  # of an input: --input gaze=lsl:name=...
+SOURCE = "lsl"  # source of a live input: --input gaze=lsl:name=...
 OPTIONS = ("name", "type", "source_id", "host", "within")
 CAPACITY = 65_536  # samples that wait at most; the oldest go first
 WITHIN = 3.0  # a stream must be found within [s]
@@ -31,14 +31,14 @@ _BUFFERED = 60  # [s] of a stream with a rate, [100 samples] of another, kept by
 
 
 class LslSample(NamedTuple):
-    """A sample: `time` on this machine's LSL clock [s], and the values of its channels."""
+    """A sample: `time` on this machine's LSL clock [s] and the values of its channels."""
 
     time: float
     values: Sequence[Any]
 
 
-class Wish(NamedTuple):
-    """Which stream is wanted; an empty word fits every stream."""
+class StreamQuery(NamedTuple):
+    """Search criteria for a stream; an empty criterion matches every stream."""
 
     name: str = ""
     type: str = ""
@@ -46,20 +46,20 @@ class Wish(NamedTuple):
     host: str = ""
 
     def fits(self, info: Any) -> bool:
-        """Whether a stream found on the network is one that is wanted."""
-        said = (info.name(), info.type(), info.source_id(), info.hostname())
-        return all(not wish or wish.casefold() == word.casefold() for wish, word in zip(self, said, strict=True))
+        """Return whether a stream on the network meets all criteria."""
+        found = (info.name(), info.type(), info.source_id(), info.hostname())
+        return all(not want or want.casefold() == word.casefold() for want, word in zip(self, found, strict=True))
 
 
 def is_live(spec: InputSpec, recorded: Sequence[str]) -> bool:
-    """Whether an input's source is the Lab Streaming Layer rather than a file.
+    """Return whether an input's source is the Lab Streaming Layer rather than a file.
 
     Args:
         spec: the input.
-        recorded: its options that mean nothing to a live stream.
+        recorded: options that apply to recordings only.
 
     Raises:
-        InputError: it is a file, and beside it stands an option that chooses a stream; or the other way round.
+        InputError: If a file comes with an option for live streams, or a live stream with an option for recordings.
     """
     live = spec.source.strip().casefold() == SOURCE
     for key in recorded if live else OPTIONS:
@@ -74,10 +74,10 @@ def is_live(spec: InputSpec, recorded: Sequence[str]) -> bool:
 
 
 def library() -> Any:
-    """The module `pylsl`.
+    """Import the module `pylsl`.
 
     Raises:
-        InputError: it is not installed, or its library cannot be loaded.
+        InputError: If it is not installed or its library cannot be loaded.
     """
     try:
         return import_module("pylsl")
@@ -85,50 +85,50 @@ def library() -> Any:
         raise InputError(f"live streams need pylsl: pip install 'higvf-console[lsl]' ({problem})") from problem
 
 
-def wish_of(options: Fields, usual: Wish) -> Wish:
-    """What the options `OPTIONS` say; `usual` where they say nothing at all.
+def query_of(options: Fields, usual: StreamQuery) -> StreamQuery:
+    """Return the search criteria of the options, or `usual` if none is set.
 
     Raises:
-        InputError: a value that is no word.
+        InputError: If a value is not text.
     """
-    given = {key: word(options, key) for key in Wish._fields if options.has(key)}
-    return Wish(**given) if given else usual
+    given = {key: word(options, key) for key in StreamQuery._fields if options.has(key)}
+    return StreamQuery(**given) if given else usual
 
 
 class LslReader:
-    """A stream, read until it is closed.
+    """Reads a stream on its own thread until closed.
 
     Attributes:
-        labels: of the channels; empty where the stream does not say.
-        header: what the stream says of itself, as XML.
-        rate: nominal sampling rate [Hz]; 0 for events.
-        channels: how many.
-        name: the stream, as messages call it.
-        lost: how often the stream has been lost so far.
+        labels: labels of the channels; empty if unknown.
+        header: metadata of the stream, as XML.
+        rate: nominal sampling rate [Hz]; 0 for an event stream.
+        channels: number of channels.
+        name: summary of the stream for messages.
+        lost: number of losses so far.
     """
 
-    def __init__(self, wish: Wish, place: str, within: float = WITHIN, capacity: int = CAPACITY) -> None:
-        """Finds the stream and begins to read.
+    def __init__(self, query: StreamQuery, place: str, within: float = WITHIN, capacity: int = CAPACITY) -> None:
+        """Find the stream and start reading.
 
         Args:
-            wish: which one.
-            place: how messages call the input.
-            within: how long to look [s].
-            capacity: samples that wait at most.
+            query: search criteria.
+            place: prefix of error messages.
+            within: time limit of the search [s].
+            capacity: maximum number of queued samples.
 
         Raises:
-            InputError: there is none, or several fit; the message lists what there is.
+            InputError: If no stream or several match; the message lists the streams on the network.
         """
         self._lsl = library()
         self._gone: type[RuntimeError] = import_module("pylsl.util").LostError
-        self._info = _find(self._lsl, wish, place, within)
+        self._info = _find(self._lsl, query, place, within)
         self._inlet = self._opened(self._info)
         full = self._inlet.info(within)
         self.header = ET.fromstring(full.as_xml())
         self.rate, self.channels = float(full.nominal_srate()), int(full.channel_count())
         described = self.header.findall("desc/channels/channel")[: self.channels]
         self.labels = tuple((channel.findtext("label") or "").strip() for channel in described)
-        self.name = described_stream(full)
+        self.name = stream_summary(full)
         self.lost = 0
         self._waiting: deque[LslSample] = deque(maxlen=capacity)
         self._alive: float | None = None  # [s] of the LSL clock
@@ -143,23 +143,23 @@ class LslReader:
 
     @property
     def quiet(self) -> float | None:
-        """For how long there has been no sign of life [s]; None before the first."""
+        """Time since the last sign of life [s]; None before the first."""
         return None if self._alive is None else max(0.0, self.now - self._alive)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The stream, and how often it has been lost."""
+        """The stream and the number of losses."""
         return (self.name, *((f"lost {self.lost} times",) if self.lost else ()))
 
     def take(self) -> list[LslSample]:
-        """The samples that have come since the last call; returns at once."""
+        """Return the samples received since the last call, without waiting."""
         taken: list[LslSample] = []
         for _ in range(len(self._waiting)):
             taken.append(self._waiting.popleft())
         return taken
 
     def close(self) -> None:
-        """Ends the thread; may be called twice."""
+        """Stop the thread; may be called twice."""
         if not self._stopping.is_set():
             self._stopping.set()
             self._thread.join(2.0)
@@ -168,7 +168,7 @@ class LslReader:
         flags = self._lsl.proc_clocksync | self._lsl.proc_monotonize
         inlet = self._lsl.StreamInlet(info, max_buflen=_BUFFERED, recover=False, processing_flags=flags)
         inlet.open_stream(timeout=WITHIN)
-        inlet.time_correction(timeout=WITHIN)  # else the first sample waits for it
+        inlet.time_correction(timeout=WITHIN)  # otherwise the first sample would wait for it
         return inlet
 
     def _read(self) -> None:
@@ -179,7 +179,7 @@ class LslReader:
             except self._gone:
                 self.lost += 1
                 self._find_again(presence)
-            except RuntimeError:  # the library's own, while a stream breaks off
+            except RuntimeError:  # raised by the library while a connection breaks
                 self._stopping.wait(_WAIT)
         self._inlet.close_stream()
 
@@ -194,21 +194,21 @@ class LslReader:
             self._alive = self.now
 
     def _presence(self) -> Any:
-        """Asks the network all the time for the device: by its source id, else by name and type."""
+        """Return a resolver that queries the network for the device by source id, or by name if it has none."""
         source, forget = self._info.source_id(), {"forget_after": _FORGOTTEN}
         if source:
             return self._lsl.ContinuousResolver("source_id", source, **forget)
         return self._lsl.ContinuousResolver("name", self._info.name(), **forget)
 
     def _find_again(self, presence: Any) -> None:
-        """Waits until the same device is back."""
+        """Wait until the same device is back, and reconnect."""
         while not self._stopping.wait(_WAIT):
             for info in presence.results():
                 if info.uid() == self._info.uid() or not self._same_kind(info):
                     continue
                 try:
                     self._inlet, self._info = self._opened(info), info
-                except RuntimeError:  # gone again, or too slow to open
+                except RuntimeError:  # lost again, or too slow to open
                     continue
                 return
 
@@ -216,25 +216,25 @@ class LslReader:
         return info.type() == self._info.type() and info.channel_count() == self._info.channel_count()
 
 
-def _find(lsl: Any, wish: Wish, place: str, within: float) -> Any:
+def _find(lsl: Any, query: StreamQuery, place: str, within: float) -> Any:
     deadline = time.monotonic() + within
     known: dict[str, Any] = {}
     while True:
         known |= {info.uid(): info for info in lsl.resolve_streams(wait_time=_WAVE)}
         found = list(known.values())
-        fit = [info for info in found if wish.fits(info)]
+        fit = [info for info in found if query.fits(info)]
         if len({info.source_id() or info.uid() for info in fit}) == 1:
             return fit[-1]
         if fit or time.monotonic() >= deadline:
             break
-    asked = ", ".join(f"{key}={value}" for key, value in wish._asdict().items() if value) or "any stream"
-    listed = "; ".join(sorted(described_stream(info) for info in found)) or "none"
+    asked = ", ".join(f"{key}={value}" for key, value in query._asdict().items() if value) or "any stream"
+    listed = "; ".join(sorted(stream_summary(info) for info in found)) or "none"
     way_out = "; choose one by name, type, source_id, host" if fit else ""
     raise InputError(f"{place}: {len(fit)} live streams fit {asked}{way_out}; found on the network: {listed}")
 
 
-def described_stream(info: Any) -> str:
-    """A stream as messages list it: name, type, source, host, channels, rate."""
+def stream_summary(info: Any) -> str:
+    """Return name, type, source, host, channels and rate of a stream, for messages."""
     rate = f"{info.nominal_srate():g} Hz" if info.nominal_srate() else "events"
     source = f", source_id {info.source_id()}" if info.source_id() else ""
     channels = f"{info.channel_count()} channels" if info.channel_count() != 1 else "1 channel"

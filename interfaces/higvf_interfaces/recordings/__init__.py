@@ -1,1 +1,1 @@
-"""Synthetic recordings: `python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml`."""
+"""Generators of synthetic recordings: `python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml`."""

@@ -1,4 +1,4 @@
-"""`python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml` makes sample recordings from a plan."""
+"""Run `python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml`."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Writes recordings in the formats that the readers know: pure functions from samples to text."""
+"""Writers of synthetic recordings: pure functions from samples to the text of a file."""
 
 import csv
 import io
@@ -26,13 +26,13 @@ _PRO_LAB_COLUMNS = (
 def write_gaze_tsv(
     samples: Samples, screen: tuple[float, float], *, project: str = "synthetic", decimal_comma: bool = False
 ) -> str:
-    """Gaze as Tobii Pro Lab exports it, in those of its columns that carry gaze.
+    """Return gaze as a Tobii Pro Lab export that has only the columns needed for gaze.
 
     Args:
-        samples: in pixels of the screen.
-        screen: width and height [px].
-        project: the project's name.
-        decimal_comma: as Pro Lab writes on a computer set to German, say.
+        samples: gaze samples in screen pixels.
+        screen: width and height of the screen [px].
+        project: project name.
+        decimal_comma: whether to write a decimal comma, as Pro Lab does under, for example, a German locale.
     """
 
     def decimal(value: float) -> str:
@@ -47,7 +47,7 @@ def write_gaze_tsv(
 
 
 def write_gaze_csv(samples: Samples) -> str:
-    """Gaze as a plain table in pixels of the screen; empty cells where it is missing."""
+    """Return gaze as a plain CSV in screen pixels; missing samples have empty cells."""
     rows = [
         (f"{time:.6f}", f"{x:.1f}" if valid else "", f"{y:.1f}" if valid else "", "1.0" if valid else "0.0")
         for time, (x, y), valid in zip(
@@ -58,13 +58,13 @@ def write_gaze_csv(samples: Samples) -> str:
 
 
 def write_command_csv(decisions: Sequence[Decision]) -> str:
-    """A command log as a table `time,label,confidence`; an empty cell where there is no confidence."""
+    """Return a command log as a CSV `time,label,confidence`; an unknown confidence is an empty cell."""
     rows = [(f"{d.time:.6g}", d.label, "" if d.confidence is None else f"{d.confidence:g}") for d in decisions]
     return _table(("time", "label", "confidence"), rows)
 
 
 def write_command_jsonl(decisions: Sequence[Decision]) -> str:
-    """A command log as JSON lines; no key where there is no confidence."""
+    """Return a command log as JSON lines; an unknown confidence is left out."""
     entries = [{key: value for key, value in d._asdict().items() if value is not None} for d in decisions]
     return "".join(json.dumps(entry) + "\n" for entry in entries)
 

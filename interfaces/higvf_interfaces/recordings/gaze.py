@@ -1,8 +1,8 @@
-"""Gaze as a person gives it who draws with the eyes: fixations along a path, saccades between, a blink in each stroke.
+"""Synthetic gaze of a person who draws with the eyes: fixations along a path, saccades, and one blink per stroke.
 
 Fixations last 250 to 400 ms; saccades take 21 ms + 2.2 ms/deg (Carpenter, "Movements of the Eyes", 1988) with a
-minimum-jerk profile; the tracker adds white noise of 0.2 degrees RMS. Outside the strokes the gaze scans the arena.
-Everything follows from the seed.
+minimum-jerk profile; the tracker adds white noise of 0.2 degrees RMS. Between strokes the gaze scans the arena. The
+same seed gives the same samples.
 """
 
 from collections.abc import Sequence
@@ -17,12 +17,12 @@ from higvf_interfaces.gaze.fixations import PX_PER_DEG
 DWELL = (0.25, 0.40)  # [s]
 NOISE = 0.2  # RMS [deg]
 BLINK = 0.15  # [s]
-MARGIN = 0.15  # the eye is at a stroke's ends that long before and after the stroke [s]
-_STEP = 0.37  # of the schedule: a mean dwell and its saccade [s]
+MARGIN = 0.15  # gaze reaches the first point this long before a stroke and leaves the last this long after it [s]
+_STEP = 0.37  # mean dwell plus its saccade [s]
 
 
 class DrawnByEye(NamedTuple):
-    """A stroke to look along: from `start` to `end` [s] over the polyline `points` (n, 2) [m]."""
+    """A stroke to draw by gaze: from `start` to `end` [s] along the polyline `points` (n, 2) [m]."""
 
     start: float
     end: float
@@ -52,15 +52,15 @@ def synthetic_gaze(
     rate: float = 120.0,
     px_per_deg: float = PX_PER_DEG,
 ) -> Samples:
-    """Samples of a whole session.
+    """Generate the gaze samples of one session.
 
     Args:
-        strokes: in order of time, at least 2 * `MARGIN` apart.
-        duration: of the session [s].
-        screen: how the arena lies on the screen.
-        seed: of the scan targets, the dwell times and the noise.
-        rate: samples a second [Hz].
-        px_per_deg: pixels in one degree of visual angle.
+        strokes: strokes in order of time, at least 2 * `MARGIN` apart.
+        duration: duration of the session [s].
+        screen: position of the arena on the screen.
+        seed: seed of scan targets, dwell times and noise.
+        rate: sampling rate [Hz].
+        px_per_deg: pixels per degree of visual angle.
     """
     rng = np.random.default_rng(seed)
     fixations: list[_Fixation] = []
@@ -83,20 +83,20 @@ def synthetic_gaze(
 
 
 def along(points: Floats, shares: Floats) -> Floats:
-    """Points (k, 2) at `shares` (k,) in [0, 1] of the length of the polyline `points` (n, 2)."""
+    """Return the points (k, 2) at the fractions `shares` (k,) of the arc length of the polyline `points` (n, 2)."""
     reached = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     return np.stack([np.interp(shares * reached[-1], reached, points[:, axis]) for axis in range(2)], axis=1)
 
 
 def _scan(start: float, end: float, screen: Viewport, rng: np.random.Generator, px_per_deg: float) -> list[_Fixation]:
-    """Fixations anywhere in the middle of the screen."""
+    """Return fixations at random places in the middle of the screen."""
     count = round((end - start) / _STEP)
     targets = (0.2 + 0.6 * rng.random((count, 2))) * np.array([screen.width_px, screen.height_px])
     return _dwell(start, end, targets, rng, px_per_deg)
 
 
 def _dwell(start: float, end: float, targets: Floats, rng: np.random.Generator, px_per_deg: float) -> list[_Fixation]:
-    """Fixations on `targets` (k, 2) [px] that fill [start, end], a saccade behind each."""
+    """Return one fixation per target (k, 2) [px], each followed by a saccade, that together fill [start, end]."""
     leaps = np.append(np.hypot(*np.diff(targets, axis=0).T), 0.0) / px_per_deg
     saccades = 0.021 + 0.0022 * leaps
     dwells = rng.uniform(*DWELL, len(targets))
@@ -106,7 +106,7 @@ def _dwell(start: float, end: float, targets: Floats, rng: np.random.Generator, 
 
 
 def _positions(time: Floats, fixations: Sequence[_Fixation]) -> Floats:
-    """Where the eye points (n, 2) [px]: still in a fixation, along a minimum-jerk line between two."""
+    """Return gaze (n, 2) [px]: constant in a fixation, a minimum-jerk profile between two."""
     starts = np.array([fixation.start for fixation in fixations])
     ends = np.array([fixation.end for fixation in fixations])
     targets = np.array([fixation.target for fixation in fixations])

@@ -1,18 +1,19 @@
-"""Makes sample recordings from a plan: `python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml`.
+"""Generate sample recordings from a plan: `python -m higvf_interfaces.recordings OUT_DIR --plan PLAN.yaml`.
 
-The plan says what an operator would look at and what the decoders would say; the files come out in the formats that
-the adapters read, the same bytes each time. Its keys are described in interfaces/README.md.
+The plan lists what the operator looks at and which labels the decoders give. The files are in formats that the readers
+accept; the same plan gives the same bytes. interfaces/README.md describes the keys.
 """
 
 import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import cast
 
 from higvf_console.core.errors import HigvfError, InputError
+from higvf_console.core.reading.document import read_text, read_yaml
+from higvf_console.core.reading.node import Node
 from higvf_console.core.viewport import Arena, fit
-from higvf_interfaces.fields import Fields, is_number, shown
+from higvf_interfaces.fields import Fields, is_number
 from higvf_interfaces.formats import command_log
 from higvf_interfaces.formats.gaze import plain as gaze_csv
 from higvf_interfaces.formats.gaze import tobii_prolab
@@ -20,7 +21,6 @@ from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.gaze.fixations import PX_PER_DEG
 from higvf_interfaces.recordings.files import write_command_csv, write_command_jsonl, write_gaze_csv, write_gaze_tsv
 from higvf_interfaces.recordings.gaze import MARGIN, DrawnByEye, synthetic_gaze
-from higvf_interfaces.yaml_files import read_yaml
 
 _PLAN = ("seed", "duration_s", "arena_m", "screen_px", "rate_hz", "px_per_deg", "gaze", "commands")
 _GAZE = ("file", "format", "decimal_comma", "strokes")
@@ -30,27 +30,24 @@ _LONGEST = 36_000.0  # [s]
 
 
 def make_recordings(plan: Path) -> dict[str, str]:
-    """File names and contents that a plan asks for.
+    """Return the contents of the recordings that a plan describes, by file name.
 
     Raises:
-        InputError: the plan cannot be used; the message gives place, value and known keys.
+        InputError: If the plan is invalid; the message gives place, value and known keys.
     """
-    content = read_yaml(plan, InputError)
-    if not isinstance(content, dict):
-        raise InputError(f"{plan}: a plan is a mapping with the keys {', '.join(_PLAN)}")
-    fields = Fields(cast(dict[str, object], content), _PLAN, str(plan))
+    fields = Fields.of(read_yaml(read_text(plan, InputError), str(plan), InputError), _PLAN)
     files: dict[str, str] = {}
     if fields.has("gaze"):
-        gaze = Fields(fields.mapping("gaze"), _GAZE, f"{plan}: gaze")
+        gaze = Fields.of(fields.required("gaze"), _GAZE)
         files[_file_name(gaze)] = _gaze_text(fields, gaze)
-    for number, item in enumerate(fields.items("commands"), start=1):
-        log = _section(item, _COMMANDS, f"{plan}: commands {number}")
+    for item in fields.nodes("commands"):
+        log = Fields.of(item, _COMMANDS)
         files[_file_name(log)] = _command_text(log)
     return files
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command; returns its exit code."""
+    """Run the command and return its exit code."""
     parser = argparse.ArgumentParser(prog="python -m higvf_interfaces.recordings", description=__doc__)
     parser.add_argument("out_dir", type=Path, help="folder that receives the recordings")
     parser.add_argument("--plan", type=Path, required=True, help="YAML plan of strokes and labels")
@@ -70,9 +67,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _gaze_text(plan: Fields, gaze: Fields) -> str:
     arena, screen = Arena(*plan.numbers("arena_m", 4)), plan.numbers("screen_px", 2)
     if arena.width <= 0 or arena.height <= 0:
-        plan.fail(f"arena_m: {list(arena)!r} is not [x_min, y_min, x_max, y_max]")
+        raise plan.required("arena_m").wrong("[x_min, y_min, x_max, y_max]")
     if min(screen) < 1:
-        plan.fail(f"screen_px: {screen!r} is not [width, height]")
+        raise plan.required("screen_px").wrong("[width, height]")
     duration = plan.number("duration_s", None, 1.0, _LONGEST, "s")
     samples = synthetic_gaze(
         _strokes(gaze, duration),
@@ -90,46 +87,34 @@ def _gaze_text(plan: Fields, gaze: Fields) -> str:
 def _strokes(gaze: Fields, duration: float) -> list[DrawnByEye]:
     strokes: list[DrawnByEye] = []
     free_from = 0.0
-    for number, item in enumerate(gaze.items("strokes"), start=1):
-        fields = _section(item, _STROKE, f"{gaze.place}: stroke {number}")
+    for item in gaze.nodes("strokes"):
+        fields = Fields.of(item, _STROKE)
         start = fields.number("from_s", None, free_from, duration, "s")
         end = fields.number("to_s", None, start + 1.0, duration, "s")
-        points = fields.points("points_m")
-        if len(points) < 2:
-            fields.fail("points_m: a stroke needs two points or more")
-        strokes.append(DrawnByEye(start, end, points))
+        strokes.append(DrawnByEye(start, end, fields.required("points_m").points(least=2)))
         free_from = end + 2 * MARGIN
     return strokes
 
 
 def _command_text(log: Fields) -> str:
-    decisions = [_decision(item, f"{log.place}: label {n}") for n, item in enumerate(log.items("labels"), start=1)]
+    decisions = [_decision(item) for item in log.nodes("labels")]
     usual = command_log.JSON_NAME if _file_name(log).endswith(".jsonl") else command_log.CSV_NAME
     chosen = log.choice("format", usual, (command_log.CSV_NAME, command_log.JSON_NAME))
     return write_command_jsonl(decisions) if chosen == command_log.JSON_NAME else write_command_csv(decisions)
 
 
-def _decision(item: object, place: str) -> Decision:
-    parts = cast(list[object], item) if isinstance(item, list) else []
-    match parts:
+def _decision(item: Node) -> Decision:
+    match item.value:
         case [time, str() as label] if is_number(time):
             return Decision(float(time), label, None)
         case [time, str() as label, trust] if is_number(time) and is_number(trust) and 0 <= trust <= 1:
             return Decision(float(time), label, float(trust))
         case _:
-            raise InputError(
-                f"{place}: {shown(item)} is not [seconds, label] or [seconds, label, confidence from 0 to 1]"
-            )
-
-
-def _section(item: object, known: Sequence[str], place: str) -> Fields:
-    if not isinstance(item, dict):
-        raise InputError(f"{place}: {shown(item)} is not a mapping with the keys {', '.join(known)}")
-    return Fields(cast(dict[str, object], item), known, place)
+            raise item.wrong("[seconds, label] or [seconds, label, confidence from 0 to 1]")
 
 
 def _file_name(fields: Fields) -> str:
     name = fields.text("file")
     if Path(name).name != name:
-        fields.fail(f"file: {shown(name)} is not a plain file name")
+        raise fields.required("file").wrong("a plain file name")
     return name

@@ -18,11 +18,10 @@ from higvf_console.core.edits import (
     SetParameters,
     ToggleLink,
 )
-from higvf_console.core.errors import ScriptError
-from higvf_interfaces.fields import Fields, is_number, shown
+from higvf_interfaces.fields import Fields, is_number
 
 ENDINGS = ("release", "hold", "loop")
-_ADDED = tuple(thing for thing in EntityKind if thing is not EntityKind.POLYGON)  # a polygon is added by its outline
+_ADDED = tuple(kind for kind in EntityKind if kind is not EntityKind.POLYGON)  # a polygon is added by its outline
 _MOST = 1e6
 
 
@@ -34,8 +33,7 @@ class EditAction(NamedTuple):
 
 
 def _add(fields: Fields) -> OperatorCommand:
-    fields.text("thing")
-    return AddEntity(fields.choice("thing", "", _ADDED), floats(fields.numbers("at_m", 2)))
+    return AddEntity(fields.required("kind").choice(_ADDED), floats(fields.numbers("at_m", 2)))
 
 
 def _add_outline(fields: Fields) -> OperatorCommand:
@@ -43,22 +41,22 @@ def _add_outline(fields: Fields) -> OperatorCommand:
 
 
 def _move(fields: Fields) -> OperatorCommand:
-    return MoveEntity(_thing(fields), fields.whole("number", 1) - 1, floats(fields.numbers("at_m", 2)))
+    return MoveEntity(_kind(fields), fields.whole("number", 1) - 1, floats(fields.numbers("at_m", 2)))
 
 
 def _change(fields: Fields) -> OperatorCommand:
     value = fields.number("value", None, -_MOST, _MOST)
-    return ChangeEntity(_thing(fields), fields.whole("number", 1) - 1, fields.text("name"), value)
+    return ChangeEntity(_kind(fields), fields.whole("number", 1) - 1, fields.text("name"), value)
 
 
 def _delete(fields: Fields) -> OperatorCommand:
-    return DeleteEntity(_thing(fields), fields.whole("number", 1) - 1)
+    return DeleteEntity(_kind(fields), fields.whole("number", 1) - 1)
 
 
 def _link(fields: Fields) -> OperatorCommand:
     robots = _numbers(fields, "robots")
     if len(robots) != 2:
-        fields.fail(f"robots: {shown(fields.values.get('robots'))} is not a pair of robots such as [1, 2]")
+        raise fields.required("robots").wrong("a pair of robots such as [1, 2]")
     return ToggleLink(*robots)
 
 
@@ -73,15 +71,14 @@ def _set_arena(fields: Fields) -> OperatorCommand:
 def _set_parameters(fields: Fields) -> OperatorCommand:
     """Groups with names, as a scenario has them, become "group.name"."""
     values: dict[str, float] = {}
-    groups = fields.mapping("parameters")
-    section = Fields(groups, tuple(groups), f"{fields.place}: parameters", ScriptError)
-    for group in groups:
-        for name, value in section.mapping(group).items():
-            if not is_number(value):
-                fields.fail(f"parameters.{group}.{name}: {shown(value)} is not a number")
-            values[f"{group}.{name}"] = float(value)
+    parameters = fields.required("parameters")
+    for group, section in parameters.mapping().items():
+        for name, node in section.mapping().items():
+            if not is_number(node.value):
+                raise node.wrong("a number")
+            values[f"{group}.{name}"] = float(node.value)
     if not values:
-        fields.fail("parameters is missing; give {GROUP: {NAME: NUMBER}}")
+        raise parameters.error("nothing is given; give {GROUP: {NAME: NUMBER}}")
     return SetParameters(values)
 
 
@@ -97,7 +94,7 @@ def _shape_path(fields: Fields) -> OperatorCommand:
     if not any(fields.has(key) for key in ACTIONS["shape_path"].keys):
         fields.fail(f"give at least one of {', '.join(ACTIONS['shape_path'].keys)}")
     return ShapePath(
-        ending=fields.choice("ending", "", ENDINGS) if fields.has("ending") else None,
+        ending=fields.entries["ending"].choice(ENDINGS) if fields.has("ending") else None,
         pace=pace(fields) if fields.has("pace") else None,
         duration=duration(fields) if fields.has("duration_s") else None,
         closed=fields.flag("closed") if fields.has("closed") else None,
@@ -127,27 +124,22 @@ def duration(fields: Fields) -> float:
     return fields.number("duration_s", 0.0, 0.0, _MOST, "s")
 
 
-def _thing(fields: Fields) -> str:
-    fields.text("thing")
-    return fields.choice("thing", "", tuple(EntityKind))
+def _kind(fields: Fields) -> str:
+    return fields.required("kind").choice(tuple(EntityKind))
 
 
 def _numbers(fields: Fields, key: str) -> tuple[int, ...]:
     """Indices from 0 of a list of numbers from 1."""
-    given = fields.items(key)
-    for item in given:
-        if isinstance(item, bool) or not isinstance(item, int) or item < 1:
-            fields.fail(f"{key}: {shown(item)} is not a whole number from 1 up")
-    return tuple(item - 1 for item in given if isinstance(item, int))
+    return tuple(item.integer(1) - 1 for item in fields.nodes(key))
 
 
 ACTIONS: Mapping[str, EditAction] = MappingProxyType(
     {
-        "add": EditAction(("thing", "at_m"), _add),
+        "add": EditAction(("kind", "at_m"), _add),
         "add_outline": EditAction(("points_m",), _add_outline),
-        "move": EditAction(("thing", "number", "at_m"), _move),
-        "change": EditAction(("thing", "number", "name", "value"), _change),
-        "delete": EditAction(("thing", "number"), _delete),
+        "move": EditAction(("kind", "number", "at_m"), _move),
+        "change": EditAction(("kind", "number", "name", "value"), _change),
+        "delete": EditAction(("kind", "number"), _delete),
         "link": EditAction(("robots",), _link),
         "link_by_range": EditAction((), _link_by_range),
         "set_arena": EditAction(("sides_m", "walls"), _set_arena),

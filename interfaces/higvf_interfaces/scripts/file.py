@@ -8,16 +8,18 @@
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 from higvf_console.core.arrays import Floats
 from higvf_console.core.commands import Clutch, FaultKind, InjectFault, OperatorCommand, Pick, StrokeEnd, StrokeUse
 from higvf_console.core.errors import ScriptError
+from higvf_console.core.reading.document import read_text, read_yaml
+from higvf_console.core.reading.node import Node
 from higvf_interfaces.decisions.actions import PLAIN
-from higvf_interfaces.fields import Fields, shown
+from higvf_interfaces.fields import Fields
 from higvf_interfaces.scripts import edits as script_edits
-from higvf_interfaces.yaml_files import read_yaml
 
 EVENTS = ("extinguished", "extinguished_count")
 DETAILS: dict[str, tuple[str, ...]] = {
@@ -28,6 +30,9 @@ DETAILS: dict[str, tuple[str, ...]] = {
     **{name: action.keys for name, action in script_edits.ACTIONS.items()},
 }
 FAULT = ("channel", "kind", "for_s", "by_s")
+RENAMED_ACTIONS = {"bend_path": "move_path_point"}  # names of version 0.1, which are still read
+RENAMED_KEYS = {"thing": "kind"}
+RENAMED_USES = {"amend": "redraw"}
 _TRIGGER = ("at_s", "when", "after_s", "do", "fault")
 _LONGEST = 1e6  # [s]
 
@@ -77,32 +82,39 @@ class Entry(NamedTuple):
     action: Stroke | OperatorCommand
 
 
-def read_script(path: Path) -> tuple[Entry, ...]:
+class Script(NamedTuple):
+    """The entries of a script, and a warning for each former name in it."""
+
+    entries: tuple[Entry, ...]
+    warnings: tuple[str, ...]
+
+
+def read_script(path: Path) -> Script:
     """Reads a script.
 
     Raises:
         ScriptError: with file, entry number, key, value and the known keys.
     """
-    content = read_yaml(path, ScriptError)
-    if not isinstance(content, list) or not content:
-        raise ScriptError(f"{path}: a script is a list of entries, each with do: and at_s: or when:")
-    return tuple(
-        _entry(entry, f"{path}, entry {number}") for number, entry in enumerate(cast(list[object], content), start=1)
+    root = read_yaml(read_text(path, ScriptError), str(path), ScriptError)
+    if not isinstance(root.value, list) or not root.value:
+        raise root.error("a script is a list of entries, each with do: and at_s: or when:")
+    entries = tuple(
+        _entry(replace(item, source=f"{path}, entry {number}", place=""))
+        for number, item in enumerate(root.items(), start=1)
     )
+    return Script(entries, tuple(root.warnings))
 
 
-def _entry(entry: object, place: str) -> Entry:
-    if not isinstance(entry, dict):
-        raise ScriptError(f"{place}: {shown(entry)} is not an entry with do: and at_s: or when:")
-    values = cast(dict[str, object], entry)
+def _entry(node: Node) -> Entry:
+    if not isinstance(node.value, dict):
+        raise node.wrong("an entry with do: and at_s: or when:")
+    values = node.mapping()
     if "fault" in values and "do" not in values:
-        fields = Fields(values, _TRIGGER, place, ScriptError)
-        return Entry(place, _trigger(fields), _fault(fields))
-    action = values.get("do")
-    if not isinstance(action, str) or action not in DETAILS:
-        raise ScriptError(f"{place}: do: {shown(action)} is not an action; known actions: {', '.join(DETAILS)}")
-    fields = Fields(values, (*_TRIGGER[:-1], *DETAILS[action]), place, ScriptError)
-    return Entry(place, _trigger(fields), _action(action, fields))
+        fields = Fields.of(node, _TRIGGER)
+        return Entry(node.where, _trigger(fields), _fault(fields))
+    action = values.get("do", node.entry("do", None)).choice(tuple(DETAILS), RENAMED_ACTIONS)
+    fields = Fields.of(node, (*_TRIGGER[:-1], *DETAILS[action]), RENAMED_KEYS)
+    return Entry(node.where, _trigger(fields), _action(action, fields))
 
 
 def _trigger(fields: Fields) -> Trigger:
@@ -112,9 +124,9 @@ def _trigger(fields: Fields) -> Trigger:
         if fields.has("after_s"):
             fields.fail("after_s goes with when:, not with at_s:")
         return Trigger(fields.number("at_s", None, 0.0, _LONGEST, "s"), None, 0, 0.0)
-    event = Fields(fields.mapping("when"), EVENTS, f"{fields.place}: when", ScriptError)
-    if len(event.values) != 1:
-        fields.fail(f"when: give one event, one of {', '.join(EVENTS)}")
+    event = Fields.of(fields.required("when"), EVENTS)
+    if len(event.entries) != 1:
+        event.fail(f"give one event, one of {', '.join(EVENTS)}")
     after = fields.number("after_s", 0.0, 0.0, _LONGEST, "s")
     if event.has("extinguished"):
         return Trigger(None, event.whole("extinguished", 1) - 1, 0, after)
@@ -122,12 +134,9 @@ def _trigger(fields: Fields) -> Trigger:
 
 
 def _fault(fields: Fields) -> InjectFault:
-    fault = Fields(fields.mapping("fault"), FAULT, f"{fields.place}: fault", ScriptError)
-    channel = fault.values.get("channel")
-    if not isinstance(channel, str) or not channel:
-        fault.fail(f"channel: {shown(channel)} is not the name of an input")
+    fault = Fields.of(fields.required("fault"), FAULT)
     return InjectFault(
-        channel=channel,
+        channel=fault.text("channel"),
         kind=fault.choice("kind", FaultKind.FREEZE, tuple(FaultKind)),
         seconds=fault.number("for_s", None, 0.001, 3600.0, "s"),
         delay=fault.number("by_s", 0.5, 0.0, 3600.0, "s"),
@@ -157,7 +166,7 @@ def _stroke_end(fields: Fields) -> StrokeEnd:
         smoothing=fields.number("smoothing_m", None, 0.0, 1e6, "m") if fields.has("smoothing_m") else None,
         robot=fields.whole("robot", 1) - 1 if fields.has("robot") else None,
         preview=fields.flag("preview", False),
-        use=fields.choice("use", StrokeUse.PATH, tuple(StrokeUse)),
+        use=fields.choice("use", StrokeUse.PATH, tuple(StrokeUse), RENAMED_USES),
         ending=fields.choice("ending", script_edits.ENDINGS[0], script_edits.ENDINGS),
         pace=script_edits.pace(fields),
         duration=script_edits.duration(fields),

@@ -12,17 +12,21 @@ from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec,
 from higvf_interfaces.emulation import DELAYS, EmulatedInterface, error_model
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.paths import named
-from higvf_interfaces.scripts.file import Entry, Stroke, read_script
+from higvf_interfaces.scripts.file import Script, Stroke, read_script
 from higvf_interfaces.streams import CLOCK_GRAIN, Stamp
 
 
 class ScriptPlayer:
-    """Plays a script on the session clock: each entry fires once in a run, in file order where times agree."""
+    """Plays a script on the session clock: each entry fires once in a run, in file order where times agree.
 
-    def __init__(self, name: str, entries: tuple[Entry, ...]) -> None:
+    Attributes:
+        warnings: what the script says under a former name.
+    """
+
+    def __init__(self, name: str, script: Script) -> None:
         """Starts with no entry fired."""
         self._name = name
-        self._entries = entries
+        self._entries, self.warnings = script
         self._stamp = Stamp(name)
         self._now = -math.inf
         self._resets: set[int] = set()
@@ -99,13 +103,14 @@ def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
         InputError: an option cannot be used.
     """
     errors = error_model(option_fields(spec, DELAYS))
-    entries = read_script(named(spec.source))
-    added = sum(isinstance(entry.action, AddEntity) and entry.action.thing == EntityKind.ROBOT for entry in entries)
-    for entry in entries:
+    script = read_script(named(spec.source))
+    actions = [entry.action for entry in script.entries]
+    added = sum(isinstance(action, AddEntity) and action.kind == EntityKind.ROBOT for action in actions)
+    for entry in script.entries:
         robot = _robot(entry.action)
         if robot is not None and spec.robots is not None and robot >= spec.robots + added:
             raise ScriptError(f"{entry.place}: robot: there is no robot {robot + 1}; give 1 to {spec.robots + added}")
-    player = ScriptPlayer(spec.channel, entries)
+    player = ScriptPlayer(spec.channel, script)
     return player if errors is None else EmulatedInterface(player, errors)
 
 

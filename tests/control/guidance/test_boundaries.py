@@ -21,7 +21,7 @@ from higvf_console.control.guidance.boundaries import (
 from higvf_console.control.guidance.guiding import smoothed_gap, way_out
 from higvf_console.core.arrays import floats
 from higvf_console.core.state import NOBODY
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 from tests.teams import team
 
 R_O = 12.0

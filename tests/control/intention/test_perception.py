@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from higvf_console.control.forms import Forms
+from higvf_console.control.guidance.obstacles import capsule_table
 from higvf_console.control.intention.perception import choose_target, fire_value, interval_room, robot_intention
 from higvf_console.control.parameters import FireParameters, PerceptionParameters, SafetyParameters
 from higvf_console.core.arrays import Floats, floats
@@ -19,7 +20,8 @@ def theta(
     robot: tuple[float, float], fire: tuple[float, float, float], circles: Floats = NO_CIRCLES, bars: Floats = NO_BARS,
     reach: float = math.inf,
 ) -> float:  # fmt: skip
-    return fire_value(*robot, *fire, reach, circles, bars, interval_room(circles, bars))
+    capsules = capsule_table(circles, bars)
+    return fire_value(*robot, *fire, reach, capsules, interval_room(capsules))
 
 
 def by_rays(robot: tuple[float, float], fire: tuple[float, float, float], circles: Floats, bars: Floats) -> float:

@@ -8,26 +8,28 @@ import numpy as np
 from scipy.optimize import linprog
 
 from higvf_console.control.parameters import SafetyParameters
+from higvf_console.control.safety.hazards import hazards_of
 from higvf_console.control.safety.safety_filter import filter_velocities
-from higvf_console.core.arrays import Bools, Floats, Ints, bools, floats
+from higvf_console.core.arrays import Bools, Floats, Ints, floats
 
 SAFETY = SafetyParameters()
 POLYGON = 64  # sides by which a speed limit is replaced in linear programs
 
 
 class Scene(NamedTuple):
-    """The arguments of a safety filter."""
+    """A team among hazards; fires (B, 4) are x, y, radius [m], growth [m/s]."""
 
     position: Floats
     nominal: Floats
     circles: Floats
     bars: Floats
     walls: Floats
-    fire_position: Floats
-    fire_radius: Floats
-    fire_rate: Floats
-    fire_burning: Bools
+    fires: Floats
     safety: SafetyParameters
+
+    def arguments(self) -> tuple[Floats, Floats, Floats, SafetyParameters]:
+        """What a safety filter takes."""
+        return self.position, self.nominal, hazards_of(self.circles, self.bars, self.walls, self.fires), self.safety
 
 
 def scene(
@@ -40,24 +42,20 @@ def scene(
     safety: SafetyParameters = SAFETY,
 ) -> Scene:
     """A scene whose burning fires are given as (x, y, radius, growth)."""
-    fire = floats(fires, -1, 4)
     return Scene(
         position=floats(position, -1, 2),
         nominal=floats(nominal, -1, 2),
         circles=floats(circles, -1, 3),
         bars=floats(bars, -1, 5),
         walls=floats(walls, -1, 3),
-        fire_position=fire[:, :2].copy(),
-        fire_radius=fire[:, 2].copy(),
-        fire_rate=fire[:, 3].copy(),
-        fire_burning=bools([True] * len(fire)),
+        fires=floats(fires, -1, 4),
         safety=safety,
     )
 
 
 def filtered(given: Scene) -> tuple[Floats, Ints, Bools]:
     """What the distributed filter makes of a scene."""
-    return filter_velocities(*given)
+    return filter_velocities(*given.arguments())
 
 
 def random_scene(rng: np.random.Generator, robots: int) -> Scene:
@@ -121,9 +119,8 @@ def coupled_constraints(given: Scene) -> tuple[Floats, Floats]:
         for x, y, offset in given.walls:
             h = (x * p[i, 0] + y * p[i, 1] - offset) / s.obstacle_clearance - 1.0
             add(i, np.array([-x, -y]), s.obstacle_gain * s.obstacle_clearance * class_k(h))
-        for k in range(len(given.fire_position)):
-            if given.fire_burning[k]:
-                add_obstacle(i, p[i] - given.fire_position[k], given.fire_radius[k], given.fire_rate[k])
+        for x, y, radius, growth in given.fires:
+            add_obstacle(i, p[i] - (x, y), radius, growth)
     return np.array(lines).reshape(-1, p.size), np.array(bounds)
 
 
@@ -193,10 +190,7 @@ def clearance(given: Scene) -> float:
             share = min(max(float((p[i] - a) @ along / (along @ along)), 0.0), 1.0)
             gaps.append(math.dist(p[i], a + share * along) - bar[4] - s.obstacle_clearance)
         gaps += [float(w[:2] @ p[i]) - w[2] - s.obstacle_clearance for w in given.walls]
-        gaps += [
-            math.dist(p[i], given.fire_position[k]) - given.fire_radius[k] - s.obstacle_clearance
-            for k in range(len(given.fire_position))
-        ]
+        gaps += [math.dist(p[i], fire[:2]) - fire[2] - s.obstacle_clearance for fire in given.fires]
     return min(gaps)
 
 

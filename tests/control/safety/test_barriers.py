@@ -1,4 +1,4 @@
-"""Barrier rows: derivatives by finite differences, reaches by their definition, the certificate's numbers."""
+"""Barriers: derivatives by finite differences, activation distances by their definition, the certificate's numbers."""
 
 import math
 
@@ -7,36 +7,36 @@ import pytest
 
 from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.arena import wall_constraint
-from higvf_console.control.safety.barriers.certificate import (
-    check_sampling,
-    fire_activation_distance,
-    least_stand_off,
-    obstacle_activation_distance,
-    sampling_conditions,
-    sensing_radius,
-)
-from higvf_console.control.safety.barriers.fire import fire_constraint
+from higvf_console.control.safety.barriers.capsule import capsule_activation_distance, capsule_constraint
+from higvf_console.control.safety.barriers.certificate import check_sampling, least_stand_off, sampling_conditions
 from higvf_console.control.safety.barriers.linear_constraint import class_k
-from higvf_console.control.safety.barriers.obstacle import capsule_constraint, circle_constraint
-from higvf_console.control.safety.barriers.robot_pair import pair_constraint
+from higvf_console.control.safety.barriers.robot_pair import pair_constraint, sensing_radius
 from higvf_console.control.safety.barriers.speed_limit import clipped
-from higvf_console.core.arrays import Floats, floats, ints
+from higvf_console.control.safety.hazards import hazards_of
+from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import FilterError
-from higvf_console.core.state import World
-from higvf_console.world.build import make_world
 
 SAFETY = SafetyParameters()
 POINTS = np.random.default_rng(5).uniform(-90.0, 90.0, (200, 2))
 
 
-def class_k_slope(clearance: float, distance: float) -> float:
-    h = distance**2 / clearance**2 - 1.0
-    return h**3 if h >= 0.0 else h
+def circle_constraint(
+    x: float, y: float, ox: float, oy: float, radius: float, growth: float = 0.0, safety: SafetyParameters = SAFETY
+) -> tuple[float, float, float]:
+    """The constraint of a circle that stands still."""
+    return capsule_constraint(x, y, ox, oy, ox, oy, radius, 0.0, 0.0, growth, safety)
+
+
+def bar_constraint(
+    x: float, y: float, a: tuple[float, float], b: tuple[float, float], half_width: float
+) -> tuple[float, float, float]:
+    """The constraint of a bar that stands still."""
+    return capsule_constraint(x, y, *a, *b, half_width, 0.0, 0.0, 0.0, SAFETY)
 
 
 @pytest.mark.parametrize(("x", "y"), POINTS[:60])
-def test_a_velocity_on_the_row_of_a_circle_makes_h_fall_at_the_rate_of_the_barrier(x: float, y: float) -> None:
-    ax, ay, b = circle_constraint(x, y, 5.0, -3.0, 20.0, SAFETY)
+def test_a_velocity_on_the_constraint_of_a_circle_makes_h_fall_at_the_rate_of_the_barrier(x: float, y: float) -> None:
+    ax, ay, b = circle_constraint(x, y, 5.0, -3.0, 20.0)
     clearance, step = 32.0, 1e-6
 
     def h(time: float) -> float:
@@ -65,31 +65,19 @@ def test_two_robots_on_their_halves_make_h_fall_at_the_rate_of_the_pair(x: float
 
 def test_a_robot_at_the_edge_of_a_growing_fire_is_at_its_edge_one_period_later() -> None:
     x, y, rate = 32.0, 0.0, 1.0
-    ax, ay, b = fire_constraint(x, y, 0.0, 0.0, 20.0, rate, SAFETY)
+    ax, ay, b = circle_constraint(x, y, 0.0, 0.0, 20.0, rate)
     later = math.hypot(x + SAFETY.control_period * b * ax, y + SAFETY.control_period * b * ay)
     edge = 32.0 + rate * SAFETY.control_period
     assert edge <= later <= edge + 1e-5
     assert b < -rate
 
 
-def test_a_fire_that_does_not_grow_is_a_circle() -> None:
-    for x, y in POINTS:
-        assert fire_constraint(x, y, 1.0, 2.0, 9.0, 0.0, SAFETY) == circle_constraint(x, y, 1.0, 2.0, 9.0, SAFETY)
-
-
 def test_a_bar_is_a_circle_round_the_nearest_point_of_its_spine() -> None:
-    assert capsule_constraint(-30.0, 40.0, 0.0, 0.0, 50.0, 0.0, 4.0, SAFETY) == circle_constraint(
-        -30.0, 40.0, 0.0, 0.0, 4.0, SAFETY
-    )
-    assert capsule_constraint(20.0, 40.0, 0.0, 0.0, 50.0, 0.0, 4.0, SAFETY) == circle_constraint(
-        20.0, 40.0, 20.0, 0.0, 4.0, SAFETY
-    )
-    assert capsule_constraint(80.0, 40.0, 0.0, 0.0, 50.0, 0.0, 4.0, SAFETY) == circle_constraint(
-        80.0, 40.0, 50.0, 0.0, 4.0, SAFETY
-    )
-    assert capsule_constraint(20.0, 40.0, 7.0, 7.0, 7.0, 7.0, 4.0, SAFETY) == circle_constraint(
-        20.0, 40.0, 7.0, 7.0, 4.0, SAFETY
-    )
+    ends = (0.0, 0.0), (50.0, 0.0)
+    assert bar_constraint(-30.0, 40.0, *ends, 4.0) == circle_constraint(-30.0, 40.0, 0.0, 0.0, 4.0)
+    assert bar_constraint(20.0, 40.0, *ends, 4.0) == circle_constraint(20.0, 40.0, 20.0, 0.0, 4.0)
+    assert bar_constraint(80.0, 40.0, *ends, 4.0) == circle_constraint(80.0, 40.0, 50.0, 0.0, 4.0)
+    assert bar_constraint(20.0, 40.0, (7.0, 7.0), (7.0, 7.0), 4.0) == circle_constraint(20.0, 40.0, 7.0, 7.0, 4.0)
 
 
 def test_a_wall_lets_nobody_out() -> None:
@@ -99,21 +87,20 @@ def test_a_wall_lets_nobody_out() -> None:
         wall_constraint(46.0, 5.0, 1.0, 0.0, 40.0, SAFETY),
     )
     assert inside[2] == SAFETY.obstacle_gain * SAFETY.obstacle_clearance
-    assert outside[2] == max(-0.5 * SAFETY.obstacle_gain * SAFETY.obstacle_clearance, -SAFETY.speed_limit)
+    assert outside[2] == -0.5 * SAFETY.obstacle_gain * SAFETY.obstacle_clearance
 
 
-def test_every_row_is_unit_and_asks_for_no_more_than_the_speed_limit() -> None:
+def test_every_constraint_has_a_unit_normal() -> None:
     near = [*POINTS, (0.0, 0.0), (1e-8, 0.0), (1e-300, 1e-300), (1e-5, -1e-5)]
     for x, y in near:
-        rows = (
+        for ax, ay, b in (
             pair_constraint(x, y, 0.0, 0.0, True, SAFETY),
-            circle_constraint(x, y, 0.0, 0.0, 5.0, SAFETY),
-            capsule_constraint(x, y, 0.0, 0.0, 9.0, 9.0, 5.0, SAFETY),
-            fire_constraint(x, y, 0.0, 0.0, 5.0, 3.0, SAFETY),
-        )
-        for ax, ay, b in rows:
+            circle_constraint(x, y, 0.0, 0.0, 5.0),
+            bar_constraint(x, y, (0.0, 0.0), (9.0, 9.0), 5.0),
+            circle_constraint(x, y, 0.0, 0.0, 5.0, 3.0),
+        ):
             assert math.hypot(ax, ay) == pytest.approx(1.0, abs=1e-12)
-            assert b >= -SAFETY.speed_limit
+            assert not math.isnan(b)
 
 
 @pytest.mark.parametrize("apart", [0.0, 1e-12])
@@ -121,7 +108,7 @@ def test_robots_in_one_place_are_sent_apart(apart: float) -> None:
     first = pair_constraint(3.0, 4.0, 3.0, 4.0 + apart, True, SAFETY)
     second = pair_constraint(3.0, 4.0 + apart, 3.0, 4.0, False, SAFETY)
     assert first[:2] == (-second[0], second[1])
-    assert first[2] == second[2] == -SAFETY.speed_limit
+    assert first[2] == second[2] == -math.inf
 
 
 def test_a_violation_is_left_along_a_line_and_a_margin_used_along_a_cube() -> None:
@@ -129,20 +116,20 @@ def test_a_violation_is_left_along_a_line_and_a_margin_used_along_a_cube() -> No
 
 
 @pytest.mark.parametrize("limit", [0.5, 90.0, 282.0])
-def test_a_row_just_within_its_reach_matters_and_beyond_it_does_not(limit: float) -> None:
+def test_a_constraint_matters_within_its_activation_distance_and_not_beyond(limit: float) -> None:
     safety = SAFETY._replace(speed_limit=limit)
 
     def bound_at(distance: float, kind: str) -> float:
         if kind == "pair":
             return pair_constraint(distance, 0.0, 0.0, 0.0, True, safety)[2]
-        return fire_constraint(distance, 0.0, 0.0, 0.0, 20.0, 2.0 if kind == "fire" else 0.0, safety)[2]
+        return circle_constraint(distance, 0.0, 0.0, 0.0, 20.0, 2.0 if kind == "fire" else 0.0, safety)[2]
 
-    reaches = {
+    distances = {
         "pair": sensing_radius(safety),
-        "circle": obstacle_activation_distance(20.0, safety),
-        "fire": fire_activation_distance(20.0, 2.0, safety),
+        "circle": capsule_activation_distance(20.0, 0.0, 0.0, 0.0, safety),
+        "fire": capsule_activation_distance(20.0, 0.0, 0.0, 2.0, safety),
     }
-    for kind, activation_distance in reaches.items():
+    for kind, activation_distance in distances.items():
         assert bound_at(activation_distance * 0.999, kind) < limit <= bound_at(activation_distance, kind)
         assert bound_at(activation_distance * 3.0, kind) > limit
 
@@ -151,37 +138,36 @@ def test_robots_sense_each_other_at_35_metres_with_the_default_gains() -> None:
     assert sensing_radius(SAFETY) == pytest.approx(35.0, abs=0.5)
 
 
-def world(circles: Floats, walls: Floats, fires: int) -> World:
-    return make_world(
-        circles, np.zeros((0, 5)), walls, np.zeros((fires, 2)), np.ones(fires), ints([2] * fires), np.zeros((3, 2)),
-        SAFETY.obstacle_clearance,
-    )  # fmt: skip
+def hazards(circles: Floats, walls: Floats, fires: int) -> Floats:
+    return hazards_of(circles, np.zeros((0, 5)), walls, floats([[0.0, 0.0, 0.0, 1.0]] * fires, -1, 4))
 
 
 def test_the_sampling_condition_has_the_numbers_of_the_derivation() -> None:
-    small = world(floats([[0.0, 0.0, 0.0]]), floats([[1.0, 0.0, 0.0]]), 1)
-    slow = {c.kind: c for c in sampling_conditions(small, floats([0.0]), SAFETY)}
+    small = hazards(floats([[0.0, 0.0, 0.0]]), floats([[1.0, 0.0, 0.0]]), 1)
+    slow = {c.kind: c for c in sampling_conditions(small, SAFETY)}
     assert list(slow) == ["pair", "circle", "fire", "wall"]
     assert slow["pair"].value == pytest.approx(0.038, abs=0.001)
     assert slow["fire"].value == pytest.approx(0.043, abs=0.001)
-    fast = sampling_conditions(small, floats([0.0]), SAFETY._replace(speed_limit=282.0))
+    fast = sampling_conditions(small, SAFETY._replace(speed_limit=282.0))
     assert max(c.value for c in fast) == pytest.approx(0.54, abs=0.01)
-    check_sampling(small, floats([0.0]), SAFETY._replace(speed_limit=360.0))
+    check_sampling(small, SAFETY._replace(speed_limit=360.0))
 
 
 def test_a_world_whose_barriers_do_not_hold_between_two_steps_is_refused_with_numbers() -> None:
-    nothing = world(np.zeros((0, 3)), np.zeros((0, 3)), 0)
+    nothing = hazards(np.zeros((0, 3)), np.zeros((0, 3)), 0)
     with pytest.raises(FilterError, match=r"pair barriers.*= 1\.\d+ exceeds 1 at clearance 25 m.*pair_gain"):
-        check_sampling(nothing, floats([]), SAFETY._replace(speed_limit=400.0))
+        check_sampling(nothing, SAFETY._replace(speed_limit=400.0))
     with pytest.raises(FilterError, match=r"fire barriers.*obstacle_gain"):
-        check_sampling(world(np.zeros((0, 3)), np.zeros((0, 3)), 1), floats([0.0]), SAFETY._replace(speed_limit=370.0))
+        check_sampling(hazards(np.zeros((0, 3)), np.zeros((0, 3)), 1), SAFETY._replace(speed_limit=370.0))
 
 
 @pytest.mark.parametrize(("radius", "pushed_out"), [(20.0, 2.3), (138.0, 6.4)])
-def test_the_least_stand_off_is_where_the_row_of_a_growing_fire_holds_a_robot(radius: float, pushed_out: float) -> None:
+def test_the_least_stand_off_is_where_the_barrier_of_a_growing_fire_holds_a_robot(
+    radius: float, pushed_out: float
+) -> None:
     stand_off = least_stand_off(radius, 1.0, SAFETY)
     assert stand_off - SAFETY.obstacle_clearance == pytest.approx(pushed_out, abs=0.06)
-    assert fire_constraint(radius + stand_off, 0.0, 0.0, 0.0, radius, 1.0, SAFETY)[2] == pytest.approx(0.0, abs=0.02)
+    assert circle_constraint(radius + stand_off, 0.0, 0.0, 0.0, radius, 1.0)[2] == pytest.approx(0.0, abs=0.02)
 
 
 def test_clipping_keeps_the_direction_and_leaves_slow_velocities_alone() -> None:

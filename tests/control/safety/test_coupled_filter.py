@@ -55,7 +55,7 @@ def test_the_optimum_is_that_of_an_independent_solver_where_the_speed_limit_is_s
             continue
         expected = oracle(given)
         if expected is not None and speeds(expected).max() < LIMIT:
-            velocity, _, infeasible = coupled.filter_velocities(*given)
+            velocity, _, infeasible = coupled.filter_velocities(*given.arguments())
             assert np.abs(velocity - expected).max() <= 1e-6 * LIMIT
             assert not infeasible.any()
             compared += 1
@@ -70,7 +70,7 @@ def test_the_speed_limit_is_part_of_the_problem_and_infeasible_teams_fall_back()
         given = random_scene(rng, int(rng.integers(1, 9)))
         matrix, bound = coupled_constraints(given)
         before = coupled.fallbacks
-        velocity, _, infeasible = coupled.filter_velocities(*given)
+        velocity, _, infeasible = coupled.filter_velocities(*given.arguments())
         assert speeds(velocity).max() <= LIMIT * (1.0 + 1e-9)
         if coupled.fallbacks > before:
             assert least_violation(matrix, bound, LIMIT) > -1e-6 * LIMIT
@@ -87,20 +87,22 @@ def test_the_speed_limit_is_part_of_the_problem_and_infeasible_teams_fall_back()
 def test_it_stays_nearer_to_the_nominal_velocities_than_the_distributed_filter() -> None:
     given = scene([[0.0, 0.0], [26.0, 0.0]], [[0.0, 0.0], [-60.0, 0.0]])
     apart = filtered(given)[0] - given.nominal
-    together = CoupledFilter().filter_velocities(*given)[0] - given.nominal
+    together = CoupledFilter().filter_velocities(*given.arguments())[0] - given.nominal
     assert (together**2).sum() < (apart**2).sum()
 
 
 def test_free_teams_keep_their_velocities_bit_for_bit() -> None:
     given = scene([[0.0, 0.0], [200.0, 0.0]], [[31.7, -2.3], [0.1, 0.2]])
-    velocity, active, _ = CoupledFilter().filter_velocities(*given)
+    velocity, active, _ = CoupledFilter().filter_velocities(*given.arguments())
     assert velocity.tobytes() == given.nominal.tobytes()
     assert active.tolist() == [0, 0]
 
 
 def test_data_that_are_not_numbers_are_left_to_the_distributed_filter() -> None:
     coupled = CoupledFilter()
-    velocity, _, infeasible = coupled.filter_velocities(*scene([[0.0, 0.0], [90.0, np.nan]], [[1.0, 2.0], [3.0, 4.0]]))
+    velocity, _, infeasible = coupled.filter_velocities(
+        *scene([[0.0, 0.0], [90.0, np.nan]], [[1.0, 2.0], [3.0, 4.0]]).arguments()
+    )
     assert velocity.tolist() == [[1.0, 2.0], [0.0, 0.0]]
     assert infeasible.tolist() == [False, True]
     assert coupled.fallbacks == 1
@@ -124,11 +126,11 @@ def test_teams_keep_clearance_in_closed_loop_while_the_row_list_ages(seed: int) 
         if step % 40 == 0:
             goal = np.array([120.0, 220.0]) if step % 80 == 0 else rng.uniform(0.0, 300.0, 2)
             wish = 90.0 * (goal - given.position) / np.hypot(*(goal - given.position).T)[:, None]
-        velocity, _, infeasible = coupled.filter_velocities(*given._replace(nominal=wish))
+        velocity, _, infeasible = coupled.filter_velocities(*given._replace(nominal=wish).arguments())
         assert not infeasible.any()
         given = given._replace(
             position=given.position + SAFETY.control_period * velocity,
-            fire_radius=given.fire_radius + SAFETY.control_period * given.fire_rate,
+            fires=given.fires + SAFETY.control_period * given.fires[:, [3]] * [0.0, 0.0, 1.0, 0.0],
         )
         assert clearance(given) >= -1e-8
     assert coupled.fallbacks == 0
@@ -142,7 +144,7 @@ def test_every_answer_of_the_exact_solver_proves_itself() -> None:
         rows = empty_constraints(members, count)
         for r in range(count):
             angle = rng.uniform(0.0, 2.0 * np.pi)
-            rows.row[r] = unit_constraint(angle, float(rng.uniform(-0.6, 0.8)))
+            rows.linear[r] = unit_constraint(angle, float(rng.uniform(-0.6, 0.8)))
             rows.ends[r] = [*rng.permutation(members), -1][:2]
         nominal = rng.normal(size=(members, 2))
         solution = nearest(nominal, rows, 1.0)
@@ -154,12 +156,12 @@ def test_every_answer_of_the_exact_solver_proves_itself() -> None:
             weight = solution.weight[: solution.size]
             total = np.zeros((members, 2))
             for r in range(solution.size):
-                total[rows.ends[r, 0]] += weight[r] * rows.row[r, :2]
+                total[rows.ends[r, 0]] += weight[r] * rows.linear[r, :2]
                 if rows.ends[r, 1] >= 0:
-                    total[rows.ends[r, 1]] -= weight[r] * rows.row[r, :2]
+                    total[rows.ends[r, 1]] -= weight[r] * rows.linear[r, :2]
             assert weight.min() >= 0.0
             assert np.abs(total).max() <= 1e-6
-            assert weight @ rows.row[: solution.size, 2] < 0.0
+            assert weight @ rows.linear[: solution.size, 2] < 0.0
     assert min(proven.values()) > 50
 
 

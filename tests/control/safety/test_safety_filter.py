@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from higvf_console.control.safety.hazards import hazard_table, hazards_of
 from higvf_console.control.safety.safety_filter import blocked
-from higvf_console.core.arrays import Floats, bools
+from higvf_console.core.arrays import Floats, bools, floats
 from tests.control.safety.barrier_reference import (
     SAFETY,
     clearance,
@@ -152,12 +153,11 @@ def test_data_that_are_not_numbers_stop_that_robot_only(broken: str, value: floa
     assert velocity.any()
 
 
-def test_extinguished_fires_have_no_rows() -> None:
-    given = scene([[10.0, 0.0]], [[-60.0, 0.0]], fires=[[0.0, 0.0, 20.0, 1.0]])
-    assert filtered(given)[0][0, 0] > 0.0
-    assert filtered(given._replace(fire_burning=bools([False])))[0].tobytes() == given.nominal.tobytes()
-    two = scene([[10.0, 0.0]], [[-60.0, 0.0]], fires=[[30.0, 0.0, 20.0, 1.0], [0.0, 0.0, 20.0, 1.0]])
-    assert filtered(two._replace(fire_burning=bools([False, True])))[0].tobytes() == filtered(given)[0].tobytes()
+def test_extinguished_fires_are_no_hazards() -> None:
+    position, radius, growth = floats([[30.0, 0.0], [0.0, 0.0]]), floats([20.0, 20.0]), floats([1.0, 1.0])
+    nothing, burning = (np.zeros((0, 5)), np.zeros((0, 3))), bools([False, True])
+    table = hazard_table(*nothing, position, radius, growth, burning)
+    assert table.tolist() == hazards_of([], [], [], [[0.0, 0.0, 20.0, 1.0]]).tolist()
 
 
 def test_an_empty_team_is_filtered_to_nothing() -> None:
@@ -197,7 +197,7 @@ def test_random_teams_never_lose_clearance_in_closed_loop(seed: int) -> None:
         assert speeds(velocity).max() <= LIMIT * (1.0 + 1e-9)
         given = given._replace(
             position=given.position + SAFETY.control_period * velocity,
-            fire_radius=given.fire_radius + SAFETY.control_period * given.fire_rate,
+            fires=given.fires + SAFETY.control_period * given.fires[:, [3]] * [0.0, 0.0, 1.0, 0.0],
         )
         assert clearance(given) >= -1e-9
 
@@ -214,7 +214,7 @@ def test_a_crowd_pressed_on_a_growing_fire_gives_way_without_a_violation() -> No
         assert not infeasible.any()
         given = given._replace(
             position=given.position + SAFETY.control_period * velocity,
-            fire_radius=given.fire_radius + SAFETY.control_period * given.fire_rate,
+            fires=given.fires + SAFETY.control_period * given.fires[:, [3]] * [0.0, 0.0, 1.0, 0.0],
         )
         assert clearance(given) >= -1e-9
 

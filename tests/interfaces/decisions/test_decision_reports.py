@@ -1,4 +1,4 @@
-"""Where a debouncer stands is told as it is: the evidence for the latest label, and what became of all before."""
+"""The decision report has the evidence for the latest label and counts all decisions."""
 
 from collections.abc import Callable
 
@@ -17,7 +17,7 @@ LOG = (
 SETTINGS = {"threshold": 0.5, "refractory": 1.5, "confirm": 0.7}
 
 
-def test_the_latest_decision_is_told_with_its_evidence(
+def test_the_report_has_the_latest_decision_with_its_evidence(
     write: Callable[..., str], at: Callable[..., OperatorContext]
 ) -> None:
     bci = open_bci(InputSpec("bci", write(LOG), settings=SETTINGS))

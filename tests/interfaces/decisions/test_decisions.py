@@ -1,4 +1,4 @@
-"""Decoded labels become commands by a map; what gives none is counted and told."""
+"""Decoded labels become commands by the label map; other labels are counted and reported."""
 
 from collections.abc import Callable
 
@@ -30,7 +30,7 @@ Write = Callable[..., str]
 
 
 def log(*labels: str, spacing: float = 1.0) -> str:
-    """A command log with one of `labels` each `spacing` seconds, from `spacing` on; `label,0.5` carries confidence."""
+    """A log with one of `labels` every `spacing` seconds, starting at `spacing`; `label,0.5` has a confidence."""
     return "time,label,confidence\n" + "".join(f"{(k + 1) * spacing},{label}\n" for k, label in enumerate(labels))
 
 
@@ -70,7 +70,7 @@ def test_a_bci_class_picks_the_robot_of_that_number(write: Write, at: ContextAt,
     assert [command.robot for command in given if isinstance(command, Pick)] == [1]
 
 
-def test_the_scenarios_labels_go_over_the_defaults(write: Write, at: ContextAt) -> None:
+def test_the_scenarios_labels_override_the_defaults(write: Write, at: ContextAt) -> None:
     labels = {"fist": "stop", "point": "robot:3", "open": "none", 7: "pause", "spread": None}
     replay = emg(write(log("fist", "point", "open", "7", "spread", "pinch")), labels=labels)
     assert types(replay.poll(at(99.0))) == [EmergencyStop, Pick, Pause, Clutch]
@@ -81,7 +81,7 @@ def test_the_scenarios_labels_go_over_the_defaults(write: Write, at: ContextAt) 
     [
         ({"fist": "jump"}, "labels: fist: 'jump' is not an action; known actions: pause, resume, stop, ask_reset"),
         ({"fist": "robot:0"}, "'robot:0' is not an action"),
-        ({True: "pause"}, "True is not a text; put it in quotation marks"),
+        ({True: "pause"}, "True is not text; put it in quotation marks"),
         (["fist"], "labels: ['fist'] is not a mapping"),
     ],
 )
@@ -106,13 +106,13 @@ def test_the_status_shows_the_most_frequent_of_many_unknown_labels(write: Write,
     assert len(replay.health(999.0).detail) < 300
 
 
-def test_a_robot_that_is_not_there_is_not_picked(write: Write, at: ContextAt) -> None:
+def test_an_unknown_robot_is_not_selected(write: Write, at: ContextAt) -> None:
     replay = open_bci(InputSpec("bci", write(log("4", "3"))))
     assert [command.robot for command in replay.poll(at(9.0, robots=3)) if isinstance(command, Pick)] == [2]
     assert "there is no robot 4" in replay.health(9.0).detail
 
 
-def test_the_threshold_rejects_low_confidence_and_lets_pass_what_has_none(write: Write, at: ContextAt) -> None:
+def test_the_threshold_rejects_low_confidence_and_passes_unknown_confidence(write: Write, at: ContextAt) -> None:
     replay = emg(write(log("fist,0.3", "fist,0.6", "fist")), threshold=0.6)
     assert [command.confidence for command in replay.poll(at(9.0))] == [0.6, None]
     assert "1 x confidence below 0.6" in replay.health(9.0).detail
@@ -124,7 +124,7 @@ def test_a_label_does_not_repeat_within_its_refractory_time(write: Write, at: Co
     assert [(type(command), command.time) for command in given] == [(Pause, 0.5), (Resume, 1.5), (Pause, 2.0)]
 
 
-def test_start_shifts_the_log_and_drops_what_lies_before_the_run(write: Write, at: ContextAt) -> None:
+def test_start_shifts_the_log_and_drops_entries_before_the_run(write: Write, at: ContextAt) -> None:
     file = write(log("fist", "open"))
     later = open_emg(InputSpec("emg", file, options={"start": "10"}))
     assert later.poll(at(10.9)) == []
@@ -155,6 +155,6 @@ def test_wrong_options_are_refused_with_the_known_ones(write: Write) -> None:
     with pytest.raises(InputError, match=r"threshold: 2.0 is not a number from 0 to 1"):
         open_emg(InputSpec("emg", write(log("fist")), options={"threshold": "2"}))
     with pytest.raises(
-        InputError, match=r"unknown key 'frame'; known keys: labels, threshold, refractory, start, format"
+        InputError, match=r"frame: unknown key.*; value .*; known keys: labels, threshold, refractory, start, format"
     ):
         open_emg(InputSpec("emg", write(log("fist")), options={"frame": "screen"}))

@@ -1,4 +1,4 @@
-"""Costly actions need more evidence, STOP the least, and an unsure robot change waits for its confirmation."""
+"""Costly actions need more evidence, STOP the least, and a doubtful robot change waits for confirmation."""
 
 from collections.abc import Callable
 
@@ -16,7 +16,7 @@ Write = Callable[..., str]
 
 
 def bci(write: Write, labels: str, confidence: str = "", **settings: object) -> DecisionReplay:
-    """A channel with a decision each 0.1 s from 0.1 s on; `labels` are words."""
+    """A channel with a decision every 0.1 s, starting at 0.1 s; `labels` are separated by blanks."""
     rows = (f"{0.1 * k:.1f},{label},{confidence}\n" for k, label in enumerate(labels.split(), start=1))
     return open_bci(InputSpec("bci", write("time,label,confidence\n" + "".join(rows)), settings=settings))
 
@@ -35,7 +35,7 @@ def test_stop_and_pause_need_one_vote_and_costly_actions_one_more(write: Write, 
     assert first("resume") == first("next_task") == first("robot2") == pytest.approx(0.4)
 
 
-def test_the_evidence_table_goes_over_what_is_usual(write: Write, at: ContextAt) -> None:
+def test_the_evidence_table_overrides_the_defaults(write: Write, at: ContextAt) -> None:
     table = {"stop": {"votes": "2/5"}, "robot": {"votes": "1/1", "hysteresis": "0/0"}}
     stop = bci(write, "stop stop stop", votes="3/5", evidence=table)
     assert given(stop, at)[0] == (EmergencyStop, 0.2)
@@ -52,11 +52,14 @@ def test_the_evidence_table_goes_over_what_is_usual(write: Write, at: ContextAt)
         ({"hysteresis": "0.5/0.8"}, "hysteresis: 0.5/0.8 is not ENTER/LEAVE with 0 <= LEAVE <= ENTER <= 1"),
         ({"evidence": {"jump": {}}}, "evidence: 'jump' is not an action; known actions: pause, resume"),
         ({"evidence": {"stop": 3}}, "evidence: stop: 3 is not a mapping with the keys threshold, votes"),
-        ({"evidence": {"stop": {"vote": 1}}}, "evidence: stop: unknown key 'vote'; known keys: threshold, votes"),
+        (
+            {"evidence": {"stop": {"vote": 1}}},
+            "evidence: stop: vote: unknown key (did you mean 'votes'?); value 1; known keys: threshold, votes",
+        ),
         ({"confirm": 2}, "confirm: 2 is not a number from 0 to 1"),
     ],
 )
-def test_wrong_evidence_is_refused_with_what_would_be_right(
+def test_invalid_evidence_is_refused_with_the_valid_form(
     write: Write, settings: dict[str, object], message: str
 ) -> None:
     with pytest.raises(InputError) as refusal:
@@ -64,7 +67,7 @@ def test_wrong_evidence_is_refused_with_what_would_be_right(
     assert message in str(refusal.value)
 
 
-def test_an_unsure_robot_change_is_only_proposed_whoever_may_confirm_it(write: Write, at: ContextAt) -> None:
+def test_a_doubtful_robot_change_is_only_proposed(write: Write, at: ContextAt) -> None:
     (proposed,) = bci(write, "robot2", "0.5", confirm=0.7, confirm_within=3).poll(at(99.0))
     assert isinstance(proposed, ProposePick)
     assert (proposed.robot, proposed.within, proposed.confidence) == (1, 3.0, 0.5)
@@ -87,7 +90,7 @@ def test_a_reset_of_the_run_forgets_the_votes(write: Write, at: ContextAt) -> No
     assert given(replay, at)[0] == (EmergencyStop, 0.2)
 
 
-def test_a_reset_of_the_run_counts_anew(write: Write, at: ContextAt) -> None:
+def test_a_reset_of_the_run_resets_the_counters(write: Write, at: ContextAt) -> None:
     replay = bci(write, "stop robot2 wave", "0.5", threshold=0.4, confirm=0.9, evidence={"robot": {"threshold": 0.6}})
     replay.poll(at(1.0))
     told = replay.health(1.0), replay.decision_report(1.0)

@@ -1,4 +1,4 @@
-"""Markers come onto the clock of the signal that they label, whatever file they are in."""
+"""Markers are aligned with the clock of the signal that they label, also from another file."""
 
 from collections.abc import Callable, Mapping
 
@@ -27,7 +27,7 @@ def markers(start: float) -> str:
 
 
 def starts(source: str, options: Mapping[str, object]) -> list[float]:
-    """When the trials of a recording start, on the clock of its signal."""
+    """Start times of the trials on the clock of the signal."""
     fields = Fields({"trial_s": 2.0, **options}, (*RECORDED, *DECODING), "input emg")
     record = read_signals(source, signal_request(fields))
     return [round(trial.start, 2) for trial in labelled(source, record, fields).trials]
@@ -38,7 +38,7 @@ def starts(source: str, options: Mapping[str, object]) -> list[float]:
     [(DEVICE, DEVICE), (100.0, 100.0), (2.0, 2.0), (0.0, 0.0), (DEVICE, 0.0), (9.0, 0.0)],
     ids=["LSL", "below an hour", "both fit", "from the start", "markers from the start", "nearly both fit"],
 )
-def test_markers_of_another_table_keep_step_with_the_signal(write: Write, begins: float, marked_from: float) -> None:
+def test_markers_of_another_table_are_aligned_with_the_signal(write: Write, begins: float, marked_from: float) -> None:
     marked = write(markers(marked_from), "marks.csv")
     assert starts(write(signal(begins)), {"markers": marked}) == [7.5, 12.5, 17.5, 22.5, 27.5, 32.5]
 
@@ -48,7 +48,7 @@ def test_onsets_of_bids_events_count_from_the_start_of_the_signal(write: Write) 
     assert starts(write(signal(5.0)), {"markers": events}) == [7.5, 12.5]
 
 
-def test_markers_of_one_table_keep_step_where_its_first_row_is_one(write: Write) -> None:
+def test_markers_of_one_table_are_aligned_if_its_first_row_is_a_marker(write: Write) -> None:
     rows = "".join(f"{100 + k / 50},{k % 7}.5,{'a' if k in (0, 500) else ''}\n" for k in range(1000))
     assert starts(write("time,C3,event\n" + rows), {}) == [0, 10]
 
@@ -56,11 +56,11 @@ def test_markers_of_one_table_keep_step_where_its_first_row_is_one(write: Write)
 @pytest.mark.parametrize("begins", [0.0, 2 * DEVICE])
 def test_markers_on_another_clock_are_refused(write: Write, begins: float) -> None:
     marked = write(markers(DEVICE), "marks.csv")
-    with pytest.raises(InputError, match=r"none of its 6 markers .* from 213550\.500 to .*; both files must have one"):
+    with pytest.raises(InputError, match=r"none of its 6 markers .* from 213550\.500 to .*; must use the same clock"):
         starts(write(signal(begins)), {"markers": marked})
 
 
-def test_of_several_marker_streams_one_is_named(write: Write) -> None:
+def test_one_of_several_marker_streams_is_selected_by_name(write: Write) -> None:
     eeg = Stream("EEG", "EEG", "e", 50, [9 + k / 50 for k in range(500)], [(k % 7, k % 5) for k in range(500)])
     cues, keys = (Stream(name, "Markers", "", 0, [t], ["a"]) for name, t in (("Cues", 11.0), ("Keys", 12.0)))
     file = write(xdf(eeg, cues, keys))
@@ -69,7 +69,7 @@ def test_of_several_marker_streams_one_is_named(write: Write) -> None:
         starts(file, {"stream": "EEG"})
 
 
-def test_format_and_rate_of_what_is_decoded_do_not_reach_its_calibration(write: Write) -> None:
+def test_format_and_rate_of_the_recording_do_not_apply_to_its_calibration(write: Write) -> None:
     rows = ["{0},{1},{0},{1},{0},{1},{0},{1}".format(k * 13 % 99, k * 7 % 50) for k in range(400)]
     played = write("\n".join(rows) + "\n", "myo.csv")
     cues = "".join(f"{3 * k},{'ab'[k % 2]}\n" for k in range(12))
@@ -83,7 +83,7 @@ def test_format_and_rate_of_what_is_decoded_do_not_reach_its_calibration(write: 
     assert feed.labels == ("a", "b")
 
 
-def test_a_stream_is_for_xdf_files_the_recording_or_its_calibration(write: Write) -> None:
+def test_the_option_stream_applies_to_whichever_of_recording_and_calibration_is_xdf(write: Write) -> None:
     def opened(played: str, calibration: str) -> None:
         options = {"decoder": "lda", "trial_s": "2", "mains": "0", "stream": "EMG", "calibration": calibration}
         open_emg(InputSpec("emg", played, options))

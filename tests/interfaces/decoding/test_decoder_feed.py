@@ -1,4 +1,4 @@
-"""A decoder at work on a recording of which a part lies before the session."""
+"""A decoder feed handles the part of a recording before the session."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ RECORD = SignalRecord(("C3",), ("",), 50.0, 0.0, "test", [], lambda: sliced(TIME
 
 
 class Counter:
-    """Tells after each chunk how many samples it has had since it was made."""
+    """A decoder that decides the number of samples since its creation after each chunk."""
 
     labels: Sequence[str] = ("any",)
 
@@ -32,7 +32,7 @@ def told(feed: DecoderFeed, times: Sequence[float]) -> list[tuple[float, str]]:
     return [(due.decision.time, due.decision.label) for time in times for due in feed.due(time)]
 
 
-def test_what_lies_before_the_session_is_decoded_before_it_begins_and_once_for_all_plays() -> None:
+def test_samples_before_the_session_are_decoded_once_when_opening() -> None:
     decoder = Counter()
     feed = DecoderFeed(RECORD, decoder, (), -60.25)
     assert 60.25 * 50 - CHUNK < decoder.had <= 60.25 * 50
@@ -43,5 +43,5 @@ def test_what_lies_before_the_session_is_decoded_before_it_begins_and_once_for_a
     assert told(feed, polls) == first
 
 
-def test_a_recording_that_lies_before_the_session_as_a_whole_has_ended() -> None:
+def test_a_recording_entirely_before_the_session_has_ended() -> None:
     assert DecoderFeed(RECORD, Counter(), (), -200.0).ended

@@ -1,4 +1,4 @@
-"""The decoders find what is in a signal, in any chunks, and say so when nothing is."""
+"""Decoders find the signal in any division into chunks, and report idleness without one."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -64,7 +64,7 @@ def emg_decoder() -> EmgDecoder:
     return EmgDecoder(fit(windows, CUES), RATE, 50.0)
 
 
-def test_gestures_are_told_apart_in_a_recording_that_the_model_has_not_seen() -> None:
+def test_gestures_are_classified_in_a_recording_unseen_by_the_model() -> None:
     decisions = pushed(emg_decoder(), emg(seed=2), [512])
     inside = [(d, cue) for cue in CUES for d in decisions if cue.start + 0.3 <= d.time <= cue.end]
     assert np.mean([d.label == cue.label for d, cue in inside]) > 0.97
@@ -72,7 +72,7 @@ def test_gestures_are_told_apart_in_a_recording_that_the_model_has_not_seen() ->
 
 
 @pytest.mark.parametrize("make", [emg_decoder, lambda: SsvepDecoder({"a": 12.0, "b": 15.0}, 256.0, 60.0)])
-def test_decisions_do_not_depend_on_the_chunks_and_a_restart_begins_anew(make: Callable[[], Decoder]) -> None:
+def test_decisions_do_not_depend_on_the_chunks_and_a_restart_clears_the_state(make: Callable[[], Decoder]) -> None:
     decoder = make()
     signal = emg() if "fist" in decoder.labels else eeg(12.0)
     whole = pushed(decoder, signal, [10**6])
@@ -83,7 +83,7 @@ def test_decisions_do_not_depend_on_the_chunks_and_a_restart_begins_anew(make: C
     assert len(whole) > 20
 
 
-def test_a_decision_rests_on_nothing_that_comes_after_its_time() -> None:
+def test_decisions_are_causal() -> None:
     decoder = emg_decoder()
     signal = emg()
     whole = pushed(decoder, signal, [512])
@@ -95,7 +95,7 @@ def test_a_decision_rests_on_nothing_that_comes_after_its_time() -> None:
     assert [d for d in cut if d.time < before] == [d for d in whole if d.time < before]
 
 
-def test_missing_samples_do_not_poison_the_decisions_that_follow() -> None:
+def test_missing_samples_do_not_affect_later_decisions() -> None:
     signal = emg()
     holed = signal.values.copy()
     holed[1000:1010] = np.nan
@@ -135,7 +135,7 @@ def test_the_flicker_looked_at_is_found_and_idleness_too(frequency: float, label
     assert np.mean([d.label == label for d in decisions]) > 0.8
 
 
-def test_mains_hum_is_not_taken_for_the_flicker_whose_harmonic_it_is() -> None:
+def test_mains_hum_is_not_decoded_as_a_flicker_with_that_harmonic() -> None:
     targets = {"a": 30.0, "b": 20.0}
     hummed = pushed(SsvepDecoder(targets, 256.0, 60.0), eeg(20.0, hum=200.0), [128])
     assert np.mean([d.label == "b" for d in hummed]) > 0.8
@@ -145,26 +145,26 @@ def test_mains_hum_is_not_taken_for_the_flicker_whose_harmonic_it_is() -> None:
 
 
 @pytest.mark.parametrize("targets", [{}, {"a": 12.0}, {"a": 12.0, "b": 12.5}, {"a": 1.0, "b": 12.0}])
-def test_targets_that_cannot_be_told_apart_are_refused(targets: dict[str, float]) -> None:
+def test_targets_too_close_to_be_resolved_are_refused(targets: dict[str, float]) -> None:
     with pytest.raises(InputError, match="targets: "):
         SsvepDecoder(targets, 256.0, 60.0)
 
 
-def test_calibration_on_too_little_is_refused_with_what_there_is() -> None:
+def test_calibration_on_too_few_windows_is_refused_with_the_counts() -> None:
     windows = EmgFrontEnd(RATE, 50.0).windows(emg())
-    with pytest.raises(InputError, match=r"needs two labels or more with 5 windows .*; it has {'fist': \d+}"):
+    with pytest.raises(InputError, match=r"needs at least two labels with 5 windows .*; it has {'fist': \d+}"):
         fit(windows, CUES[:1])
     with pytest.raises(InputError, match="it has none"):
         fit(windows, [])
 
 
-def test_trials_are_spans_or_a_length_behind_each_onset() -> None:
+def test_trials_are_marked_intervals_or_of_fixed_length() -> None:
     pairs = [Decision(1.0, "0s", None), Decision(2.0, "0e", None), Decision(3.0, "fist_start", None),
              Decision(3.5, "1e", None), Decision(4.0, "fist_end", None), Decision(5.0, "2s", None)]  # fmt: skip
     assert trials_of(pairs, None) == [Trial("0", 1.0, 2.0), Trial("fist", 3.0, 4.0)]
     onsets = [Decision(1.0, "left", None), Decision(4.0, "right", None)]
     assert trials_of(onsets, 2.0) == [Trial("left", 1.0, 3.0), Trial("right", 4.0, 6.0)]
-    with pytest.raises(InputError, match="give trial_s=SECONDS"):
+    with pytest.raises(InputError, match="give the duration of a trial: trial_s=SECONDS"):
         trials_of(onsets, None)
 
 
@@ -190,7 +190,7 @@ def every_tick(at: ContextAt, seconds: float) -> list[OperatorContext]:
     return [at(0.02 * k) for k in range(round(50 * seconds))]
 
 
-def test_emg_steers_through_the_decoder_after_calibration(write: Write, at: ContextAt) -> None:
+def test_decoded_emg_gives_commands_after_calibration(write: Write, at: ContextAt) -> None:
     marks = [m for cue in CUES for m in ((cue.start, f"{cue.label}_start"), (cue.end, f"{cue.label}_end"))]
     calibration = write(table(emg(), marks), "calibration.csv")
     played = write(table(emg(seed=3, cues=CUES[:3])), "played.csv")
@@ -204,7 +204,7 @@ def test_emg_steers_through_the_decoder_after_calibration(write: Write, at: Cont
     assert [(type(c), c.time) for c in again] == [(type(c), c.time) for c in given], "after a reset the same"
 
 
-def test_flickers_pick_robots(write: Write, at: ContextAt) -> None:
+def test_attended_flickers_select_robots(write: Write, at: ContextAt) -> None:
     file = write(table(eeg(15.0)))
     options = {"decoder": "ssvep", "targets": "robot1@12+robot2@15", "mains": "60", "channels": "ch0"}
     replay = open_bci(InputSpec("bci", file, options=options))
@@ -217,23 +217,23 @@ def test_flickers_pick_robots(write: Write, at: ContextAt) -> None:
     ("options", "message"),
     [
         ({"decoder": "csp"}, "decoder: 'csp' is not one of lda, ssvep"),
-        ({"decoder": "lda"}, "calibration is missing"),
+        ({"decoder": "lda"}, "the key 'calibration' is missing"),
         ({"decoder": "ssvep"}, "targets: None is not LABEL@HZ+LABEL@HZ, such as 1@30+2@20"),
         ({"decoder": "ssvep", "targets": "a@x+b@2"}, "targets: 'a@x+b@2' is not LABEL@HZ"),
         (
             {"decoder": "ssvep", "targets": "a@12+b@15", "rate": "250", "period": "0.004"},
-            "rate and period say the same",
+            "rate and period exclude each other",
         ),
     ],
 )
-def test_a_decoder_without_what_it_needs_says_what_that_is(write: Write, options: dict[str, str], message: str) -> None:
+def test_missing_options_of_a_decoder_are_named(write: Write, options: dict[str, str], message: str) -> None:
     file = write(table(eeg(0.0, 2.0)))
     with pytest.raises(InputError) as refusal:
         open_bci(InputSpec("bci", file, options=options))
     assert message in str(refusal.value)
 
 
-def test_without_scikit_learn_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_scikit_learn_the_message_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "sklearn.discriminant_analysis", None)
     with pytest.raises(InputError, match=r"decoder=lda needs scikit-learn: pip install 'higvf-console\[signals\]'"):
         fit([], CUES)
@@ -244,7 +244,7 @@ def test_calibration_with_other_channels_is_refused(write: Write) -> None:
     calibration = write(table(emg(cues=CUES[:6]), marks), "calibration.csv")
     one: Floats = emg(cues=CUES[:1]).values[:, :1]
     played = write(table(SignalChunk(emg(cues=CUES[:1]).times, one)), "played.csv")
-    with pytest.raises(InputError, match="has 2 channels and the recording 1; choose the same by channels="):
+    with pytest.raises(InputError, match="has 2 channels and the recording 1; choose the same channels by channels="):
         open_emg(InputSpec("emg", played, options={"decoder": "lda", "calibration": calibration}))
 
 

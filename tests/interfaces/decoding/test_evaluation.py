@@ -1,4 +1,4 @@
-"""Decoders are scored by trial, and a signal that cannot carry the task is told so."""
+"""Decoders are scored by trial, and a signal that is unusable for control is reported as such."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ TRIALS = [Trial("ab"[k % 2], 10.0 * k, 10.0 * k + 4.0) for k in range(8)]
 
 
 def said(labels: str, confidence: float = 1.0) -> list[list[Decision]]:
-    """Ten decisions a trial, all with the letter of that trial."""
+    """Ten decisions per trial, all with the letter of that trial."""
     return [
         [Decision(trial.start + 0.3 * (k + 1), label, confidence) for k in range(10)]
         for trial, label in zip(TRIALS, labels, strict=True)
@@ -47,7 +47,7 @@ def test_trials_windows_latency_and_wrong_commands_are_counted() -> None:
     assert result.chance == 0.5
 
 
-def test_the_interval_of_a_share_is_wilsons() -> None:
+def test_the_interval_of_a_proportion_is_wilsons() -> None:
     assert wilson(9, 10) == pytest.approx((0.5958, 0.9821), abs=1e-3)
     assert wilson(0, 5)[0] == 0.0
     assert wilson(5, 5)[1] == 1.0
@@ -56,20 +56,20 @@ def test_the_interval_of_a_share_is_wilsons() -> None:
 @pytest.mark.parametrize(
     ("labels", "words"),
     [
-        ("aaaaaaaa", "cannot carry the task"),
-        ("babababa", "cannot carry the task"),
-        ("abababab", "Promising, not shown"),
+        ("aaaaaaaa", "unusable for control"),
+        ("babababa", "unusable for control"),
+        ("abababab", "Inconclusive"),
     ],
 )
-def test_a_verdict_is_plain(labels: str, words: str) -> None:
+def test_the_verdict_is_one_sentence(labels: str, words: str) -> None:
     assert words in verdict(scored(labels))
 
 
-def test_a_verdict_weighs_commands_as_well_as_classes() -> None:
+def test_the_verdict_considers_commands_as_well_as_accuracy() -> None:
     result = scored("abababab")._replace(trials=80, correct=80, reached=70)
-    assert verdict(result) == "The signal carries the task."
+    assert verdict(result) == "The signal suffices for control."
     assert "only 30 of 80 trials gave their command" in verdict(result._replace(reached=30))
-    assert "too weak to steer with" in verdict(result._replace(correct=52))
+    assert "too weak for control" in verdict(result._replace(correct=52))
 
 
 def test_trials_without_a_decision_are_refused() -> None:
@@ -77,13 +77,13 @@ def test_trials_without_a_decision_are_refused() -> None:
         score("test", TRIALS, [[]] * 8, [[]] * 8)
 
 
-def test_false_commands_are_counted_by_the_minute() -> None:
+def test_false_commands_are_counted_per_minute() -> None:
     idle = [Decision(0.5 * k, "a" if k % 40 < 10 else "idle", 0.9) for k in range(240)]
     assert false_commands_per_minute(idle, Evidence(votes=3, of=5, enter=0.8, leave=0.5)) == pytest.approx(3, abs=0.1)
 
 
 def record(trials: Sequence[Trial], loud: Sequence[int]) -> SignalRecord:
-    """Eight electrodes of noise; in each trial the one of that number is ten times louder."""
+    """Eight electrodes of noise; in each trial the electrode of that number has ten times the amplitude."""
     draw = np.random.default_rng(0)
     times = floats(np.arange(0.0, trials[-1].end, 1e-3))
     params = np.ones((len(times), 8))
@@ -94,12 +94,12 @@ def record(trials: Sequence[Trial], loud: Sequence[int]) -> SignalRecord:
     return SignalRecord(names, ("uV",) * 8, 1000.0, 0.0, "test", [], lambda: sliced(times, values))
 
 
-def test_what_is_the_same_in_every_repetition_is_learnt_and_what_is_not_does_not_leak() -> None:
+def test_cross_validation_does_not_leak_between_repetitions() -> None:
     trials = [Trial("ab"[k % 2], 2.0 * k, 2.0 * k + 1.5) for k in range(8)]
     assert score_emg(record(trials, [0, 1] * 4), trials, 50.0).accuracy == 1.0
     # An electrode of its own marks each trial: a split that put windows of it on both sides would be always right.
     result = score_emg(record(trials, range(8)), trials, 50.0)
-    assert verdict(result) == "The signal cannot carry the task: this is not better than guessing."
+    assert verdict(result) == "The signal is unusable for control: the accuracy is not above chance."
 
 
 def test_the_figures_of_the_shared_recordings(
@@ -109,8 +109,8 @@ def test_the_figures_of_the_shared_recordings(
     assert main([str(gestures), "decoder=lda,mains=60", "--json"]) == 0
     emg = json.loads(capsys.readouterr().out)
     assert 0.6 < emg["accuracy_by_trial"] < 0.95
-    assert "not firmly" in emg["verdict"]
-    assert "250 Hz hold only a part of surface EMG" in emg["notes"][0]
+    assert "rarely pass the debouncer" in emg["verdict"]
+    assert "250 Hz covers only part of the EMG band" in emg["notes"][0]
     flicker = sample("eeg_ssvep_muse/data_2017-09-14-21.20.04.csv")
     assert main([str(flicker), "decoder=ssvep,targets=1@30+2@20,mains=60,trial_s=3", "--json"]) == 0
     eeg = json.loads(capsys.readouterr().out)
@@ -121,7 +121,7 @@ def test_the_figures_of_the_shared_recordings(
     assert "false_commands_per_minute: " in capsys.readouterr().out
 
 
-def test_a_recording_that_cannot_be_decoded_is_refused_on_one_line(
+def test_an_undecodable_recording_is_refused_in_one_line(
     sample: Callable[[str], Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
     myo = sample("emg_myo8/emg_data_myo.csv")

@@ -1,4 +1,4 @@
-"""Cells of text tables mean what the program that wrote them meant."""
+"""Cells of text tables are parsed as the writing program meant them."""
 
 from collections.abc import Callable
 
@@ -14,7 +14,7 @@ from tests.interfaces.formats.xdf_files import Stream, xdf
 Write = Callable[..., str]
 
 
-def test_quotes_around_the_cells_of_a_table_with_tabs_are_no_part_of_them(write: Write) -> None:
+def test_quotation_marks_around_the_cells_of_a_tab_separated_table_are_stripped(write: Write) -> None:
     gaze = read_gaze(write('"time"\t"x [px]"\t"y [px]"\t"valid"\n"0"\t"1.5"\t"2"\t"1"\n"0.1"\t"3"\t"4"\t"0"\n'))
     assert gaze.points.tolist() == [[1.5, 2], [3, 4]]
     assert gaze.valid.tolist() == [True, False]
@@ -26,25 +26,25 @@ def test_quotes_around_the_cells_of_a_table_with_tabs_are_no_part_of_them(write:
 
 
 @pytest.mark.parametrize(("text", "meant"), [('"a"', "a"), (' "a b" ', "a b"), ('"', '"'), ('""', ""), ('5"', '5"')])
-def test_only_a_pair_of_quotes_goes(text: str, meant: str) -> None:
+def test_only_paired_quotation_marks_are_stripped(text: str, meant: str) -> None:
     assert plain(text) == meant
 
 
 @pytest.mark.parametrize("no", ["0", "0.0", "False", "no", "Invalid", "n/a"])
-def test_what_is_said_to_be_invalid_is(write: Write, no: str) -> None:
+def test_samples_marked_invalid_are_invalid(write: Write, no: str) -> None:
     gaze = read_gaze(write(f"time,x,y,valid\n0,1,2,1.0\n0.1,1,2,{no}\n0.2,1,2,\n"))
     assert gaze.valid.tolist() == [True, False, True]
 
 
 @pytest.mark.parametrize(("scale", "unit"), [(1e3, "ms"), (1e6, "μs")])
-def test_gaze_in_milliseconds_must_say_so(write: Write, scale: float, unit: str) -> None:
+def test_gaze_in_milliseconds_needs_a_unit(write: Write, scale: float, unit: str) -> None:
     rows = "".join(f"{scale * k / 60:.0f},1,2\n" for k in range(60))
     with pytest.raises(InputError, match=rf"write the unit into that title, perhaps timestamp \[{unit}\]"):
         read_gaze(write("timestamp,x,y\n" + rows))
     assert read_gaze(write(f"timestamp [{unit}],x,y\n" + rows)).time[-1] == pytest.approx(59 / 60, abs=1e-3)
 
 
-def test_milliseconds_since_an_epoch_are_told_by_their_size(write: Write) -> None:
+def test_milliseconds_since_an_epoch_are_recognised_by_their_size(write: Write) -> None:
     gaze = read_gaze(write("timestamp,x,y\n" + "".join(f"{1_700_000_000_000 + 20 * k},1,2\n" for k in range(60))))
     assert gaze.time[:3] == pytest.approx([0, 0.02, 0.04], abs=1e-6)
     entries = ((1_700_000_000_000, "fist"), (1_700_000_002_500, "open"))
@@ -59,11 +59,11 @@ def test_milliseconds_since_an_epoch_are_told_by_their_size(write: Write) -> Non
     [(1.0, "1"), ("1.0", "1"), ("-2,0", "-2"), (0.0, "0"), (1234567.0, "1234567"), (1.5, "1.5"), ("1.50", "1.50"),
      ("fist ", "fist"), ("v1.0", "v1.0"), (7, "7"), (True, ""), (None, ""), (float("nan"), "")],
 )  # fmt: skip
-def test_a_whole_number_is_the_same_label_however_it_is_written(value: object, label: str) -> None:
+def test_an_integer_label_is_the_same_in_any_notation(value: object, label: str) -> None:
     assert as_label(value) == label
 
 
-def test_every_log_gives_numbers_as_the_same_labels(write: Write) -> None:
+def test_numeric_labels_are_equal_in_all_log_formats(write: Write) -> None:
     table = read_decisions(write("time,label\n1,1.0\n2,1234567.0\n"))
     lines = read_decisions(write('{"time": 1, "label": 1.0}\n{"time": 2, "label": 1234567}\n'))
     codes = read_decisions(write(xdf(Stream("Cues", "Markers", "", 0, [0.0, 1.0], [[1.0], [1234567.0]]))))

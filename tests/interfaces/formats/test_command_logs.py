@@ -1,4 +1,4 @@
-"""Logs of decoded labels read the same as a table and as JSON lines."""
+"""Command logs read the same as CSV and as JSON lines."""
 
 from collections.abc import Callable
 
@@ -30,19 +30,19 @@ def test_json_lines_are_read_whatever_the_file_is_called(write: Write) -> None:
     assert log.decisions == ((1.5, "fist", 0.9), (2.0, "open", None))
 
 
-def test_a_torn_json_line_is_left_out_and_said(write: Write) -> None:
+def test_a_truncated_json_line_is_dropped_with_a_note(write: Write) -> None:
     log = read_decisions(write('{"time": 1, "label": "fist"}\n{"time": 2, "la'))
     assert len(log.decisions) == 1
-    assert log.notes == ("1 lines that are not JSON objects left out, the first is line 2",)
+    assert log.notes == ("1 lines that are not JSON objects dropped, first: line 2",)
 
 
-def test_a_torn_row_is_left_out_and_said(write: Write) -> None:
+def test_a_truncated_row_is_dropped_with_a_note(write: Write) -> None:
     log = read_decisions(write("time,label,confidence\n1,fist,0.9\n2,op"))
     assert len(log.decisions) == 1
-    assert log.notes == ("the last row is torn: left out",)
+    assert log.notes == ("truncated last row dropped",)
 
 
-def test_entries_out_of_order_are_sorted_and_said(write: Write) -> None:
+def test_entries_out_of_order_are_sorted_with_a_note(write: Write) -> None:
     log = read_decisions(write("time,label\n2,b\n1,a\n"))
     assert [decision.label for decision in log.decisions] == ["a", "b"]
     assert log.notes == ("entries out of order: sorted by time",)
@@ -57,7 +57,7 @@ def test_milliseconds_and_epochs_become_session_seconds(write: Write) -> None:
 
 
 @pytest.mark.parametrize("confidence", ["87", "-0.1", "high"])
-def test_a_confidence_that_is_none_is_refused_with_its_row(write: Write, confidence: str) -> None:
+def test_an_invalid_confidence_is_refused_with_its_row(write: Write, confidence: str) -> None:
     with pytest.raises(InputError, match=rf"row 2: confidence '{confidence}' is not a number from 0 to 1"):
         read_decisions(write(f"time,label,confidence\n1,a,1.0\n2,b,{confidence}\n"))
     lines = (
@@ -67,20 +67,20 @@ def test_a_confidence_that_is_none_is_refused_with_its_row(write: Write, confide
         read_decisions(write(lines))
 
 
-def test_lines_are_counted_as_an_editor_does(write: Write) -> None:
+def test_line_numbers_in_messages_count_blank_lines(write: Write) -> None:
     log = read_decisions(write('\n{"time": 1, "label": "a"}\n\n{"time": 2'))
-    assert log.notes == ("1 lines that are not JSON objects left out, the first is line 4",)
+    assert log.notes == ("1 lines that are not JSON objects dropped, first: line 4",)
 
 
-def test_a_recording_of_the_console_is_referred_to_its_replay(write: Write) -> None:
+def test_a_recording_of_the_console_is_refused_with_the_command_that_replays_it(write: Write) -> None:
     file = write('{"recording": 1, "seed": 0}\n{"time": 0.02, "command": {"kind": "stop"}}\n', "run.jsonl")
-    with pytest.raises(InputError, match=r"is a recording of this console; play it by: higvf replay .*run\.jsonl"):
+    with pytest.raises(InputError, match=r"is a recording of this console; play it with: higvf replay .*run\.jsonl"):
         read_decisions(file)
     with pytest.raises(InputError, match="higvf replay"):
         inspect(InputSpec("file", file))
 
 
-def test_a_log_with_a_further_column_of_numbers_is_inspected_as_what_it_plays_as(write: Write) -> None:
+def test_a_command_log_with_a_further_column_of_numbers_is_inspected_as_a_command_log(write: Write) -> None:
     told = inspect(InputSpec("file", write("time,event,trial\n1,fist,1\n2.5,open,2\n")))
     assert (told["kind"], told["labels"]) == ("commands", {"fist": 1, "open": 1})
     marked = "timestamps,C3,marker\n" + "".join(f"{k / 100},{k % 5},{k % 50 == 0:d}\n" for k in range(200))
@@ -94,5 +94,5 @@ def test_a_log_without_times_or_labels_is_refused(write: Write) -> None:
         read_decisions(write("time,label\n1,\n"))
     with pytest.raises(InputError, match=r"no label column .*; has: time, what"):
         read_decisions(write("time,what\n1,fist\n"), SignalRequest(format="command-csv"))
-    with pytest.raises(InputError, match=r"not a known format .*command-jsonl.*command-csv"):
+    with pytest.raises(InputError, match=r"unrecognised format.*command-jsonl.*command-csv"):
         read_decisions(write("time,what\n1,fist\n"))

@@ -1,4 +1,4 @@
-"""The same eyes, written by every maker's software, are read as the same eyes."""
+"""The same gaze, written in every format, reads as the same gaze."""
 
 import gzip
 import json
@@ -55,7 +55,7 @@ def test_nanoseconds_are_counted_from_the_first_sample_and_kept_as_an_epoch(tmp_
 
 
 @pytest.mark.parametrize("name", ["pupil-core", "neon-csv", "neon-native"])
-def test_gaze_in_a_moving_scene_is_refused_with_the_ways_out(tmp_path: Path, name: str) -> None:
+def test_gaze_of_a_scene_camera_is_refused_with_the_alternatives(tmp_path: Path, name: str) -> None:
     file = WRITERS[name](tmp_path / "file", eyes())
     with pytest.raises(InputError, match=r"camera on the head.*surface with markers.*calibration=FILE.*frame="):
         GazeSource(InputSpec("gaze", str(file)), Fields({}, OPTIONS, "gaze"))
@@ -104,14 +104,14 @@ def test_xdf_streams_are_chosen_by_type_source_id_or_number(tmp_path: Path) -> N
         assert len(read_gaze(file, wanted=Wanted(wanted)).time) == 40
     swapped = read_gaze(file, wanted=Wanted("Gaze", "2", "x"))
     assert swapped.points[0].tolist() == [300, 400]
-    with pytest.raises(InputError, match="x=pupil9 is none of the channels: 1 x, 2 y, 3 pupil"):
+    with pytest.raises(InputError, match="x=pupil9 is not a channel; channels: 1 x, 2 y, 3 pupil"):
         read_gaze(file, wanted=Wanted("Gaze", "pupil9", "x"))
 
 
 def test_an_xdf_stream_without_metadata_asks_for_its_channels(tmp_path: Path) -> None:
     path = tmp_path / "file"
     path.write_bytes(b"XDF:" + xdf_stream(1, "Eyes", "Gaze", (), [(1.0, 2.0, 3.0), (1.01, 2.0, 3.0)]))
-    with pytest.raises(InputError, match="which channels are gaze\\? give x= and y= one of: 1, 2"):
+    with pytest.raises(InputError, match="no channels with known gaze labels; give x= and y=; channels: 1, 2"):
         read_gaze(str(path))
     assert read_gaze(str(path), wanted=Wanted(None, "1", "2")).points[0].tolist() == [2, 3]
 
@@ -124,19 +124,19 @@ def test_a_file_cut_anywhere_in_its_last_quarter_gives_its_readable_part(tmp_pat
         file.write_bytes(whole[:end])
         gaze = read_gaze(str(file))
         assert 20 < len(gaze.time) <= 60
-        assert name != "xdf" or "the file is cut off: its readable part is used" in gaze.notes
+        assert name != "xdf" or "the file is truncated: only its readable part is used" in gaze.notes
 
 
-def test_packed_data_that_end_too_early_give_their_readable_part_and_say_so(tmp_path: Path) -> None:
+def test_compressed_data_that_end_prematurely_give_their_readable_part_with_a_note(tmp_path: Path) -> None:
     file = WRITERS["bids"](tmp_path / "file", eyes(4000))
     packed = file.read_bytes()
     file.write_bytes(packed[: len(packed) // 2])
     gaze = read_gaze(str(file))
     assert 100 < len(gaze.time) < 4000
-    assert "the packed data end too early: the readable part is used" in gaze.notes
+    assert "the compressed data end prematurely: only the readable part is used" in gaze.notes
 
 
-def test_a_neon_folder_cut_off_gives_its_readable_part_and_says_so(tmp_path: Path) -> None:
+def test_a_truncated_neon_folder_gives_its_readable_part_with_a_note(tmp_path: Path) -> None:
     folder = WRITERS["neon-native"](tmp_path / "folder", eyes())
     raw = folder / "gaze ps1.raw"
     raw.write_bytes(raw.read_bytes()[:-13])
@@ -185,7 +185,7 @@ def test_points_of_the_tobii_sdk_may_have_two_columns(write: Write, endings: tup
         ("TETTime\tXGazePosLeftEye\tYGazePosLeftEye\tValidityLeftEye", "unit"),
     ],
 )
-def test_tobii_studio_and_eprime_count_validity_downwards(write: Write, header: str, unit: str) -> None:
+def test_low_validity_codes_of_tobii_studio_and_eprime_mean_valid(write: Write, header: str, unit: str) -> None:
     gaze = read_gaze(write(f"{header}\n0\t5\t6\t0\n16\t5\t6\t1\n33\t5\t6\t2\n50\t-1\t-1\t4\n66\t-1\t-1\t0\n"))
     assert (gaze.format, gaze.frame) == ("tobii-old", unit)
     assert gaze.valid.tolist() == [True, True, False, False, False]
@@ -221,21 +221,21 @@ def test_a_bids_table_without_times_is_counted_from_its_start(tmp_path: Path) ->
         read_gaze(str(path), "bids")
 
 
-def test_any_text_table_may_be_packed(tmp_path: Path) -> None:
+def test_any_text_table_may_be_compressed(tmp_path: Path) -> None:
     plain = WRITERS["gaze-csv"](tmp_path / "plain", eyes())
     (tmp_path / "packed").write_bytes(gzip.compress(plain.read_bytes()))
     np.testing.assert_array_equal(read_gaze(str(tmp_path / "packed")).points, read_gaze(str(plain)).points)
 
 
 @pytest.mark.parametrize("wanted", [Wanted(x="1"), Wanted(y="pupil9")])
-def test_one_channel_of_a_point_alone_is_refused(tmp_path: Path, wanted: Wanted) -> None:
+def test_x_without_y_and_y_without_x_are_refused(tmp_path: Path, wanted: Wanted) -> None:
     file = str(WRITERS["xdf"](tmp_path / "file", eyes()))
-    with pytest.raises(InputError, match=r"[xy]= is given without [xy]=; the channels are: 1 x, 2 y, 3 pupil"):
+    with pytest.raises(InputError, match=r"[xy]= is given without [xy]=; channels: 1 x, 2 y, 3 pupil"):
         read_gaze(file, wanted=wanted)
 
 
 @pytest.mark.parametrize("name", sorted(set(WRITERS) - {"xdf"}))
-def test_a_stream_or_a_channel_is_chosen_of_xdf_files_alone(tmp_path: Path, name: str) -> None:
+def test_stream_and_channel_options_are_refused_for_other_formats_than_xdf(tmp_path: Path, name: str) -> None:
     file = str(WRITERS[name](tmp_path / "file", eyes()))
     with pytest.raises(InputError, match=f"stream=Gaze, x=rx is for XDF files; this is read as {name}"):
         read_gaze(file, wanted=Wanted("Gaze", "rx"))

@@ -1,4 +1,4 @@
-"""Gaze files of every dialect read the same, and what was repaired or is missing is said."""
+"""Gaze files of every dialect read the same, with notes on repairs and missing parts."""
 
 import csv
 import itertools
@@ -60,7 +60,7 @@ def test_both_mu_signs_are_microseconds(write: Write, mu: str) -> None:
     assert gaze.notes == ()
 
 
-def test_full_width_titles_are_the_same_titles(write: Write) -> None:
+def test_full_width_characters_in_titles_are_normalised(write: Write) -> None:
     gaze = read_gaze(write(PLAIN.replace("[DACS px]", "\N{FULLWIDTH LEFT SQUARE BRACKET}DACS px]").replace("X ", "X")))
     assert gaze.points[0].tolist() == [1114.5, 700.0]
 
@@ -80,7 +80,7 @@ def test_numbers_are_read_with_decimal_point_or_comma(text: str, value: float) -
 
 
 @pytest.mark.parametrize("text", ["", "nan", "inf", "-inf", "1e999", "abc", "1,2,3,x"])
-def test_what_is_no_finite_number_is_missing(text: str) -> None:
+def test_cells_without_a_finite_number_are_missing(text: str) -> None:
     assert np.isnan(number(text))
 
 
@@ -91,16 +91,16 @@ def test_rows_of_other_sensors_are_left_out(write: Write) -> None:
     assert gaze.points.tolist() == [[1, 2], [3, 4]]
 
 
-def test_a_missing_sensor_column_is_made_up_for_by_the_validity(write: Write) -> None:
+def test_without_a_sensor_column_rows_are_selected_by_validity(write: Write) -> None:
     rows = [line.split("\t") for line in PLAIN.splitlines()]
     text = "\n".join("\t".join(cells[:1] + cells[2:]) for cells in [*rows, ["108", "x", "1080", *[""] * 6]]) + "\n"
     assert len(read_gaze(write(text)).time) == 3
 
 
-def test_words_of_an_unknown_language_leave_validity_to_the_coordinates(write: Write) -> None:
+def test_with_unknown_validity_words_samples_with_coordinates_are_valid(write: Write) -> None:
     gaze = read_gaze(write(tobii(tracker(0, "1", "2", "ja"), tracker(8, "", "", "nein")).replace("Invalid", "nein")))
     assert gaze.valid.tolist() == [True, False]
-    assert any("validity words" in note for note in gaze.notes)
+    assert any("validity values" in note for note in gaze.notes)
 
 
 def test_both_eyes_are_averaged_where_there_is_no_combined_point(write: Write) -> None:
@@ -114,7 +114,7 @@ def test_both_eyes_are_averaged_where_there_is_no_combined_point(write: Write) -
     assert gaze.points.tolist() == [[105, 210], [110, 220]]
 
 
-def test_a_clock_without_unit_is_settled_by_its_steps_and_said(write: Write) -> None:
+def test_the_unit_of_a_clock_is_inferred_from_its_steps_with_a_note(write: Write) -> None:
     header = HEADER.replace("Recording timestamp [ms]", "Recording timestamp").replace("Eyetracker timestamp [μs]", "z")
     rows = [f"{8333 * k}\tEye Tracker\t1080\t1920\t\t5\t5\tValid\tValid" for k in range(4)]
     gaze = read_gaze(write(tobii(*rows, header=header)))
@@ -127,10 +127,10 @@ def test_media_coordinates_are_refused_with_the_columns(write: Write) -> None:
         read_gaze(write(PLAIN.replace("DACS px", "MCS norm")))
 
 
-def test_a_torn_end_gives_the_readable_part_and_says_so(write: Write) -> None:
+def test_a_truncated_end_gives_the_readable_part_with_a_note(write: Write) -> None:
     gaze = read_gaze(write(PLAIN + "124\tEye Tracker\t1080\t1920\t124000\t11"))
     assert len(gaze.time) == 3
-    assert gaze.notes == ("the last row is torn: left out",)
+    assert gaze.notes == ("truncated last row dropped",)
 
 
 def test_a_plain_table_is_read_with_confidence(write: Write) -> None:
@@ -157,24 +157,24 @@ def test_semicolons_with_decimal_commas_are_read(write: Write) -> None:
     assert gaze.frame == "screen"
 
 
-def test_metres_in_the_title_settle_the_frame(write: Write) -> None:
+def test_metres_in_the_title_give_the_frame_arena(write: Write) -> None:
     assert read_gaze(write("time,x [m],y [m]\n0,1,2\n")).frame == "arena"
 
 
-def test_session_times_are_kept_and_epochs_are_not(write: Write) -> None:
+def test_session_times_are_kept_and_epochs_are_subtracted(write: Write) -> None:
     assert read_gaze(write("time,x,y\n5.0,1,2\n5.1,1,2\n")).time.tolist() == [5.0, 5.1]
     far = read_gaze(write("time,x,y\n1700000000.0,1,2\n1700000000.5,1,2\n"))
     assert far.time.tolist() == [0, 0.5]
     assert far.epoch == 1_700_000_000
 
 
-def test_a_long_hole_is_shortened_and_said(write: Write) -> None:
+def test_a_long_gap_is_shortened_with_a_note(write: Write) -> None:
     gaze = read_gaze(write("time,x,y\n0,1,2\n0.1,1,2\n274,1,2\n274.1,1,2\n"))
     assert gaze.time.tolist() == pytest.approx([0, 0.1, 10.1, 10.2])
-    assert any("274 s, shortened to 10 s" in note for note in gaze.notes)
+    assert any("shortened to 10 s, the longest 274 s" in note for note in gaze.notes)
 
 
-def test_times_out_of_order_are_left_out_and_a_restarted_clock_is_joined_on(write: Write) -> None:
+def test_rows_out_of_order_are_dropped_and_clock_restarts_are_joined(write: Write) -> None:
     gaze = read_gaze(write("time,x,y\n0,1,2\n0.1,1,2\n0.1,9,9\n0.05,9,9\n0.2,1,2\n,9,9\n"))
     assert gaze.time.tolist() == pytest.approx([0, 0.1, 0.2])
     assert gaze.points[:, 0].tolist() == [1, 1, 1]
@@ -183,23 +183,23 @@ def test_times_out_of_order_are_left_out_and_a_restarted_clock_is_joined_on(writ
     assert any("restarts" in note for note in restarted.notes)
 
 
-def test_samples_of_nearly_the_same_time_are_one(write: Write) -> None:
+def test_duplicate_samples_are_dropped(write: Write) -> None:
     gaze = read_gaze(write("time,x,y\n0,1,2\n1e-320,9,9\n0.01,3,4\n"))
     assert gaze.points.tolist() == [[1, 2], [3, 4]]
 
 
-def test_every_cause_of_refusal_has_its_own_sentence(write: Write, tmp_path: Path) -> None:
+def test_each_cause_of_refusal_has_its_own_message(write: Write, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no file is given; write CHANNEL=FILE"):
         read_gaze("")
     with pytest.raises(InputError, match="there is no such file"):
         read_gaze(str(tmp_path / "missing.tsv"))
-    with pytest.raises(InputError, match="it is a folder without a recording in it"):
+    with pytest.raises(InputError, match="it is a folder without a recording"):
         read_gaze(str(tmp_path))
     with pytest.raises(InputError, match="the file is empty"):
         read_gaze(write(" \n\n"))
     with pytest.raises(InputError, match="no row has a time"):
         read_gaze(write("time,x,y\n,1,2\nabc,1,2\n"))
-    with pytest.raises(InputError, match=r"not a known format .*first line has: a, b"):
+    with pytest.raises(InputError, match=r"unrecognised format.*first line has: a, b"):
         read_gaze(write("a,b\n1,2\n"))
     with pytest.raises(InputError, match=r"no gaze columns \(x and y\); has: time, u, v"):
         read_gaze(write("time,u,v\n1,2,3\n"), "gaze-csv")
@@ -211,7 +211,7 @@ def test_every_cause_of_refusal_has_its_own_sentence(write: Write, tmp_path: Pat
         read_gaze(write("time,x,y\n0,1,2\n"), "edf")
 
 
-def test_a_named_format_goes_over_detection(write: Write) -> None:
+def test_the_option_format_overrides_detection(write: Write) -> None:
     with pytest.raises(InputError, match="no gaze columns in display pixels"):
         read_gaze(write("time,x,y\n0,1,2\n"), "tobii-prolab")
 

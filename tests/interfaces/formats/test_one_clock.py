@@ -1,4 +1,4 @@
-"""What was recorded together plays together: gaze, signals and markers of one file, a BIDS table and its events."""
+"""Gaze, signals and markers of one file, and a BIDS table and its events, share one clock."""
 
 import json
 from collections.abc import Callable
@@ -21,7 +21,7 @@ def jump(gaze: GazeRecording) -> float:
     return float(gaze.time[np.argmax(gaze.points[:, 0] > 500)])
 
 
-def test_gaze_signals_and_markers_of_one_xdf_file_keep_step(write: Callable[..., str]) -> None:
+def test_gaze_signals_and_markers_of_one_xdf_file_share_one_clock(write: Callable[..., str]) -> None:
     times = [1000 + k / 50 for k in range(500)]
     eeg = Stream("Muse", "EEG", "e", 50, times, [(t - 1000, 0.0) for t in times], ("A", "B"))
     seen = [1003 + k / 100 for k in range(500)]
@@ -35,7 +35,7 @@ def test_gaze_signals_and_markers_of_one_xdf_file_keep_step(write: Callable[...,
     assert gaze.epoch == pytest.approx(1000)
 
 
-def test_gaze_that_was_lost_for_long_comes_back_in_step(write: Callable[..., str]) -> None:
+def test_a_long_gap_in_gaze_does_not_shift_it_against_the_other_streams(write: Callable[..., str]) -> None:
     seen = [1000 + k / 100 + 60 * (k >= 50) for k in range(100)]
     eyes = Stream("Tobii", "Gaze", "g", 100, seen, [(1.0, 2.0)] * 100, ("x", "y"))
     gaze = read_gaze(write(xdf(eyes, Stream("Cues", "Markers", "m", 0, [1060.5], ["pause"]))))
@@ -43,17 +43,17 @@ def test_gaze_that_was_lost_for_long_comes_back_in_step(write: Callable[..., str
     assert gaze.notes == ()
 
 
-def test_gaze_on_another_clock_than_the_streams_beside_it_is_told(write: Callable[..., str]) -> None:
+def test_gaze_on_another_clock_than_the_other_streams_is_noted(write: Callable[..., str]) -> None:
     eyes = Stream("Tobii", "Gaze", "g", 100, [9e5 + k / 100 for k in range(50)], [(1.0, 2.0)] * 50, ("x", "y"))
     file = write(xdf(eyes, Stream("Cues", "Markers", "m", 0, [10.0], ["pause"])))
     assert read_gaze(file).notes == (
-        "gaze starts 899990 s behind the earliest stream: perhaps on another clock; shift it by start=",
+        "gaze starts 899990 s after the earliest stream, possibly on another clock; shift it with start=",
     )
 
 
 @pytest.mark.parametrize("timed", [False, True], ids=["counted", "device times"])
 @pytest.mark.parametrize("start", [2.5, -1.0, 0.0])
-def test_gaze_of_a_bids_recording_keeps_step_with_its_events(tmp_path: Path, start: float, timed: bool) -> None:
+def test_gaze_and_events_of_a_bids_recording_share_one_clock(tmp_path: Path, start: float, timed: bool) -> None:
     rows = [(700_000 + 10 * k, 900 if start + k / 100 > LOOKED else 100, 5) for k in range(900)]
     path = tmp_path / "sub-1_task-a_physio.tsv"
     path.write_text("".join("\t".join(map(str, row[0 if timed else 1 :])) + "\n" for row in rows))
@@ -65,7 +65,7 @@ def test_gaze_of_a_bids_recording_keeps_step_with_its_events(tmp_path: Path, sta
 
 
 @pytest.mark.parametrize("lost", ["", "\t", "   ", "9", "n/a\tn/a"], ids=["blank", "tab", "spaces", "short", "n/a"])
-def test_a_bids_row_without_gaze_keeps_its_place_in_time(tmp_path: Path, lost: str) -> None:
+def test_a_bids_row_without_gaze_does_not_shift_the_times_of_others(tmp_path: Path, lost: str) -> None:
     path = tmp_path / "sub-1_physio.tsv"
     path.write_text("\n".join(["1\t2"] * 3 + [lost] * 4 + ["5\t6"] * 3) + "\n")
     sidecar = {"SamplingFrequency": 10, "StartTime": 0, "Columns": ["x_coordinate", "y_coordinate"]}
@@ -73,5 +73,5 @@ def test_a_bids_row_without_gaze_keeps_its_place_in_time(tmp_path: Path, lost: s
     gaze = read_gaze(str(path))
     assert gaze.time == pytest.approx(np.arange(10) / 10)
     assert gaze.valid.tolist() == [True] * 3 + [False] * 4 + [True] * 3
-    short = ("4 rows with too few cells are missing gaze",)
+    short = ("4 rows with too few cells: gaze missing",)
     assert gaze.notes == (() if "\t" in lost else short)

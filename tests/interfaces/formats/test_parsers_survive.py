@@ -1,4 +1,4 @@
-"""Whatever a file holds, a parser reads it or refuses it with the console's own error."""
+"""A parser reads any file or refuses it with an `InputError`."""
 
 import contextlib
 import json
@@ -41,7 +41,7 @@ cells = st.sampled_from(
 
 
 def survive(file: Path) -> None:
-    """Reads `file` in every way there is; only the console's own errors may come out."""
+    """Reads `file` with every reader; only `InputError`s may be raised."""
     for name in GAZE_NAMES:
         with contextlib.suppress(InputError):
             read_gaze(str(file), name)
@@ -97,7 +97,7 @@ def test_truncations_and_overwritten_bytes_of_every_gaze_format(tmp_path: Path, 
 
 @settings(hard, max_examples=60)
 @given(data=st.data())
-def test_folders_and_sidecars_that_are_damaged(tmp_path: Path, data: st.DataObject) -> None:
+def test_damaged_folders_and_sidecars(tmp_path: Path, data: st.DataObject) -> None:
     folder, table = WRITERS["neon-native"](tmp_path / "folder", eyes(12)), WRITERS["bids"](tmp_path / "file", eyes(12))
     for file in (*folder.iterdir(), *tmp_path.glob("sub-01*")):
         content = bytearray(file.read_bytes())
@@ -111,7 +111,7 @@ def test_folders_and_sidecars_that_are_damaged(tmp_path: Path, data: st.DataObje
 
 
 @pytest.mark.parametrize("kind", ["objects", "huge"])
-def test_a_wild_dtype_is_refused(tmp_path: Path, kind: str) -> None:
+def test_an_invalid_dtype_is_refused(tmp_path: Path, kind: str) -> None:
     folder = WRITERS["neon-native"](tmp_path / "folder", eyes(12))
     types = {"objects": '[("x", "O"), ("y", "O")]', "huge": '[("x", "f4"), ("y", "f4"), ("z", "S999999999")]'}[kind]
     (folder / "gaze.dtype").write_text(types)
@@ -124,7 +124,7 @@ def test_a_wild_dtype_is_refused(tmp_path: Path, kind: str) -> None:
     header=st.sampled_from([text.splitlines()[0] for text in (TOBII, PLAIN, LOG)]),
     rows=st.lists(st.lists(cells, max_size=8), max_size=6),
 )
-def test_wild_cells_under_a_good_header(tmp_path: Path, header: str, rows: list[list[str]]) -> None:
+def test_arbitrary_cells_below_a_valid_header(tmp_path: Path, header: str, rows: list[list[str]]) -> None:
     delimiter = "\t" if "\t" in header else ","
     (tmp_path / "file").write_text("\n".join([header, *(delimiter.join(row) for row in rows)]), encoding="utf-8")
     survive(tmp_path / "file")
@@ -140,7 +140,7 @@ def test_wild_cells_under_a_good_header(tmp_path: Path, header: str, rows: list[
         max_size=5,
     )
 )
-def test_wild_json_objects(tmp_path: Path, entries: list[dict[str, object]]) -> None:
+def test_arbitrary_json_objects(tmp_path: Path, entries: list[dict[str, object]]) -> None:
     (tmp_path / "file").write_text("".join(json.dumps(entry) + "\n" for entry in entries), encoding="utf-8")
     survive(tmp_path / "file")
 
@@ -171,6 +171,6 @@ def test_shuffled_columns_read_the_same(tmp_path: Path, order: list[int]) -> Non
     ],
     ids=["deep", "deep later", "long number", "long cell", "open quote", "nested list", "nested map", "doubled", "bom"],
 )
-def test_traps_known_by_name(tmp_path: Path, content: str) -> None:
+def test_known_problem_files(tmp_path: Path, content: str) -> None:
     (tmp_path / "file").write_text(content, encoding="utf-8")
     survive(tmp_path / "file")

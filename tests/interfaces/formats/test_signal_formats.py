@@ -1,4 +1,4 @@
-"""Recordings of EMG and BCI are told apart by content, on one clock, and what was repaired is said."""
+"""Recordings of EMG and BCI are recognised by content, on one clock, with notes on repairs."""
 
 import gzip
 from collections.abc import Callable
@@ -65,7 +65,7 @@ def test_markers_of_an_xdf_file_are_plain_labels_spans_or_json(write: Write) -> 
     assert log.epoch == pytest.approx(900.0)
 
 
-def test_signals_of_an_xdf_file_keep_step_with_its_markers(write: Write) -> None:
+def test_signals_and_markers_of_an_xdf_file_share_one_clock(write: Write) -> None:
     record = read_signals(write(xdf(eeg(), marks("a"))))
     samples = whole(record)
     assert (record.names, record.units, record.rate) == (("TP9", "AF7"), ("uV", "uV"), pytest.approx(100))
@@ -73,12 +73,12 @@ def test_signals_of_an_xdf_file_keep_step_with_its_markers(write: Write) -> None
     assert samples.values[100].tolist() == [100, -100]
 
 
-def test_what_pyxdf_repairs_is_not_written_to_the_terminal(write: Write, caplog: pytest.LogCaptureFixture) -> None:
+def test_pyxdf_does_not_write_to_the_terminal(write: Write, caplog: pytest.LogCaptureFixture) -> None:
     read_signals(write(xdf(eeg(), marks("a"))))
     assert caplog.records == []
 
 
-def test_streams_of_one_name_are_told_apart_by_type_source_or_number(write: Write) -> None:
+def test_streams_with_the_same_name_are_selected_by_type_source_or_number(write: Write) -> None:
     file = write(xdf(eeg("ACC", "x", sign=-1), eeg(source="y"), marks("a")))
     with pytest.raises(InputError) as refusal:
         read_signals(file)
@@ -93,11 +93,11 @@ def test_streams_of_one_name_are_told_apart_by_type_source_or_number(write: Writ
         read_signals(file, SignalRequest(stream="GSR"))
 
 
-def test_an_xdf_file_that_was_cut_off_gives_its_readable_part_and_says_so(write: Write) -> None:
+def test_a_truncated_xdf_file_gives_its_readable_part_with_a_note(write: Write) -> None:
     complete = xdf(eeg(closed=False), marks("a"))
-    assert read_signals(write(complete)).notes == ["the recording was cut off; its readable part has 300 samples"]
+    assert read_signals(write(complete)).notes == ["the recording was cut off: only its 300 readable samples are used"]
     torn = read_signals(write(complete[:-500]))
-    assert torn.notes == ["the recording was cut off; its readable part has 200 samples"]
+    assert torn.notes == ["the recording was cut off: only its 200 readable samples are used"]
     assert whole(torn).values[199].tolist() == [199, -199]
     with pytest.raises(InputError, match="the XDF file cannot be read"):
         read_signals(write(complete[:200]))
@@ -119,15 +119,15 @@ def test_edf_channels_become_a_signal_and_annotations_decisions(tmp_path: Path) 
     assert samples.values[300].tolist() == pytest.approx([300, 600], abs=0.02)
     assert samples.times[300] == 1.5
     assert record.notes == [
-        "1 channels of other rates than 200 Hz left out",
+        "1 channels with other rates than 200 Hz dropped",
         "marked bad in channels.tsv: EMG1",
-        "channels.tsv gives 1 channels another unit than the header, which is kept",
+        "channels.tsv contradicts the header in the units of 1 channels: the header is used",
     ]
     log = read_decisions(str(tmp_path / "sub-1_task-x_emg.edf"))
     assert log.decisions == (Decision(0.5, "fist", None), Decision(1.25, "rest", None))
 
 
-def test_an_edf_file_that_was_cut_off_gives_its_readable_part_and_says_so(tmp_path: Path, write: Write) -> None:
+def test_a_truncated_edf_file_gives_its_readable_part_with_a_note(tmp_path: Path, write: Write) -> None:
     edfio.Edf([edfio.EdfSignal(np.arange(400.0), 200, label="EMG")], data_record_duration=0.5).write(tmp_path / "a.edf")
     record = read_signals(write((tmp_path / "a.edf").read_bytes()[:-250]))
     assert len(whole(record).times) == 200
@@ -155,7 +155,7 @@ def test_a_new_openbci_recording_is_read_through_its_wrapping_counter(write: Wri
 def test_lost_openbci_samples_are_found_by_the_counter(write: Write) -> None:
     record = read_signals(write(openbci(600, lost=400)))
     samples = whole(record)
-    assert record.notes == ["3 samples were lost by the radio link"]
+    assert record.notes == ["3 samples lost by the radio link"]
     assert samples.times[400] - samples.times[399] == pytest.approx(4 / 250, abs=1e-3)
 
 
@@ -178,14 +178,14 @@ def test_an_old_openbci_recording_without_a_header_is_read(write: Write) -> None
     assert plain.times == pytest.approx(np.arange(300) / 250, abs=1e-3)
 
 
-def test_a_torn_last_row_is_left_out_and_said(write: Write) -> None:
+def test_a_truncated_last_row_is_dropped_with_a_note(write: Write) -> None:
     record = read_signals(write(openbci(300)[:-40]))
     assert len(whole(record).times) == 299
-    assert record.notes == ["1 torn rows left out"]
+    assert record.notes == ["1 truncated rows dropped"]
 
 
 @pytest.mark.parametrize("rows", [1000, 20_000], ids=["short", "long"])
-def test_a_packed_table_that_is_damaged_later_gives_its_readable_part_and_says_so(write: Write, rows: int) -> None:
+def test_a_compressed_table_damaged_later_on_gives_its_readable_part_with_a_note(write: Write, rows: int) -> None:
     text = "timestamps,C3,Marker0\n" + "".join(f"{k / 100},{k % 7}.5,{int(k == 50)}\n" for k in range(rows))
     packed = bytearray(gzip.compress(text.encode()))
     packed[-8] ^= 1  # of the checksum
@@ -195,28 +195,28 @@ def test_a_packed_table_that_is_damaged_later_gives_its_readable_part_and_says_s
     assert rows - 2 <= len(samples.times) <= rows
     assert samples.times == pytest.approx(np.arange(len(samples.times)) / 100)
     (note,) = record.notes
-    assert note.startswith("the readable part is used: ")
+    assert note.startswith("only the readable part is used: ")
     log = read_decisions(file)
     assert (len(log.decisions), log.notes) == (1, (note,))
 
 
-def test_a_myo_file_without_times_is_refused_or_indexed_by_a_given_rate(write: Write) -> None:
+def test_a_myo_file_needs_a_given_rate(write: Write) -> None:
     file = write("\n".join(",".join(str((k * (c + 3)) % 256 - 128) for c in range(8)) for k in range(100)) + "\n")
     with pytest.raises(InputError, match="cannot be replayed without times; give rate=200"):
         read_signals(file)
     record = read_signals(file, SignalRequest(rate=200))
     assert whole(record).times == pytest.approx(np.arange(100) / 200)
-    assert record.notes == ["no times in the file: indexed at the rate given, 200 Hz"]
+    assert record.notes == ["no times in the file: samples spaced by the given rate, 200 Hz"]
 
 
-def test_a_rate_that_is_given_does_not_go_over_the_times_of_a_file(write: Write, tmp_path: Path) -> None:
+def test_times_in_the_file_take_precedence_over_a_given_rate(write: Write, tmp_path: Path) -> None:
     edfio.Edf([edfio.EdfSignal(np.arange(200.0), 100, label="EMG")]).write(tmp_path / "a.edf")
     rows = "".join(f"{k / 100},{k % 7}.5\n" for k in range(300))
     table = write("timestamps,C3\n" + rows, "a.csv")
     for file in (write(xdf(eeg()), "a.xdf"), str(tmp_path / "a.edf"), table):
         record = read_signals(file, SignalRequest(rate=200))
         assert (record.rate, whole(record).times[100]) == (pytest.approx(100), pytest.approx(1, abs=1e-3))
-        assert record.notes == ["the rate given, 200 Hz, is not used: the file has its own, 100 Hz"]
+        assert record.notes == ["the given rate, 200 Hz, is ignored: the file specifies 100 Hz"]
     assert read_signals(table, SignalRequest(rate=100.2)).notes == []
 
 
@@ -233,7 +233,7 @@ def test_a_muse_table_is_a_signal_and_its_marker_column_decisions(write: Write) 
         read_signals(file, SignalRequest(channels=("Oz",)))
 
 
-def test_a_marker_that_lasts_is_one_event(write: Write) -> None:
+def test_a_marker_over_several_samples_is_one_event(write: Write) -> None:
     rows = "".join(f"{k / 100},{k}.5,{'5' if 20 <= k < 30 or k >= 40 else '0'}\n" for k in range(50))
     log = read_decisions(write("timestamps,C3,Marker0\n" + rows))
     assert [(round(d.time, 2), d.label) for d in log.decisions] == [(0.2, "5"), (0.4, "5")]
@@ -263,27 +263,27 @@ def test_a_bids_events_table_is_read_with_its_missing_values(write: Write) -> No
     table = "onset\tduration\ttrial_type\tvalue\n2.5\t1\tn/a\t7\n1\tn/a\tfist\t1\nn/a\t0\topen\t2\n"
     log = read_decisions(write(table))
     assert log.decisions == (Decision(1.0, "fist", None), Decision(2.5, "7", None))
-    assert log.notes == ("1 events without an onset or a label left out",)
+    assert log.notes == ("1 events without onset or label dropped",)
 
 
-def test_raw_samples_where_decisions_are_wanted_are_answered_with_the_way_out(write: Write) -> None:
-    with pytest.raises(InputError, match=r"holds raw samples .* and no decisions; give decoder=lda or ssvep"):
+def test_raw_samples_instead_of_decisions_are_refused_with_the_decoders(write: Write) -> None:
+    with pytest.raises(InputError, match=r"holds raw samples .* not decisions; give decoder=lda or ssvep"):
         read_decisions(write(MUSE.replace("Marker0", "Gyro")))
     with pytest.raises(InputError, match=r"format: 'edf\+' is not one of xdf-signals, edf, openbci-txt"):
         read_signals(write(MUSE), SignalRequest(format="edf+"))
 
 
-def test_a_log_without_times_is_indexed_by_a_given_period_alone(write: Write) -> None:
+def test_a_log_without_times_needs_a_given_period(write: Write) -> None:
     for text in ("label,confidence\nfist,0.5\nopen,\n", '{"label": "fist", "confidence": 0.5}\n{"label": "open"}\n'):
         file = write(text)
-        with pytest.raises(InputError, match="a log without times is replayed only with period=SECONDS"):
+        with pytest.raises(InputError, match="a log without times needs period=SECONDS"):
             read_decisions(file)
         log = read_decisions(file, SignalRequest(rate=4.0))
         assert log.decisions == (Decision(0.0, "fist", 0.5), Decision(0.25, "open", None))
-        assert log.notes == ("no times in the file: indexed at the period given, 0.25 s",)
+        assert log.notes == ("no times in the file: entries spaced by the given period, 0.25 s",)
 
 
-def test_a_command_log_with_a_further_column_of_numbers_is_no_signal(write: Write) -> None:
+def test_a_command_log_with_a_further_column_of_numbers_is_not_a_signal(write: Write) -> None:
     log = read_decisions(write("timestamp,marker,trial\n1,3,1\n2,3,2\n"))
     assert [(d.time, d.label) for d in log.decisions] == [(1, "3"), (2, "3")]
 
@@ -291,7 +291,7 @@ def test_a_command_log_with_a_further_column_of_numbers_is_no_signal(write: Writ
 @pytest.mark.parametrize("name", ["gaze", "log"])
 def test_other_tables_are_not_taken_for_signals(write: Write, name: str) -> None:
     text = {"gaze": "time,x,y,confidence\n0,1,2,1\n", "log": "time,label,confidence\n0,fist,0.5\n"}[name]
-    with pytest.raises(InputError, match="not a known format of a signal"):
+    with pytest.raises(InputError, match="unrecognised format of a signal"):
         read_signals(write(text))
 
 

@@ -1,4 +1,4 @@
-"""Whatever a recording of EMG or BCI holds, a parser reads it or refuses it with the console's own error."""
+"""A parser reads any recording of EMG or BCI or refuses it with an `InputError`."""
 
 import contextlib
 from pathlib import Path
@@ -49,7 +49,7 @@ def edf(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 
 def survive(file: Path) -> None:
-    """Reads `file` in every way there is; only the console's own errors may come out, and times must increase."""
+    """Reads `file` with every reader; only `InputError`s may be raised, and times must increase."""
     for rate in (None, 200.0):
         for name in (None, *(known.name for known in SIGNAL_FORMATS)):
             with contextlib.suppress(InputError):
@@ -65,7 +65,7 @@ def survive(file: Path) -> None:
 
 
 def damaged(content: bytes, data: st.DataObject) -> bytes:
-    """The content with some bytes overwritten, and its end torn off."""
+    """The content with some bytes overwritten and its end cut off."""
     bytes_ = bytearray(content)
     for place in data.draw(st.lists(st.integers(0, len(bytes_) - 1), max_size=4)):
         bytes_[place] = data.draw(st.integers(0, 255))
@@ -98,7 +98,7 @@ def test_damaged_edf_files(tmp_path: Path, edf: bytes, data: st.DataObject) -> N
     header=st.sampled_from([OPENBCI.rsplit("\n", 4)[0], MUSE.splitlines()[0], EVENTS.splitlines()[0], ""]),
     rows=st.lists(st.lists(cells, max_size=8), max_size=8),
 )
-def test_wild_cells_under_a_good_header(tmp_path: Path, header: str, rows: list[list[str]]) -> None:
+def test_arbitrary_cells_below_a_valid_header(tmp_path: Path, header: str, rows: list[list[str]]) -> None:
     delimiter = "\t" if "\t" in header else ","
     (tmp_path / "file").write_text("\n".join([header, *(delimiter.join(row) for row in rows)]), encoding="utf-8")
     survive(tmp_path / "file")
@@ -106,6 +106,6 @@ def test_wild_cells_under_a_good_header(tmp_path: Path, header: str, rows: list[
 
 @hard
 @given(magic=st.sampled_from([b"XDF:", b"0       ", b"\xffBIOSEMI", b""]), content=st.binary(max_size=600))
-def test_random_bytes_behind_a_good_magic(tmp_path: Path, magic: bytes, content: bytes) -> None:
+def test_random_bytes_after_valid_magic_bytes(tmp_path: Path, magic: bytes, content: bytes) -> None:
     (tmp_path / "file").write_bytes(magic + content)
     survive(tmp_path / "file")

@@ -1,4 +1,4 @@
-"""Writes small XDF files, so that the readers are tested without a recording."""
+"""Writer of small XDF files for tests."""
 
 import struct
 from collections.abc import Sequence
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Stream(NamedTuple):
-    """A stream to write: texts where `rate` is 0, else rows of numbers."""
+    """A stream to write: text if `rate` is 0, otherwise rows of numbers."""
 
     name: str
     type: str

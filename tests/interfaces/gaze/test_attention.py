@@ -1,4 +1,4 @@
-"""Each fixation finds its target, and a busy eye is told from a calm one."""
+"""Fixations are assigned to targets, and the transition entropy separates ordered from random gaze."""
 
 from collections.abc import Iterable
 
@@ -8,23 +8,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from higvf_console.core.arrays import floats
-from higvf_interfaces.gaze.attention import ELSEWHERE, Transitions, looked_at
+from higvf_interfaces.gaze.attention import ELSEWHERE, Transitions, fixated_targets
 
 FIRES = floats([[100, 100], [500, 100]])
 
 
-def test_each_fixation_goes_to_the_target_that_it_is_on() -> None:
+def test_each_fixation_is_assigned_to_the_target_under_it() -> None:
     points = floats([[110, 100], [480, 110], [300, 400]])
-    assert looked_at(points, FIRES, floats([50, 50])).tolist() == [0, 1, ELSEWHERE]
+    assert fixated_targets(points, FIRES, floats([50, 50])).tolist() == [0, 1, ELSEWHERE]
 
 
-def test_of_two_targets_the_one_whose_border_is_nearer_wins() -> None:
-    assert looked_at(floats([[290, 100]]), FIRES, floats([200, 400])).tolist() == [1]
+def test_of_two_targets_the_one_with_the_nearer_border_is_chosen() -> None:
+    assert fixated_targets(floats([[290, 100]]), FIRES, floats([200, 400])).tolist() == [1]
 
 
-def test_moving_targets_are_where_they_were_during_the_fixation() -> None:
+def test_moving_targets_use_their_positions_during_the_fixation() -> None:
     robots = floats([[[0, 0], [900, 0]], [[900, 0], [0, 0]]])
-    assert looked_at(floats([[0, 0], [0, 0]]), robots, floats([10, 10])).tolist() == [0, 1]
+    assert fixated_targets(floats([[0, 0], [0, 0]]), robots, floats([10, 10])).tolist() == [0, 1]
 
 
 def entropy(areas: Iterable[int]) -> float:
@@ -34,7 +34,7 @@ def entropy(areas: Iterable[int]) -> float:
     return transitions.entropy
 
 
-def test_a_fixed_round_has_no_entropy_and_chance_has_all_of_it() -> None:
+def test_a_fixed_sequence_has_entropy_0_and_a_random_one_1() -> None:
     assert entropy([0, 1, 2] * 50) == pytest.approx(0.0)
     chance = np.random.default_rng(1).integers(0, 4, 20_000)
     assert entropy(chance.tolist()) == pytest.approx(1.0, abs=0.01)
@@ -43,5 +43,5 @@ def test_a_fixed_round_has_no_entropy_and_chance_has_all_of_it() -> None:
 
 
 @given(areas=st.lists(st.integers(-1, 5), min_size=3, max_size=60))
-def test_entropy_lies_between_none_and_that_of_chance(areas: list[int]) -> None:
+def test_entropy_lies_between_0_and_1(areas: list[int]) -> None:
     assert -1e-12 <= entropy(areas) <= 1 + 1e-9

@@ -1,4 +1,4 @@
-"""A homography from the screen to the arena: exact where it can be, refused where it would throw gaze away."""
+"""The homography from screen to arena is exact where possible, and refused if its horizon crosses the screen."""
 
 from collections.abc import Callable
 from datetime import datetime
@@ -30,7 +30,7 @@ Write = Callable[..., str]
 
 
 def seen_from_aside(ground: Floats, tilt: float) -> Floats:
-    """Where ground points lie on a screen that a camera sees from aside."""
+    """Screen pixels of ground points in an oblique view."""
     flat = fit(ARENA, *SCREEN).to_screen(ground)
     return floats(flat / (1 + tilt * flat[:, :1] / SCREEN[0]))
 
@@ -45,7 +45,7 @@ def test_points_between_the_targets_are_mapped_exactly(tilt: float, x: float, y:
     np.testing.assert_allclose(to_arena(calibration, seen_from_aside(where, tilt)), where, atol=1e-3)
 
 
-def test_the_residual_tells_how_far_the_points_are_off_in_metres() -> None:
+def test_the_residual_is_the_rms_error_in_metres() -> None:
     looked = targets(ARENA, 5)
     pixels = fit(ARENA, *SCREEN).to_screen(looked)
     pixels[4] += [0.0, 30.0]
@@ -56,7 +56,7 @@ def test_the_residual_tells_how_far_the_points_are_off_in_metres() -> None:
     assert with_four.residual < 1e-4, "four points always fit, whatever they are"
 
 
-def test_targets_go_round_from_the_top_left_and_lie_inside() -> None:
+def test_targets_are_clockwise_from_the_top_left_and_inside_the_arena() -> None:
     np.testing.assert_allclose(targets(ARENA, 5), [[120, 630], [1080, 630], [1080, 70], [120, 70], [600, 350]])
     with pytest.raises(InputError, match="7 points; choose 4"):
         targets(ARENA, 7)
@@ -65,19 +65,21 @@ def test_targets_go_round_from_the_top_left_and_lie_inside() -> None:
 @pytest.mark.parametrize(
     ("pixels", "ground", "message"),
     [
-        ([[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 0], [1, 1]], "3 points_px and 3 points_m; give as many, 4 or more"),
-        ([[0, 0], [1, 1], [2, 2], [3, 3]], [[0, 0], [9, 0], [9, 9], [0, 9]], "no map goes through these points"),
-        ([[5, 5]] * 4, [[0, 0], [9, 0], [9, 9], [0, 9]], "no map goes through these points"),
+        ([[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 0], [1, 1]], "3 points_px and 3 points_m; give the same"),
+        ([[0, 0], [1, 1], [2, 2], [3, 3]], [[0, 0], [9, 0], [9, 9], [0, 9]], "no homography fits these points"),
+        ([[5, 5]] * 4, [[0, 0], [9, 0], [9, 9], [0, 9]], "no homography fits these points"),
         ([[100, 500], [500, 500], [350, 300], [250, 300]], [[0, 0], [9, 0], [9, 90], [0, 90]], "horizon"),
     ],
     ids=["too few", "on a line", "one place", "horizon on the screen"],
 )
-def test_what_makes_no_map_is_refused(pixels: list[list[float]], ground: list[list[float]], message: str) -> None:
+def test_points_without_a_valid_homography_are_refused(
+    pixels: list[list[float]], ground: list[list[float]], message: str
+) -> None:
     with pytest.raises(InputError, match=message):
         calibrate(floats(pixels), floats(ground), SCREEN)
 
 
-def test_gaze_beyond_the_horizon_is_nowhere() -> None:
+def test_gaze_beyond_the_horizon_is_nan() -> None:
     looked = targets(ARENA, 4)
     calibration = calibrate(seen_from_aside(looked, 0.5), looked, SCREEN)
     ends = to_arena(calibration, floats([[-1e6, 500], [1e6, 500]]))
@@ -96,10 +98,13 @@ def test_a_stored_calibration_is_read_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[1, 2]", "a calibration is a mapping with the keys screen_px, points_px, points_m"),
-        ("{colour: red}", "unknown key 'colour'; known keys: screen_px"),
-        ("{points_px: [[1, 2]], points_m: [[1, 2]]}", "screen_px is missing"),
-        ("{screen_px: [1920, 1080], points_px: [[1, 2, 3]], points_m: [[1, 2]]}", r"points_px: point 1: \[1, 2, 3\]"),
+        ("[1, 2]", "is not a section with the keys screen_px, points_px, points_m"),
+        ("{colour: red}", "colour: unknown key; value 'red'; known keys: screen_px"),
+        ("{points_px: [[1, 2]], points_m: [[1, 2]]}", "the key 'screen_px' is missing"),
+        (
+            "{screen_px: [1920, 1080], points_px: [[1, 2, 3]], points_m: [[1, 2]]}",
+            r"points_px\[1\]: \[1, 2, 3\] is not a point",
+        ),
     ],
 )
 def test_a_wrong_file_is_refused_with_place_and_keys(write: Write, text: str, message: str) -> None:
@@ -127,7 +132,7 @@ def test_a_calibrated_channel_puts_the_cursor_where_the_operator_looks(
         ("made: after lunch", "after lunch"),
     ],
 )
-def test_a_calibration_says_when_it_was_made_and_how_far_it_is_off(write: Write, line: str, made: str) -> None:
+def test_the_report_of_a_calibration_has_its_date_and_residual(write: Write, line: str, made: str) -> None:
     looked = targets(ARENA, 5)
     pixels = fit(ARENA, *SCREEN).to_screen(looked)
     pixels[4] += [0.0, 30.0]
@@ -137,7 +142,7 @@ def test_a_calibration_says_when_it_was_made_and_how_far_it_is_off(write: Write,
     assert report.residual_m / report.residual_px == pytest.approx(700 / 1080, rel=0.1)
 
 
-def test_a_file_that_does_not_say_when_it_was_made_counts_from_its_own_time(write: Write) -> None:
+def test_a_calibration_file_without_a_date_uses_its_modification_time(write: Write) -> None:
     looked = targets(ARENA, 4)
     file = Path(write(calibration_text(calibrate(seen_from_aside(looked, 0.1), looked, SCREEN))))
     assert datetime.fromisoformat(read_calibration(file).made).timestamp() == pytest.approx(file.stat().st_mtime, abs=1)

@@ -1,4 +1,4 @@
-"""A button that gaze presses: only by resting on it, once, and not again at once."""
+"""Dwelling gaze presses the button once, and not again during the refractory time."""
 
 from collections.abc import Callable, Iterable
 from itertools import pairwise
@@ -30,7 +30,7 @@ def presses(history: list[DwellButton]) -> list[float]:
     return [count * TICK for count, button in enumerate(history) if button.pressed]
 
 
-def test_gaze_that_rests_presses_once_after_the_dwell_time_and_again_after_the_refractory_time() -> None:
+def test_dwelling_gaze_presses_once_per_dwell_and_refractory_time() -> None:
     times = presses(rested([True] * 130))
     assert times == pytest.approx([DWELL, DWELL + REFRACTORY + DWELL], abs=2 * TICK)
 
@@ -48,7 +48,7 @@ def test_a_blink_keeps_the_progress_and_a_glance_away_does_not() -> None:
 
 
 @given(on=st.lists(st.booleans(), max_size=300))
-def test_presses_are_never_nearer_than_dwell_and_refractory_time(on: list[bool]) -> None:
+def test_presses_are_at_least_dwell_and_refractory_time_apart(on: list[bool]) -> None:
     history = rested(on)
     times = presses(history)
     assert all(later - earlier >= DWELL + REFRACTORY - 1e-9 for earlier, later in pairwise(times))
@@ -77,7 +77,7 @@ def test_a_button_off_the_screen_is_refused(write: Callable[..., str]) -> None:
         open_gaze(InputSpec("gaze", file, settings={"clutch": "dwell", "button": [0.9, 0.0, 1.1, 1.0]}))
 
 
-def test_the_button_is_told_with_its_place_on_the_ground_and_its_progress(
+def test_the_report_of_the_button_has_its_outline_and_progress(
     write: Callable[..., str], at: Callable[..., OperatorContext]
 ) -> None:
     rows = "".join(f"{k / 100},0.05,0.95\n" for k in range(300))

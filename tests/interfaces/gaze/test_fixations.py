@@ -1,4 +1,4 @@
-"""I-VT finds what a person's eye did, and agrees with the labels of the software that recorded it."""
+"""Fixation detection agrees with the labels of the recording software."""
 
 import csv
 from collections.abc import Callable
@@ -53,7 +53,7 @@ def test_ivt_agrees_with_the_recording_softwares_own_labels(sample: Callable[[st
     assert agreement >= 0.97
 
 
-def test_centroids_lie_where_the_recording_software_puts_them(sample: Callable[[str], Path]) -> None:
+def test_centroids_agree_with_those_of_the_recording_software(sample: Callable[[str], Path]) -> None:
     path = sample(TOBII_SAMPLE)
     gaze = read_gaze(str(path))
     with path.open(encoding="utf-8-sig", newline="") as stream:
@@ -78,7 +78,7 @@ def test_idt_finds_the_recording_softwares_fixations_too(sample: Callable[[str],
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_each_rest_is_one_fixation_with_its_centroid(method: str) -> None:
+def test_each_rest_of_the_eye_is_one_fixation_with_its_centroid(method: str) -> None:
     gaze = classify(*jumps(100, 400, 800), method=method)
     centres = [centroid(gaze, first, last) for first, last in zip(gaze.first, gaze.last, strict=True)]
     np.testing.assert_allclose(centres, [[100, 100], [400, 100], [800, 100]], atol=1e-9)
@@ -93,7 +93,7 @@ def test_a_slow_drift_is_one_fixation_by_speed_and_several_by_dispersion() -> No
     assert len(classify(time, points, valid, method=IDT).first) == pytest.approx(10, abs=1)
 
 
-def test_still_stretches_are_as_long_as_they_can_be_and_stay_within_the_limit() -> None:
+def test_runs_of_small_dispersion_are_maximal_and_within_the_limit() -> None:
     rng = np.random.default_rng(4)
     time, points = clock(600, 0.01), floats(np.cumsum(rng.normal(0, 3, (600, 2)), axis=0))
     steady = bools(rng.random(600) > 0.02)
@@ -112,7 +112,7 @@ def test_rests_half_a_degree_apart_are_one_fixation() -> None:
     assert len(classify(*jumps(100, 100 + 0.4 * PX_PER_DEG)).first) == 1
 
 
-def test_a_jerk_that_drifts_back_does_not_split_a_fixation() -> None:
+def test_a_brief_deviation_does_not_split_a_fixation() -> None:
     time, points, valid = jumps(400, 400)
     points[36:, 0] += 1.5 * PX_PER_DEG * np.exp(-np.arange(36) / 6)
     gaze = classify(time, points, valid)
@@ -144,7 +144,7 @@ def test_gaps_at_the_ends_are_never_filled() -> None:
     assert seen.tolist() == [False, True, True, False]
 
 
-def test_samples_beside_a_blink_and_beside_a_hole_are_cut() -> None:
+def test_samples_next_to_a_blink_or_a_gap_are_cut() -> None:
     time = np.concatenate([clock(30, 0.01), 1.0 + clock(10, 0.01)])
     seen = np.ones(40, dtype=np.bool_)
     seen[10:20] = False
@@ -159,13 +159,13 @@ def test_angular_speed_of_a_steady_sweep_is_its_speed() -> None:
     np.testing.assert_allclose(speed, 20.0)
 
 
-def test_speed_is_unknown_where_there_is_no_gaze() -> None:
+def test_speed_is_nan_where_gaze_is_unknown() -> None:
     speed = angular_speed(clock(3, 0.01), np.zeros((3, 2)), bools([True, False, True]), PX_PER_DEG, 0.033)
     assert np.isnan(speed).all()
 
 
 @pytest.mark.parametrize("pattern", ["", "1", "0", "1101", "0110", "111"])
-def test_runs_are_the_stretches_of_fixating_samples(pattern: str) -> None:
+def test_runs_are_maximal_sequences_of_fixating_samples(pattern: str) -> None:
     fixating = bools([letter == "1" for letter in pattern])
     first, last = runs(clock(len(pattern), 0.01), fixating, 0.075)
     rebuilt = np.zeros(len(pattern), dtype=np.bool_)
@@ -175,7 +175,7 @@ def test_runs_are_the_stretches_of_fixating_samples(pattern: str) -> None:
     assert (first[1:] > last[:-1] + 1).all()
 
 
-def test_a_hole_in_time_ends_a_run() -> None:
+def test_a_gap_in_time_ends_a_run() -> None:
     first, last = runs(floats([0, 0.01, 1.0, 1.01]), np.ones(4, dtype=np.bool_), 0.075)
     assert list(zip(first.tolist(), last.tolist(), strict=True)) == [(0, 1), (2, 3)]
 

@@ -1,4 +1,4 @@
-"""Fixation centroids make a smooth path that starts and ends where the eye did."""
+"""Fixation centroids give a smooth path between the first and the last centroid."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def test_the_ends_are_pinned_however_smooth_the_path() -> None:
     np.testing.assert_allclose(path.curve[[0, -1]], points[[0, -1]], atol=0.5)
 
 
-def test_a_path_of_centroids_bends_less_than_one_of_raw_samples() -> None:
+def test_a_path_through_centroids_has_less_curvature_than_one_through_raw_samples() -> None:
     rng = np.random.default_rng(3)
     centres = np.stack([np.linspace(0, 900, 10), 100 * np.sin(np.linspace(0, 3, 10))], axis=1)
     raw = np.repeat(centres, 30, axis=0) + rng.normal(0, 5, (300, 2))
@@ -29,7 +29,7 @@ def test_a_path_of_centroids_bends_less_than_one_of_raw_samples() -> None:
     assert smooth.smallest_radius > 20 * rough.smallest_radius
 
 
-def test_repeated_and_lost_centroids_are_left_out() -> None:
+def test_repeated_and_unknown_centroids_are_ignored() -> None:
     points = floats([[0, 0], [0, 0], [np.nan, 1], [100, 0], [200, 0], [200, 0], [300, 0]])
     assert len(gaze_path(points, 1.0).distinct) == 4
 

@@ -1,4 +1,4 @@
-"""Replayed gaze moves the cursor, and draws under the clutch and nowhere else."""
+"""Replayed gaze moves the cursor, and draws only while the clutch is closed."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -66,7 +66,7 @@ def test_one_poll_gives_at_most_one_cursor_and_none_without_new_samples(write: W
     assert gaze.poll(at(0.5)) == []
 
 
-def test_a_lost_cursor_is_said_once(write: Write, at: ContextAt) -> None:
+def test_the_loss_of_the_cursor_is_sent_once(write: Write, at: ContextAt) -> None:
     commands = play(opened(write(rests((200, 200), None, (900, 500)))), at, 2.0)
     lost = [c.time for c in commands if isinstance(c, Cursor) and np.isnan(c.point).all()]
     assert lost == pytest.approx([0.4, 1.2], abs=0.021), "in the gap, and behind the end"
@@ -87,17 +87,17 @@ def test_under_the_clutch_fixations_draw_a_stroke_that_grows_live(write: Write, 
     assert commands[-1].time == pytest.approx(1.9)
 
 
-def test_the_fixation_that_lasts_when_the_clutch_opens_is_the_strokes_last_point(write: Write, at: ContextAt) -> None:
+def test_a_fixation_in_progress_when_the_clutch_opens_is_the_last_point(write: Write, at: ContextAt) -> None:
     commands = play(opened(write(rests(*FIVE))), at, 3.0, held=lambda time: time < 1.35)
     np.testing.assert_allclose(drawn(commands), FIVE[:4], atol=1e-6)
 
 
-def test_a_fixation_begun_before_the_clutch_closes_is_the_strokes_first_point(write: Write, at: ContextAt) -> None:
+def test_a_fixation_in_progress_when_the_clutch_closes_is_the_first_point(write: Write, at: ContextAt) -> None:
     commands = play(opened(write(rests(*FIVE))), at, 3.0, held=lambda time: 0.6 < time < 1.9)
     np.testing.assert_allclose(drawn(commands), FIVE[1:], atol=1e-6)
 
 
-def test_a_stroke_of_two_fixations_is_cancelled_and_the_status_says_why(write: Write, at: ContextAt) -> None:
+def test_a_stroke_of_two_fixations_is_cancelled_with_the_reason_in_the_status(write: Write, at: ContextAt) -> None:
     gaze = opened(write(rests(*FIVE)))
     commands = strokes(play(gaze, at, 1.2, held=lambda time: time < 0.6))
     assert isinstance(commands[-1], StrokeCancel)
@@ -112,7 +112,7 @@ def test_smoothing_is_half_a_degree_on_the_ground(write: Write, at: ContextAt) -
     assert end.smoothing == pytest.approx(0.5 * 38 * 700 / 1080)
 
 
-def test_a_stroke_waits_for_a_confirm_where_the_option_says_so(write: Write, at: ContextAt) -> None:
+def test_a_stroke_waits_for_confirm_with_commit_confirm(write: Write, at: ContextAt) -> None:
     def waits(**options: str) -> bool:
         commands = strokes(play(opened(write(rests(*FIVE)), **options), at, 3.0, held=lambda time: time < 1.9))
         assert isinstance(commands[-1], StrokeEnd)
@@ -122,7 +122,7 @@ def test_a_stroke_waits_for_a_confirm_where_the_option_says_so(write: Write, at:
     assert not waits()
 
 
-def test_the_pen_lifts_itself_without_gaze_and_waits_for_the_clutch_to_open(write: Write, at: ContextAt) -> None:
+def test_a_loss_of_gaze_ends_the_stroke_until_the_clutch_opens(write: Write, at: ContextAt) -> None:
     eyes = (*FIVE, None, None, None, None, None, *FIVE)
     gaze = opened(write(rests(*eyes)))
     commands = strokes(play(gaze, at, 8.0, held=lambda time: time < 5.9 and not 5.0 < time < 5.1))
@@ -132,7 +132,7 @@ def test_the_pen_lifts_itself_without_gaze_and_waits_for_the_clutch_to_open(writ
     assert times == pytest.approx([0.0, 2.0 + 1.5, 5.1, 5.9], abs=0.05)
 
 
-def test_a_clutch_that_closes_while_gaze_is_lost_waits_for_it(write: Write, at: ContextAt) -> None:
+def test_a_clutch_closed_while_gaze_is_lost_waits_for_gaze(write: Write, at: ContextAt) -> None:
     gaze = opened(write(rests((200, 200), None, None, None, None, None, None, *FIVE)))
     commands = strokes(play(gaze, at, 5.0, held=lambda time: 2.4 < time < 4.7))
     assert [type(c).__name__ for c in commands if not isinstance(c, StrokePoints)] == ["StrokeBegin", "StrokeEnd"]
@@ -174,7 +174,7 @@ def test_a_run_that_starts_again_plays_the_recording_again(write: Write, at: Con
     assert [c.sequence for c in once + again] == list(range(len(once + again)))
 
 
-def test_the_three_frames_agree_about_the_same_eyes(write: Write, at: ContextAt) -> None:
+def test_the_three_frames_give_the_same_gaze(write: Write, at: ContextAt) -> None:
     screen = fit(InputSpec("gaze").arena, 1600, 900)
     pixels = screen.to_screen(np.array(FIVE, dtype=np.float64)).tolist()
     found = [
@@ -189,7 +189,7 @@ def test_the_three_frames_agree_about_the_same_eyes(write: Write, at: ContextAt)
     np.testing.assert_allclose(found[2], found[0], atol=1e-6)
 
 
-def test_the_browsers_viewport_is_used_where_it_is_asked_for(write: Write, at: ContextAt) -> None:
+def test_the_browsers_viewport_is_used_with_viewport_browser(write: Write, at: ContextAt) -> None:
     file = write(rests((0.5, 0.5)))
     browser = Viewport(800, 600, 100.0, 50.0, 0.5)
     for choice, expected in (("browser", [100, 50]), ("fit", [600, 350])):
@@ -210,11 +210,11 @@ def test_samples_of_low_confidence_are_lost_gaze(write: Write, at: ContextAt) ->
     file = write("time,x,y,confidence\n" + rows)
     assert opened(file).poll(at(0.4)) == []
     assert len(opened(file, min_confidence="0.4").poll(at(0.4))) == 1
-    with pytest.raises(InputError, match="no gaze sample is trusted and on the screen"):
+    with pytest.raises(InputError, match="no gaze sample is confident and on the screen"):
         opened(file, min_confidence="0.95")
 
 
-def test_a_missing_frame_is_asked_for(write: Write) -> None:
+def test_gaze_without_a_frame_is_refused_with_the_choices(write: Write) -> None:
     with pytest.raises(InputError, match=r"give frame=arena \(metres\), frame=screen .* or frame=unit"):
         open_gaze(InputSpec("gaze", write(rests(*FIVE))))
 
@@ -228,7 +228,10 @@ def test_a_missing_frame_is_asked_for(write: Write) -> None:
         ({"screen": "0x5"}, "screen: '0x5' is not WIDTHxHEIGHT in pixels"),
         ({"px_per_deg": "-1"}, "px_per_deg: -1.0 is not a number from 1 to 1000 px/deg"),
         ({"start": "soon"}, "start: 'soon' is not a number"),
-        ({"colour": "red"}, "unknown key 'colour'; known keys: format, stream, x, y, frame, origin, screen"),
+        (
+            {"colour": "red"},
+            "colour: unknown key; value 'red'; known keys: format, stream, x, y, frame, origin, screen",
+        ),
     ],
 )
 def test_wrong_options_are_refused_with_the_choices(write: Write, options: dict[str, str], message: str) -> None:
@@ -237,7 +240,7 @@ def test_wrong_options_are_refused_with_the_choices(write: Write, options: dict[
     assert message in str(refusal.value)
 
 
-def test_options_of_the_command_line_go_over_the_scenarios(write: Write, at: ContextAt) -> None:
+def test_options_of_the_command_line_take_precedence(write: Write, at: ContextAt) -> None:
     spec = InputSpec(
         "gaze",
         write(rests(*FIVE)),
@@ -247,8 +250,9 @@ def test_options_of_the_command_line_go_over_the_scenarios(write: Write, at: Con
     assert len(strokes(open_gaze(spec).poll(at(0.1)))) == 1
 
 
-def test_an_assumed_screen_is_said(write: Write) -> None:
-    assert "screen taken as 1920 x 1080 px" in opened(write(rests(*FIVE)), frame="screen").health(0.0).detail
+def test_an_assumed_screen_size_is_noted(write: Write) -> None:
+    detail = opened(write(rests(*FIVE)), frame="screen").health(0.0).detail
+    assert "screen size unknown, assumed 1920 x 1080 px" in detail
 
 
 def test_health_runs_from_never_seen_over_live_to_ended(write: Write, at: ContextAt) -> None:
@@ -264,7 +268,7 @@ def test_health_runs_from_never_seen_over_live_to_ended(write: Write, at: Contex
     gaze.close()
 
 
-def test_a_hole_in_the_recording_loses_the_cursor_and_is_stale(write: Write, at: ContextAt) -> None:
+def test_a_gap_in_the_recording_hides_the_cursor_and_makes_the_channel_stale(write: Write, at: ContextAt) -> None:
     rows = "".join(f"{k / 100},5,5\n" for k in [*range(100), *range(400, 500)])
     gaze = opened(write("time,x,y\n" + rows))
     gaze.poll(at(0.99))

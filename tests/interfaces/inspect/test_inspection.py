@@ -1,4 +1,4 @@
-"""`inspect` says what a file is, whatever it is, in memory that does not grow with it."""
+"""`inspect` describes any known file in bounded memory."""
 
 import tracemalloc
 from collections.abc import Callable, Mapping
@@ -35,7 +35,7 @@ def drawn_by_eye() -> str:
     return write_gaze_tsv(synthetic_gaze(strokes, 20.0, fit(InputSpec("g").arena, 1920, 1080), seed=3), (1920, 1080))
 
 
-def test_gaze_is_told_with_rate_validity_gaps_and_what_it_becomes(write: Write) -> None:
+def test_a_gaze_recording_is_described_with_rate_validity_gaps_and_conversion(write: Write) -> None:
     told = inspected(write(drawn_by_eye()))
     assert set(told) >= KEYS
     assert (told["format"], told["kind"], told["frame"], told["origin"]) == (
@@ -55,7 +55,7 @@ def test_gaze_is_told_with_rate_validity_gaps_and_what_it_becomes(write: Write) 
     assert "Gaze point X [DACS px]" in told["columns"]
 
 
-def test_steps_lose_samples_one_after_the_other_and_end_in_a_path(write: Write) -> None:
+def test_steps_report_decreasing_sample_counts_and_the_paths(write: Write) -> None:
     steps = inspected(write(drawn_by_eye()), steps=True)["steps"]
     counted = [value for value in steps.values() if isinstance(value, int)][:6]
     assert counted[:3] == sorted(counted[:3], reverse=True)
@@ -65,7 +65,7 @@ def test_steps_lose_samples_one_after_the_other_and_end_in_a_path(write: Write) 
     assert stroke["smallest_radius_m"] > 0
 
 
-def test_a_pause_without_gaze_parts_two_strokes(write: Write) -> None:
+def test_a_long_gap_separates_two_strokes(write: Write) -> None:
     times = [k / 100 for k in range(1000) if not 400 <= k < 600]
     rows = "".join(f"{time},{300 + 200 * (int(time * 2) % 4)},400\n" for time in times)
     told = inspected(write("time,x [m],y [m]\n" + rows))
@@ -74,7 +74,7 @@ def test_a_pause_without_gaze_parts_two_strokes(write: Write) -> None:
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_every_format_is_told_by_its_name(tmp_path: Path, name: str) -> None:
+def test_every_format_is_described_by_its_name(tmp_path: Path, name: str) -> None:
     told = inspected(WRITERS[name](tmp_path / "file", eyes(80)))
     assert (told["format"], told["kind"], told["samples"]) == (name, "gaze", 80)
     assert told["rate_hz"] == pytest.approx(100, abs=0.1)
@@ -82,7 +82,7 @@ def test_every_format_is_told_by_its_name(tmp_path: Path, name: str) -> None:
     assert told["origin"] == ("bottom left" if bottom else "top left")
 
 
-def test_gaze_without_a_frame_is_told_as_far_as_it_goes_with_the_way_out(tmp_path: Path) -> None:
+def test_gaze_without_a_frame_is_described_partly_with_the_options_to_set(tmp_path: Path) -> None:
     told = inspected(WRITERS["neon-native"](tmp_path / "folder", eyes()), plot=tmp_path / "p.png")
     assert (told["frame"], told["becomes"]) == ("scene", {})
     assert "calibration=FILE" in told["warnings"][0]
@@ -122,10 +122,10 @@ def test_a_wrong_decoder_is_refused_with_the_choices(write: Write) -> None:
             inspected(write(head), decoder="foo")
 
 
-def test_gaze_of_which_nothing_can_be_used_is_told_with_the_reason(write: Write) -> None:
+def test_unusable_gaze_is_described_with_the_reason(write: Write) -> None:
     told = inspected(write("time,x [px],y [px]\n0,-9,1\n1,-9,1\n"))
     assert (told["samples"], told["becomes"]) == (2, {})
-    assert "no gaze sample is trusted and on the screen" in told["warnings"][0]
+    assert "no gaze sample is confident and on the screen" in told["warnings"][0]
 
 
 def test_a_heat_map_is_written_on_request(write: Write, tmp_path: Path) -> None:
@@ -138,7 +138,7 @@ def test_a_heat_map_is_written_on_request(write: Write, tmp_path: Path) -> None:
         inspected(write(drawn_by_eye()), plot=tmp_path / "no" / "heat.png")
 
 
-def test_a_command_log_is_told_by_its_labels_and_what_they_become(write: Write, tmp_path: Path) -> None:
+def test_a_command_log_is_described_by_its_labels_and_their_actions(write: Write, tmp_path: Path) -> None:
     log = "time,label,confidence\n1,fist,0.9\n2,open,\n4,fist,0.7\n5,wave,0.5\n"
     told = inspected(write(log), plot=tmp_path / "log.png")
     assert set(told) >= KEYS
@@ -150,7 +150,7 @@ def test_a_command_log_is_told_by_its_labels_and_what_they_become(write: Write, 
     assert cv2.imread(str(tmp_path / "log.png")) is not None
 
 
-def test_recorded_xdf_without_gaze_is_told_by_its_streams(sample: Sample) -> None:
+def test_recorded_xdf_without_gaze_is_described_by_its_streams(sample: Sample) -> None:
     told = inspected(sample("xdf_muse_eeg/sub-P031_ses-S001_task-Default_run-001_eeg.xdf"))
     assert (told["format"], told["kind"]) == ("xdf", "streams")
     assert [stream["type"] for stream in told["streams"]] == ["PPG", "ACC", "GYRO", "EEG"]
@@ -169,7 +169,7 @@ def test_recorded_xdf_without_gaze_is_told_by_its_streams(sample: Sample) -> Non
         ("emg_bids_edf/sub-01_task-typing_emg.edf", {}, ("edf", 1000, 32)),
     ],
 )
-def test_recorded_signals_are_told_by_their_channels(
+def test_recorded_signals_are_described_by_their_channels(
     sample: Sample, name: str, options: dict[str, str], told: tuple[str, int, int]
 ) -> None:
     found = cast(Mapping[str, Any], inspect(InputSpec("inspect", str(sample(name)), options)))
@@ -178,14 +178,14 @@ def test_recorded_signals_are_told_by_their_channels(
     assert found["valid_share"] == 1
 
 
-def test_the_recorded_tobii_excerpt_is_told(sample: Sample) -> None:
+def test_the_recorded_tobii_excerpt_is_described(sample: Sample) -> None:
     told = inspected(sample("tobii_prolab_de_excerpt/prolab_de_first600rows.tsv"))
     assert told["valid_share"] == pytest.approx(464 / 510, abs=1e-6)
     assert told["becomes"]["fixations"] == 11
 
 
-def test_what_is_nothing_known_is_refused_with_what_was_looked_for(write: Write) -> None:
-    with pytest.raises(InputError, match=r"not a known format .*xdf: .*tobii-prolab: .*command-csv: .*has: a, b"):
+def test_an_unrecognised_file_is_refused_with_the_formats_tried(write: Write) -> None:
+    with pytest.raises(InputError, match=r"unrecognised format.*has: a, b.*xdf: .*tobii-prolab: .*command-csv: "):
         inspected(write("a,b\n1,2\n"))
     with pytest.raises(InputError, match=r"format: 'edf9' is not one of xdf, .*command-csv"):
         inspected(write("a,b\n1,2\n"), format="edf9")
@@ -193,13 +193,13 @@ def test_what_is_nothing_known_is_refused_with_what_was_looked_for(write: Write)
         inspected("/nowhere/file.csv")
 
 
-def test_a_folder_without_a_recording_is_refused_with_what_was_looked_for(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"not a known format .*neon-native: .*it is a folder without a recording"):
+def test_a_folder_without_a_recording_is_refused_with_the_formats_tried(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"unrecognised format.*it is a folder without a recording.*neon-native: "):
         inspected(tmp_path)
 
 
 def padded_log(path: Path, megabytes: int) -> Path:
-    """A log of wide rows, so that there is much to hold and little to compute."""
+    """A log with wide rows: large in memory, cheap to process."""
     width = 2000
     with path.open("w") as stream:
         stream.write("time,x [m],y [m],comment\n")
@@ -221,7 +221,7 @@ def test_memory_does_not_grow_with_the_file(tmp_path: Path) -> None:
     assert peaks[1] < 10_000_000
 
 
-def test_a_plain_table_of_the_same_eyes_is_told_alike(write: Write) -> None:
+def test_a_plain_table_of_the_same_gaze_has_the_same_description(write: Write) -> None:
     samples = synthetic_gaze([], 10.0, fit(InputSpec("g").arena, 1920, 1080), seed=1)
     told = [
         inspected(write(text, name))

@@ -1,4 +1,4 @@
-"""Devices on the Lab Streaming Layer for tests: outlets of this process, alone on this machine."""
+"""Test devices: Lab Streaming Layer outlets of this process, invisible outside this machine."""
 
 import os
 import time
@@ -24,7 +24,7 @@ level = -3
 
 
 def isolated_library(folder: Path) -> ModuleType:
-    """`pylsl`, loaded with a configuration that neither sees nor shows anything beyond this process's session."""
+    """Load `pylsl` with a configuration that isolates its session from the network."""
     config = folder / "lsl_api.cfg"
     config.write_text(_CONFIG.format(session=f"test-{uuid4().hex}"))
     os.environ["LSLAPICFG"] = str(config)
@@ -32,7 +32,7 @@ def isolated_library(folder: Path) -> ModuleType:
 
 
 class Device:
-    """An outlet that a test can push to, and kill."""
+    """An outlet that a test can push to and kill."""
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class Device:
 
 
 def until(done: Callable[[], bool], timeout: float = PATIENCE) -> None:
-    """Waits until something holds, and fails the test when it never does."""
+    """Wait until `done` holds; fail the test after a time-out."""
     deadline = time.monotonic() + timeout
     while not done():
         assert time.monotonic() < deadline, "it never came"

@@ -1,4 +1,4 @@
-"""Live streams: found or refused with what there is, read, missed, found again. The devices are outlets on loopback."""
+"""Live streams are found, read, reported as lost and reconnected; the devices are outlets on the loopback interface."""
 
 from collections.abc import Callable, Iterator
 from types import ModuleType
@@ -14,7 +14,7 @@ from higvf_interfaces.decisions.bci import open_bci
 from higvf_interfaces.decisions.emg import open_emg
 from higvf_interfaces.gaze.interface import GazeReplay, open_gaze
 from higvf_interfaces.live import lsl as live
-from higvf_interfaces.live.lsl import LslReader, Wish
+from higvf_interfaces.live.lsl import LslReader, StreamQuery
 from tests.interfaces.live.lsl_devices import Device, until
 
 ContextAt = Callable[..., OperatorContext]
@@ -48,7 +48,7 @@ def polled(interface: Any, at: ContextAt, kind: type[OperatorCommand], now: floa
     return [command for command in given if isinstance(command, kind)]
 
 
-def test_markers_become_commands_at_the_session_time_at_which_they_were_said(
+def test_markers_become_commands_at_the_session_times_of_their_stamps(
     lsl: ModuleType, opened: Callable[..., Any], at: ContextAt
 ) -> None:
     device = Device(lsl, "Markers", name="fists")
@@ -63,9 +63,7 @@ def test_markers_become_commands_at_the_session_time_at_which_they_were_said(
     assert "name fists, type Markers" in health.detail
 
 
-def test_what_was_said_before_the_run_counts_at_its_start(
-    lsl: ModuleType, opened: Callable[..., Any], at: ContextAt
-) -> None:
+def test_markers_before_the_run_count_at_its_start(lsl: ModuleType, opened: Callable[..., Any], at: ContextAt) -> None:
     device = Device(lsl, "Markers", name="early")
     emg = opened(open_emg, "emg", name="early")
     until(device.consumed)
@@ -73,14 +71,14 @@ def test_what_was_said_before_the_run_counts_at_its_start(
     assert polled(emg, at, Pause, now=0.0)[0].time == 0.0
 
 
-def test_no_stream_or_several_are_answered_with_what_the_network_has(lsl: ModuleType) -> None:
+def test_no_matching_stream_or_several_are_refused_with_the_streams_on_the_network(lsl: ModuleType) -> None:
     one, other = Device(lsl, "Markers", name="left"), Device(lsl, "Markers", name="right")
     with pytest.raises(InputError) as refusal:
-        LslReader(Wish(name="nobody"), "input emg=lsl", within=0.5)
+        LslReader(StreamQuery(name="nobody"), "input emg=lsl", within=0.5)
     assert "0 live streams fit name=nobody; found on the network: " in str(refusal.value)
     assert "name left, type Markers, source_id left-1, host " in str(refusal.value)
     with pytest.raises(InputError, match="2 live streams fit type=markers; choose one by name, type, source_id"):
-        LslReader(Wish(type="markers"), "input emg=lsl", within=0.5)
+        LslReader(StreamQuery(type="markers"), "input emg=lsl", within=0.5)
     one.kill()
     other.kill()
 
@@ -103,9 +101,9 @@ def test_a_killed_device_falls_silent_and_is_found_again_by_its_source_id(
     assert "lost 1 times" in bci.health(20.0).detail
 
 
-def test_a_quiet_stream_of_events_is_alive_and_a_quiet_signal_is_not(lsl: ModuleType) -> None:
+def test_a_silent_event_stream_is_alive_and_a_silent_signal_is_not(lsl: ModuleType) -> None:
     events, signal = Device(lsl, "Markers", name="calm"), Device(lsl, "EEG", name="stuck", rate=100.0, labels=("O1",))
-    readers = [LslReader(Wish(name=name), "input", within=5.0) for name in ("calm", "stuck")]
+    readers = [LslReader(StreamQuery(name=name), "input", within=5.0) for name in ("calm", "stuck")]
     until(signal.consumed)
     signal.push(1.0)
     until(lambda: readers[0].quiet is not None and (readers[1].quiet or 0.0) > 1.0)
@@ -141,9 +139,7 @@ def test_live_gaze_moves_the_cursor_and_draws_under_the_clutch(
     np.testing.assert_allclose(drawn, [(x, 700 - y) for x, y in targets], atol=1.0)
 
 
-def test_live_gaze_without_confidence_in_it_is_lost_gaze(
-    lsl: ModuleType, opened: Callable[..., Any], at: ContextAt
-) -> None:
+def test_live_gaze_of_low_confidence_is_lost_gaze(lsl: ModuleType, opened: Callable[..., Any], at: ContextAt) -> None:
     device = Device(lsl, "Gaze", name="shut", rate=120.0, labels=GAZE, unit="pixels")
     gaze = opened(open_gaze, "gaze", name="shut")
     until(device.consumed)
@@ -154,7 +150,7 @@ def test_live_gaze_without_confidence_in_it_is_lost_gaze(
 
 def test_a_gaze_stream_without_labels_needs_to_be_told_its_channels(lsl: ModuleType) -> None:
     device = Device(lsl, "Gaze", name="bare", rate=120.0, labels=("", ""))
-    with pytest.raises(InputError, match="which channels are gaze"):
+    with pytest.raises(InputError, match="no channels with known gaze labels"):
         open_gaze(InputSpec("gaze", "lsl", {"name": "bare"}))
     with pytest.raises(InputError, match="frame=screen"):
         open_gaze(InputSpec("gaze", "lsl", {"name": "bare", "x": "1", "y": "2"}))
@@ -176,9 +172,9 @@ def test_a_live_signal_is_decoded_here(lsl: ModuleType, opened: Callable[..., An
     assert {pick.robot for pick in polled(bci, at, Pick)} == {1}
 
 
-def test_what_nobody_polls_does_not_pile_up(lsl: ModuleType) -> None:
+def test_the_queue_of_samples_is_bounded(lsl: ModuleType) -> None:
     device = Device(lsl, "EEG", name="flood", rate=1000.0, labels=("O1",))
-    reader = LslReader(Wish(name="flood"), "input", within=5.0, capacity=100)
+    reader = LslReader(StreamQuery(name="flood"), "input", within=5.0, capacity=100)
     until(device.consumed)
     for number in range(5000):
         device.push(float(number))
@@ -188,7 +184,7 @@ def test_what_nobody_polls_does_not_pile_up(lsl: ModuleType) -> None:
     reader.close()
 
 
-def test_without_the_library_the_way_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pylsl_the_message_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(name: str) -> ModuleType:
         raise ImportError(f"No module named {name!r}")
 

@@ -1,4 +1,4 @@
-"""Recordings made from a plan read back as what the plan says."""
+"""Recordings generated from a plan read back as planned."""
 
 import re
 import subprocess
@@ -73,7 +73,7 @@ def test_command_logs_read_back(write: Write, writer: Callable[[list[Decision]],
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_eye_stays_within_half_a_degree_of_the_polyline_and_reaches_its_ends(seed: int) -> None:
+def test_gaze_stays_within_half_a_degree_of_the_polyline_and_reaches_its_ends(seed: int) -> None:
     samples = synthetic_gaze([STROKE], 14.0, SCREEN, seed=seed)
     found = classify(samples.time, samples.points, samples.valid)
     during = (found.time[found.last] > STROKE.start) & (found.time[found.first] < STROKE.end)
@@ -86,7 +86,7 @@ def test_the_eye_stays_within_half_a_degree_of_the_polyline_and_reaches_its_ends
     assert np.hypot(*(ground[-1] - LINE[-1])) < half_a_degree
 
 
-def test_fixations_last_as_long_as_people_do() -> None:
+def test_fixations_last_250_to_400_ms() -> None:
     samples = synthetic_gaze([], 60.0, SCREEN, seed=1)
     found = classify(samples.time, samples.points, samples.valid)
     lasted = found.time[found.last] - found.time[found.first]
@@ -120,15 +120,19 @@ def test_the_command_writes_what_the_plan_asks_for(write: Write, tmp_path: Path)
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("seed: 7", "sede: 7", "unknown key 'sede'; known keys: seed, duration_s"),
+        ("seed: 7", "sede: 7", "sede: unknown key (did you mean 'seed'?); value 7; known keys: seed, duration_s"),
         ("seed: 7", "seed: -1", "seed: -1 is not a whole number from 0 up"),
-        ("from_s: 3", "from_s: 7.5", "gaze: stroke 1: to_s: 8 is not a number from 8.5 to 12 s"),
-        ("[2.0, fist, 0.93]", "[2.0, fist, 93]", "commands 1: label 1: [2.0, 'fist', 93] is not [seconds, label]"),
-        ("file: emg.csv", "file: ../emg.csv", "commands 1: file: '../emg.csv' is not a plain file name"),
-        ("[0, 0, 1200, 700]", "[0, 0, 0, 700]", "arena_m: [0.0, 0.0, 0.0, 700.0] is not [x_min, y_min, x_max, y_max]"),
+        ("from_s: 3", "from_s: 7.5", "gaze.strokes[1].to_s: 8 is not a number from 8.5 to 12 s"),
+        ("[2.0, fist, 0.93]", "[2.0, fist, 93]", "commands[1].labels[1]: [2.0, 'fist', 93] is not [seconds, label]"),
+        ("file: emg.csv", "file: ../emg.csv", "commands[1].file: '../emg.csv' is not a plain file name"),
+        ("[0, 0, 1200, 700]", "[0, 0, 0, 700]", "arena_m: [0, 0, 0, 700] is not [x_min, y_min, x_max, y_max]"),
         ("screen_px: [1920, 1080]", "screen_px: 1920", "screen_px: 1920 is not a list of 2 numbers"),
-        ("[[200, 200], [500, 400], [900, 350]]", "[[200, 200]]", "stroke 1: points_m: a stroke needs two points"),
-        ("decimal_comma: true", "format: xdf", "gaze: format: 'xdf' is not one of tobii-prolab, gaze-csv"),
+        (
+            "[[200, 200], [500, 400], [900, 350]]",
+            "[[200, 200]]",
+            "strokes[1].points_m: 1 points are too few; give at least 2",
+        ),
+        ("decimal_comma: true", "format: xdf", "gaze.format: 'xdf' is not one of tobii-prolab, gaze-csv"),
     ],
 )
 def test_a_wrong_plan_is_refused_with_its_place(write: Write, old: str, new: str, message: str) -> None:
@@ -138,8 +142,8 @@ def test_a_wrong_plan_is_refused_with_its_place(write: Write, old: str, new: str
     assert message in str(refusal.value)
 
 
-def test_the_command_says_what_is_wrong_and_exits_with_two(
+def test_the_command_reports_an_error_and_exits_with_two(
     write: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([str(tmp_path), "--plan", write("- 1", "plan.yaml")]) == 2
-    assert "a plan is a mapping with the keys seed" in capsys.readouterr().err
+    assert "is not a section with the keys seed" in capsys.readouterr().err

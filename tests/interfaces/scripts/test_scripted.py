@@ -9,6 +9,7 @@ from higvf_console.core.commands import (
     Clutch,
     Command,
     EmergencyStop,
+    MovePathPoint,
     OperatorCommand,
     Pause,
     Pick,
@@ -19,6 +20,7 @@ from higvf_console.core.commands import (
     StrokePoints,
     Undo,
 )
+from higvf_console.core.edits import AddEntity
 from higvf_console.core.errors import InputError, ScriptError
 from higvf_console.core.interface import ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.emulation import EmulatedInterface
@@ -29,11 +31,11 @@ WITH = {
     "stroke": ", points_m: [[0, 0], [1, 1]]",
     "pick": ", robot: 1",
     "clutch": ", closed: true",
-    "add": ", thing: fire, at_m: [1, 2]",
+    "add": ", kind: fire, at_m: [1, 2]",
     "add_outline": ", points_m: [[0, 0], [9, 0], [0, 9]]",
-    "move": ", thing: bar, number: 2, at_m: [3, 4.5]",
-    "change": ", thing: bar, number: 1, name: half width, value: 7",
-    "delete": ", thing: polygon, number: 3",
+    "move": ", kind: bar, number: 2, at_m: [3, 4.5]",
+    "change": ", kind: bar, number: 1, name: half width, value: 7",
+    "delete": ", kind: polygon, number: 3",
     "link": ", robots: [1, 3]",
     "set_arena": ", sides_m: [0, -1, 10, 20]",
     "set_parameters": ", parameters: {safety: {pair_gain: 9}, boundaries: {bump_in: 0.2, bump_out: 0.3}}",
@@ -150,15 +152,15 @@ def given(write: Write, at: ContextAt, entry: str) -> dict[str, object]:
 
 
 def test_numbers_of_people_count_from_one_and_those_of_commands_from_zero(write: Write, at: ContextAt) -> None:
-    assert given(write, at, "delete" + WITH["delete"]) == {"thing": "polygon", "index": 2}
+    assert given(write, at, "delete" + WITH["delete"]) == {"kind": "polygon", "index": 2}
     assert given(write, at, "link" + WITH["link"]) == {"first": 0, "second": 2}
     assert given(write, at, "prioritise" + WITH["prioritise"]) == {"fires": (1, 2), "robot": 0, "factor": 4.0}
     assert given(write, at, "prioritise") == {"fires": (), "robot": None, "factor": None}
     assert given(write, at, "take_up_path" + WITH["take_up_path"]) == {"number": 0}
     change = given(write, at, "change" + WITH["change"])
-    assert change == {"thing": "bar", "index": 0, "name": "half width", "value": 7.0}
+    assert change == {"kind": "bar", "index": 0, "name": "half width", "value": 7.0}
     moved = given(write, at, "move" + WITH["move"])
-    assert (moved["thing"], moved["index"]) == ("bar", 1)
+    assert (moved["kind"], moved["index"]) == ("bar", 1)
     np.testing.assert_array_equal(moved["point"], [3.0, 4.5])  # pyright: ignore[reportArgumentType]
 
 
@@ -180,7 +182,7 @@ def test_a_stroke_says_what_it_is_for_and_how_its_path_is_followed(write: Write,
 
 
 def test_a_script_may_use_the_robots_that_it_adds(write: Write) -> None:
-    file = write("- {at_s: 1, do: add, thing: robot, at_m: [0, 0]}\n- {at_s: 2, do: pick, robot: 4}\n")
+    file = write("- {at_s: 1, do: add, kind: robot, at_m: [0, 0]}\n- {at_s: 2, do: pick, robot: 4}\n")
     open_script(InputSpec("script", file, robots=3))
     file = write("- {at_s: 1, do: prioritise, fires: [1], robot: 4}\n")
     with pytest.raises(ScriptError, match="there is no robot 4"):
@@ -213,9 +215,9 @@ def test_a_robot_that_is_not_there_is_refused_when_the_script_is_opened(write: W
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("- {at_s: 1, do: dance}", "entry 1: do: 'dance' is not an action; known actions: stroke, pick, clutch"),
-        ("- {at_s: 1}", "entry 1: do: None is not an action"),
-        ("- {at_s: 1, do: pause}\n- {at_s: 1, do: pause, robot: 1}", "entry 2: unknown key 'robot'; known keys: at_s"),
+        ("- {at_s: 1, do: dance}", "entry 1: do: 'dance' is not one of stroke, pick, clutch"),
+        ("- {at_s: 1}", "entry 1: do: None is not one of stroke"),
+        ("- {at_s: 1, do: pause}\n- {at_s: 1, do: pause, robot: 1}", "entry 2: robot: unknown key; value 1"),
         ("- {do: pause}", "entry 1: give either at_s: SECONDS or when: {EVENT: NUMBER}"),
         ("- {at_s: 1, when: {extinguished: 1}, do: pause}", "entry 1: give either at_s"),
         ("- {at_s: 1, after_s: 1, do: pause}", "entry 1: after_s goes with when:"),
@@ -223,38 +225,39 @@ def test_a_robot_that_is_not_there_is_refused_when_the_script_is_opened(write: W
         ("- {at_s: .nan, do: pause}", "entry 1: at_s: nan is not a number"),
         ("- {at_s: '1', do: pause}", "entry 1: at_s: '1' is not a number"),
         ("- {at_s: true, do: pause}", "entry 1: at_s: True is not a number"),
-        ("- {when: {burnt: 1}, do: pause}", "entry 1: when: unknown key 'burnt'; known keys: extinguished"),
-        ("- {when: {extinguished: 0}, do: pause}", "entry 1: when: extinguished: 0 is not a whole number from 1 up"),
+        ("- {when: {burnt: 1}, do: pause}", "entry 1: when.burnt: unknown key; value 1; known keys: extinguished"),
+        ("- {when: {extinguished: 0}, do: pause}", "entry 1: when.extinguished: 0 is not a whole number from 1 up"),
         ("- {when: {}, do: pause}", "entry 1: when: give one event"),
-        ("- {when: 3, do: pause}", "entry 1: when: 3 is not a mapping"),
-        ("- {at_s: 1, do: pick}", "entry 1: robot is missing"),
+        ("- {when: 3, do: pause}", "entry 1: when: 3 is not a section with the keys extinguished"),
+        ("- {at_s: 1, do: pick}", "entry 1: the key 'robot' is missing; known keys: at_s"),
         ("- {at_s: 1, do: pick, robot: 0}", "entry 1: robot: 0 is not a whole number from 1 up"),
-        ("- {at_s: 1, do: clutch, closed: 1}", "entry 1: closed: 1 is neither true nor false"),
-        ("- {at_s: 1, do: stroke}", "entry 1: points_m is missing"),
-        ("- {at_s: 1, do: stroke, points_m: []}", "entry 1: points_m: [] is not a list of points"),
-        ("- {at_s: 1, do: stroke, points_m: [[0, 0], [1]]}", "entry 1: points_m: point 2: [1] is not [x, y] in metres"),
-        ("- {at_s: 1, do: stroke, points_m: [[0, .inf]]}", "entry 1: points_m: point 1: [0, inf] is not [x, y]"),
-        ("- {at_s: 1, do: add, at_m: [0, 0]}", "entry 1: thing is missing"),
-        ("- {at_s: 1, do: add, thing: polygon, at_m: [0, 0]}", "'polygon' is not one of robot, fire, circle, bar"),
-        ("- {at_s: 1, do: move, thing: lake, number: 1, at_m: [0, 0]}", "thing: 'lake' is not one of robot, fire"),
-        ("- {at_s: 1, do: move, thing: bar, number: 0, at_m: [0, 0]}", "number: 0 is not a whole number from 1 up"),
-        ("- {at_s: 1, do: move, thing: bar, number: 1, at_m: 3}", "at_m: 3 is not a list of 2 numbers"),
+        ("- {at_s: 1, do: clutch, closed: 1}", "entry 1: closed: 1 is not true or false"),
+        ("- {at_s: 1, do: stroke}", "entry 1: the key 'points_m' is missing"),
+        ("- {at_s: 1, do: stroke, points_m: []}", "entry 1: points_m: 0 points are too few; give at least 1"),
+        ("- {at_s: 1, do: stroke, points_m: [[0, 0], [1]]}", "entry 1: points_m[2]: [1] is not a point [x, y]"),
+        ("- {at_s: 1, do: stroke, points_m: [[0, .inf]]}", "entry 1: points_m[1][2]: inf is not a number"),
+        ("- {at_s: 1, do: add, at_m: [0, 0]}", "entry 1: the key 'kind' is missing"),
+        ("- {at_s: 1, do: add, kind: polygon, at_m: [0, 0]}", "'polygon' is not one of robot, fire, circle, bar"),
+        ("- {at_s: 1, do: move, kind: lake, number: 1, at_m: [0, 0]}", "kind: 'lake' is not one of robot, fire"),
+        ("- {at_s: 1, do: move, kind: bar, number: 0, at_m: [0, 0]}", "number: 0 is not a whole number from 1 up"),
+        ("- {at_s: 1, do: move, kind: bar, number: 1, at_m: 3}", "at_m: 3 is not a list of 2 numbers"),
         ("- {at_s: 1, do: link, robots: [1]}", "robots: [1] is not a pair of robots such as [1, 2]"),
-        ("- {at_s: 1, do: link, robots: [1, x]}", "robots: 'x' is not a whole number from 1 up"),
+        ("- {at_s: 1, do: link, robots: [1, x]}", "robots[2]: 'x' is not a whole number from 1 up"),
         ("- {at_s: 1, do: prioritise, fires: 2}", "fires: 2 is not a list"),
         ("- {at_s: 1, do: prioritise, factor: 0}", "factor: 0 is not a number from 1 to"),
         ("- {at_s: 1, do: shape_path}", "give at least one of ending, pace, duration_s, closed"),
         ("- {at_s: 1, do: shape_path, ending: stop}", "ending: 'stop' is not one of release, hold, loop"),
-        ("- {at_s: 1, do: set_parameters}", "parameters is missing; give {GROUP: {NAME: NUMBER}}"),
-        ("- {at_s: 1, do: set_parameters, parameters: {safety: 3}}", "parameters: safety: 3 is not a mapping"),
-        ("- {at_s: 1, do: set_parameters, parameters: {safety: {pair_gain: on}}}", "safety.pair_gain: True is not"),
-        ("- {at_s: 1, do: stroke, points_m: [[0, 0]], use: paint}", "use: 'paint' is not one of path, amend"),
-        ("- {at_s: 1, do: [pause]}", "entry 1: do: ['pause'] is not an action"),
+        ("- {at_s: 1, do: set_parameters}", "the key 'parameters' is missing"),
+        ("- {at_s: 1, do: set_parameters, parameters: {safety: 3}}", "parameters.safety: 3 is not a mapping"),
+        ("- {at_s: 1, do: set_parameters, parameters: {safety: {pair_gain: on}}}", "safety.pair_gain: 'on' is not"),
+        ("- {at_s: 1, do: stroke, points_m: [[0, 0]], use: paint}", "use: 'paint' is not one of path, redraw"),
+        ("- {at_s: 1, do: [pause]}", "entry 1: do: ['pause'] is not one of"),
         ("- pause", "entry 1: 'pause' is not an entry"),
         ("at_s: 1", "a script is a list of entries"),
         ("[]", "a script is a list of entries"),
-        ("- {at_s: 1, at_s: 2, do: pause}", "the key 'at_s' is given more than once"),
-        ("- {at_s: 1", "is not YAML"),
+        ("- {at_s: 1, do: add, thing: bar, kind: bar, at_m: [0, 0]}", "thing is the former name of kind"),
+        ("- {at_s: 1, at_s: 2, do: pause}", "line 1: key 'at_s' is given twice"),
+        ("- {at_s: 1", "file.txt: line 1: "),
         ("[" * 200, "brackets are nested over 100 deep"),
     ],
 )  # fmt: skip
@@ -265,8 +268,36 @@ def test_a_wrong_script_is_refused_with_place_value_and_choices(write: Write, te
     assert "file.txt" in str(refusal.value)
 
 
+OLD = """
+- {at_s: 0, do: add, thing: circle, at_m: [1, 2]}
+- {at_s: 0, do: bend_path, grip_m: [1, 2], to_m: [3, 4]}
+- {at_s: 0, do: stroke, points_m: [[0, 0], [1, 1]], use: amend}
+"""
+
+
+@pytest.mark.parametrize("options", [{}, {"latency": "0.1"}])
+def test_former_names_are_read_and_the_present_ones_are_named(
+    write: Write, at: ContextAt, options: dict[str, str]
+) -> None:
+    player = open_script(InputSpec("script", write(OLD), options=options))
+    player.poll(at(0.0))
+    given = player.poll(at(1.0)) if options else script(write(OLD)).poll(at(0.0))
+    assert types(given) == [AddEntity, MovePathPoint, StrokeBegin, StrokePoints, StrokeEnd]
+    assert [vars(given[0])["kind"], vars(given[-1])["use"]] == ["circle", "redraw"]
+    entries = [warning.partition("file.txt, ")[2] for warning in player.warnings]
+    assert entries == [
+        "entry 1: thing: renamed; write kind",
+        "entry 2: do: bend_path is renamed; write move_path_point",
+        "entry 3: use: amend is renamed; write redraw",
+    ]
+
+
+def test_a_script_with_the_names_of_today_warns_of_nothing(write: Write) -> None:
+    assert script(write("- {at_s: 1, do: add, kind: circle, at_m: [1, 2]}")).warnings == ()
+
+
 def test_a_missing_script_and_any_option_are_refused(write: Write) -> None:
-    with pytest.raises(ScriptError, match="cannot be read"):
+    with pytest.raises(ScriptError, match=r"nowhere.yaml: No such file"):
         script("nowhere.yaml")
-    with pytest.raises(InputError, match="unknown key 'start'"):
+    with pytest.raises(InputError, match="start: unknown key"):
         open_script(InputSpec("script", write("- {at_s: 1, do: pause}\n"), options={"start": "1"}))

@@ -41,7 +41,7 @@ def test_the_filter_suite_compares_all_contenders_and_agrees_with_brute_force() 
 
 
 @pytest.mark.usefixtures("small")
-def test_what_is_not_installed_is_left_out_and_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_contenders_that_are_not_installed_are_reported_and_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bench_filter, "daqp", None)
     monkeypatch.setattr(bench_filter, "RVOSimulator", None)
     assert json.loads(bench.run_suite("filter", as_json=True))["cases"][0]["median_ms"]["orca"] is None
@@ -68,11 +68,11 @@ def test_contenders_take_turns_and_are_warmed_up_first() -> None:
 
 
 def test_an_unknown_suite_is_refused_with_the_choices() -> None:
-    with pytest.raises(HigvfError, match="no benchmark suite 'speed'; choose filter, tick, deadlock"):
+    with pytest.raises(HigvfError, match="unknown benchmark suite 'speed'; choose filter, tick, deadlock"):
         bench.run_suite("speed", as_json=False)
 
 
-def test_the_preview_suite_gives_the_look_ahead_and_the_lateness_of_both_loops(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_preview_suite_measures_previews_and_the_lateness_of_both_loops(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bench_preview, "take_turns", quick)
     measured = bench_preview.run(1.3)
     monkeypatch.setattr(bench_preview, "run", lambda: measured)

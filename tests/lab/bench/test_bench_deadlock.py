@@ -1,4 +1,4 @@
-"""The study of deadlocks: its figures, its JSON, its words, and that a scene can be run again."""
+"""The study of deadlocks: its figures, JSON and table, and the report and file of a single scene."""
 
 import io
 import json
@@ -49,7 +49,7 @@ def test_figures_count_arrivals_violations_and_times() -> None:
 
 
 @pytest.mark.usefixtures("made_up")
-def test_json_puts_the_forms_side_by_side_and_the_hard_kinds_inside() -> None:
+def test_the_json_is_grouped_by_form_and_kind() -> None:
     report = json.loads(bench.run_suite("deadlock", as_json=True))
     assert list(report) == ["printed", "zero_in", "corrected"]
     own = {"scenes", "arrival_share", "violations", "deadlock_s_mean", "median_s", "failed"}
@@ -79,12 +79,12 @@ def test_a_spaced_scene_arrives_safely_in_the_corrected_form() -> None:
     assert end.seconds < 180.0
 
 
-def test_a_scene_is_told_in_every_form(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_report_of_a_scene_covers_every_form(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "--suite", "deadlock", "--scene", "spaced:1"]) == 0
-    told = capsys.readouterr().out
-    assert "follows the path" in told
-    assert all(f"\n{form}" in told for form in FORMS)
-    assert "has finished its path" in told
+    output = capsys.readouterr().out
+    assert "follows the path" in output
+    assert all(f"\n{form}" in output for form in FORMS)
+    assert "has finished its path" in output
 
 
 def test_a_scene_is_saved_as_a_scenario(tmp_path: Path) -> None:
@@ -96,13 +96,13 @@ def test_a_scene_is_saved_as_a_scenario(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["crowded", "crowded:", "crowded:-1", "full:3", "3"])
 def test_a_scene_that_does_not_exist_is_refused_with_the_choices(name: str) -> None:
-    with pytest.raises(HigvfError, match="choose spaced, crowded, pockets and a seed, such as crowded:17"):
+    with pytest.raises(HigvfError, match="with a kind of spaced, crowded, pockets, such as crowded:17"):
         scene_named(name)
 
 
 def test_options_of_another_suite_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "--suite", "tick", "--scenes", "3"]) == 2
-    assert "--scenes belongs to --suite deadlock, not tick" in capsys.readouterr().err
+    assert "--scenes is an option of --suite deadlock, not of --suite tick" in capsys.readouterr().err
     assert main(["bench", "--suite", "deadlock", "--save", "x.yaml"]) == 2
     assert "add --scene KIND:SEED" in capsys.readouterr().err
 
@@ -112,7 +112,7 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_a_progress_bar_draws_on_a_terminal_alone() -> None:
+def test_a_progress_bar_draws_only_on_a_terminal() -> None:
     terminal, file = Terminal(), io.StringIO()
     for stream in (terminal, file):
         bar = ProgressBar("scenes", 4, stream)

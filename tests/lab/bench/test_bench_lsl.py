@@ -1,11 +1,11 @@
-"""The suite of live streams counts what it pushed, and its table says what its JSON says."""
+"""The suite of live streams counts its pushes, and its table agrees with its JSON."""
 
 import pytest
 
 from higvf_console.lab.bench import lsl as bench_lsl
 
 
-def test_every_push_becomes_a_command_and_the_table_tells() -> None:
+def test_every_push_becomes_a_command_and_the_table_reports_it() -> None:
     pytest.importorskip("pylsl")
     figures = bench_lsl.run(pushes=10, hour_s=10.0)
     assert [taken["count"] for taken in figures["latency_ms"].values()] == [10, 10]

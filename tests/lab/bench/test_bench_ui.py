@@ -1,4 +1,4 @@
-"""The console's benchmark: what it reads off the wire, its figures, its table; without a browser."""
+"""The benchmark of the console without a browser: decoded messages, figures, table, errors."""
 
 import json
 import shutil
@@ -14,7 +14,7 @@ from higvf_console.cli.arguments import parser
 from higvf_console.core.errors import HigvfError
 from higvf_console.lab.bench import bench, chromium, console_page
 from higvf_console.lab.bench import ui as bench_ui
-from higvf_console.lab.bench.wire import ROBOTS_NODE, Frame, Positions, first_motion, robots_in
+from higvf_console.lab.bench.viser_client import ROBOTS_NODE, Frame, Positions, first_motion, robots_in
 from higvf_console.scenario.scenario import parse_scenario
 
 
@@ -41,7 +41,7 @@ def wire_message(*arrays: tuple[str, Positions]) -> bytes:
     return message
 
 
-def test_the_robots_are_found_among_other_nodes_on_the_wire() -> None:
+def test_the_robot_positions_are_found_among_other_nodes_in_a_message() -> None:
     others, robots = np.ones((3, 3), np.float32), np.arange(15, dtype=np.float32).reshape(5, 3)
     found = robots_in(wire_message(("/fires", others), (ROBOTS_NODE, robots), ("/team/digit_1", others)))
     assert found is not None
@@ -50,7 +50,7 @@ def test_the_robots_are_found_among_other_nodes_on_the_wire() -> None:
     assert robots_in(wire_message()) is None
 
 
-def test_motion_begins_with_the_first_place_that_differs_from_rest() -> None:
+def test_motion_begins_with_the_first_position_that_differs_from_rest() -> None:
     still = (frame(1.0, 5.0), frame(2.0, 5.0))
     assert first_motion((), 1.5) is None
     assert first_motion(still, 1.5) is None
@@ -71,7 +71,7 @@ def test_every_team_of_the_benchmark_has_a_safe_start_with_and_without_fires(rob
         assert len(setup.start.motion.fire_radius) == 2 * fires
 
 
-def test_the_suite_is_a_choice_whose_figures_come_as_a_table_and_as_json(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_suite_reports_a_table_and_json(monkeypatch: pytest.MonkeyPatch) -> None:
     assert parser().parse_args(["bench", "--suite", "ui", "--json"]).suite in bench.SUITES
     traffic = bench_ui.Traffic("firefighting", 51_200.0, 30.5, 0.25, 58.7)
     case = {
@@ -87,7 +87,7 @@ def test_the_suite_is_a_choice_whose_figures_come_as_a_table_and_as_json(monkeyp
     assert row.split() == ["3", "51.2", "30.5", "25%", "58.7", "35.0", "39.9", "40.0"]
 
 
-def test_what_is_missing_for_the_suite_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_requirement_of_the_suite_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     def without_playwright(name: str) -> ModuleType:
         if name.startswith("playwright"):
             raise ImportError(name)
@@ -95,13 +95,13 @@ def test_what_is_missing_for_the_suite_is_said(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.delenv("HIGVF_CHROMIUM", raising=False)
     monkeypatch.setattr(shutil, "which", {}.get)
-    with pytest.raises(HigvfError, match="install the package 'chromium'"), console_page.browser_at_hand():
+    with pytest.raises(HigvfError, match="install the package 'chromium'"), console_page.open_browser():
         pass
     monkeypatch.setattr(chromium, "import_module", without_playwright)
     with pytest.raises(HigvfError, match="needs Playwright: pip install"), chromium.launched("chromium"):
         pass
 
 
-def test_a_console_that_does_not_start_says_why() -> None:
+def test_a_console_that_does_not_start_reports_why() -> None:
     with pytest.raises(HigvfError, match=r"does not start: .*nowhere"), console_page.console_of("nowhere.yaml"):
         pass

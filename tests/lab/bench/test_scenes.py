@@ -1,4 +1,4 @@
-"""Random scenes: what they promise about gaps, clearances, paths and pockets holds, by distances of their own."""
+"""Random scenes keep their gaps, clearances, paths and pockets, measured by independent distances."""
 
 import itertools
 import math
@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Floats
 from higvf_console.lab.bench.deadlock import make_scene, scene_named
-from higvf_console.lab.bench.planar import capsule, disc, distances, gap, hull, polygon
+from higvf_console.lab.bench.geometry import capsule, disc, distances, gap, hull, polygon
 from higvf_console.lab.bench.scene_file import scene_setup, scene_yaml
 from higvf_console.lab.bench.scenes import END_CLEARANCE, GAPS, TIME_LIMIT, Kind, Scene
 from higvf_console.scenario.scenario import parse_scenario
@@ -94,7 +94,7 @@ def test_a_path_crosses_an_obstacle_and_ends_free(kind: Kind, seed: int) -> None
     assert math.dist(scene.stroke[0], scene.robots[scene.influenced]) < 1.0
 
 
-def test_pockets_cut_the_straight_way_and_some_hold_the_team() -> None:
+def test_pockets_block_the_straight_way_and_some_contain_the_team() -> None:
     inside = 0
     for seed in range(30):
         scene = make_scene(Kind.POCKETS, seed)

@@ -17,7 +17,8 @@ from higvf_console.lab.fit.table2 import ALONE, SCENARIO
 from higvf_console.lab.fit.text import summary
 from higvf_console.lab.reproduce.paper import COLUMNS
 from higvf_console.scenario.scenario import load_scenario, parse_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.obstacles import NO_OBSTACLES
+from higvf_console.world.setup import Setup
 
 LOW, HIGH = (np.array([getattr(free, end) for free in SPACE]) for end in ("low", "high"))
 CENTRE = on_grid((LOW + HIGH) / 2)
@@ -62,7 +63,7 @@ def test_a_world_is_its_sample_and_back(base: Setup, shipped: Sample) -> None:
     assert sample_of(world_of(shipped, base)) == shipped
 
 
-def test_gains_that_no_scenario_would_accept_are_refused(base: Setup) -> None:
+def test_parameters_that_no_scenario_would_accept_are_refused(base: Setup) -> None:
     near = tuple(12.5 if name == "fires.stand_off" else value for name, value in zip(NAMES, CENTRE, strict=True))
     with pytest.raises(ScenarioError, match="stand_off"):
         world_of(near, base)
@@ -72,8 +73,8 @@ def test_gains_that_no_scenario_would_accept_are_refused(base: Setup) -> None:
 
 
 def test_a_world_without_its_bar_is_no_sample(base: Setup) -> None:
-    with pytest.raises(ScenarioError, match="one upright bar, not 0"):
-        sample_of(base._replace(world=base.world._replace(bars=np.zeros((0, 5)))))
+    with pytest.raises(ScenarioError, match="one vertical bar, not 0"):
+        sample_of(base._replace(layout=base.layout._replace(obstacles=NO_OBSTACLES)))
 
 
 def test_the_written_scenario_is_the_world_that_was_run(base: Setup, shipped: Sample) -> None:
@@ -92,7 +93,7 @@ def test_the_shipped_scenario_is_what_the_fit_writes(base: Setup, shipped: Sampl
     assert best.admissible
 
 
-def test_the_misfit_is_the_largest_error_in_units_of_what_is_allowed(base: Setup, shipped: Sample) -> None:
+def test_the_misfit_is_the_largest_error_relative_to_its_limit(base: Setup, shipped: Sample) -> None:
     columns = predicted(shipped, base)
     assert columns is not None
     printed, found = np.array(COLUMNS[ALONE].loss_area), columns[ALONE].loss_area
@@ -112,7 +113,7 @@ def test_a_run_that_is_not_the_papers_is_not_admissible(base: Setup, shipped: Sa
     assert later > late > judged(shipped, run).objective
 
 
-def test_the_rule_takes_the_smallest_misfit() -> None:
+def test_the_rule_selects_the_smallest_misfit() -> None:
     good, bad = trial(errors=(0.02, -0.02, 0.02, 0, 0)), trial(errors=(0.0, 0.0, 0.0, 0.0, -0.025))
     assert choose([bad, good], CENTRE) == good
 
@@ -133,19 +134,19 @@ def test_the_choice_does_not_depend_on_the_order_of_the_trials() -> None:
         assert widest(acceptable(trials, best), best, 10) == shown
 
 
-def test_no_admissible_sample_is_an_error_that_says_what_to_do() -> None:
+def test_no_admissible_sample_is_an_error_with_advice() -> None:
     with pytest.raises(HigvfError, match="give more --runs"):
         choose([trial(admissible=False)], CENTRE)
 
 
-def test_acceptable_is_what_meets_the_targets_of_column_1() -> None:
+def test_acceptable_samples_meet_the_targets_of_column_1() -> None:
     best, good, bad = trial(errors=(0.02,) * 5), trial(errors=(0.049,) * 5), trial(errors=(0.051,) * 5)
     assert acceptable([bad, good, best], best) == [best, good]
     assert acceptable([bad, trial(errors=(0.06,) * 5)], bad) == [bad]
     assert acceptable([best, trial(errors=(0.0,) * 5, admissible=False)], best) == [best]
 
 
-def test_shown_samples_lie_as_far_apart_as_they_can() -> None:
+def test_the_shown_samples_cover_the_spread() -> None:
     first, *rest = (trial(moved("bar.x", float(k))) for k in (0, 1, 2, 3, 40))
     assert widest([first, *rest], first, 3) == [first, rest[3], rest[2]]
     assert len(widest([first, *rest], first, 100)) == 5

@@ -1,11 +1,11 @@
-"""Spread and influence: on worlds whose loss areas are a known function of the sample."""
+"""Spread and sensitivity on worlds whose loss areas are a known function of the sample."""
 
 from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
-from higvf_console.lab.fit.fire_run import FireRun
+from higvf_console.lab.fit.firefighting import FirefightingRun
 from higvf_console.lab.fit.report import sensitivity, spread
 from higvf_console.lab.fit.space import NAMES, SPACE, Sample, on_grid
 from higvf_console.lab.fit.table2 import ALONE, Columns
@@ -18,7 +18,7 @@ BAR = NAMES.index("bar.x")
 def printed(factor: float = 1.0, changed: float = 1.0) -> Columns:
     """The paper's columns, all areas times `factor`, those of columns 2 and 3 times `changed` as well."""
     return {
-        name: FireRun(
+        name: FirefightingRun(
             column.order, factor * (1.0 if name == ALONE else changed) * np.array(column.loss_area), 2000, 1.0
         )
         for name, column in COLUMNS.items()
@@ -35,7 +35,7 @@ def by_bar(samples: Sequence[Sample]) -> list[Columns | None]:
     return [None if abs(shift) > 60.0 else printed(1.0 + 0.01 * shift) for shift in shifts]
 
 
-def test_influence_is_the_slope_of_areas_and_totals() -> None:
+def test_sensitivity_is_the_slope_of_areas_and_totals() -> None:
     found = sensitivity(CENTRE, by_bar)
     step = found["bar.x"]["step"]
     assert found["bar.x"]["fires"] == pytest.approx([0.01 * step] * 5)
@@ -55,11 +55,11 @@ def test_a_change_of_columns_2_and_3_alone_is_a_change_of_the_reductions() -> No
     assert found["reductions"]["find_hidden"] == pytest.approx(0.01 * found["step"] * share)
 
 
-def test_influence_that_cannot_be_measured_is_none() -> None:
+def test_sensitivity_that_cannot_be_computed_is_none() -> None:
     assert sensitivity(with_bar(60.0), by_bar)["bar.x"] is None
 
 
-def test_the_spread_tells_ranges_and_who_meets_what() -> None:
+def test_the_spread_reports_ranges_and_the_share_that_meets_each_target() -> None:
     samples = [CENTRE, with_bar(1.0), with_bar(4.0), with_bar(90.0)]
     found = spread(samples, by_bar)
     assert found["parameters"]["bar.x"] == {

@@ -7,18 +7,20 @@ import numpy as np
 import pytest
 
 from higvf_console.core.arrays import floats
-from higvf_console.lab.fit.fire_run import FireRun
+from higvf_console.lab.fit.firefighting import FirefightingRun
 from higvf_console.lab.fit.table2 import Verdict, kept_fit, summed, table2, verdicts
 from higvf_console.lab.reproduce.paper import COLUMNS
 
 ALONE, PRIORITY, HIDDEN = COLUMNS
 
 
-def as_printed() -> dict[str, FireRun]:
-    return {name: FireRun(column.order, floats(column.loss_area), 2100, 1.0) for name, column in COLUMNS.items()}
+def as_printed() -> dict[str, FirefightingRun]:
+    return {
+        name: FirefightingRun(column.order, floats(column.loss_area), 2100, 1.0) for name, column in COLUMNS.items()
+    }
 
 
-def missed(runs: Mapping[str, FireRun]) -> list[str]:
+def missed(runs: Mapping[str, FirefightingRun]) -> list[str]:
     return [verdict.target for verdict in verdicts(runs) if not verdict.met]
 
 
@@ -32,7 +34,7 @@ def test_the_papers_own_numbers_meet_every_target() -> None:
     assert len(verdicts(as_printed())) == 16
 
 
-def test_the_second_column_is_held_against_its_own_sum() -> None:
+def test_the_second_column_is_compared_with_the_sum_of_its_entries() -> None:
     assert summed(COLUMNS[PRIORITY]) == pytest.approx(48251.89)
     assert summed(COLUMNS[ALONE]) == pytest.approx(51547.1)
 
@@ -62,7 +64,7 @@ def test_another_order_and_a_violation_miss_their_targets() -> None:
     assert missed(runs) == ["order, change target priority", "smallest clearance of all runs [m]"]
 
 
-def test_a_fire_that_changes_by_a_hair_has_changed() -> None:
+def test_the_smallest_change_of_a_fire_counts_as_a_change() -> None:
     runs = as_printed()
     area = runs[HIDDEN].loss_area.copy()
     area[0] = np.nextafter(area[0], np.inf)
@@ -70,7 +72,7 @@ def test_a_fire_that_changes_by_a_hair_has_changed() -> None:
     assert missed(runs) == ["sign of each fire's change, find undetected target"]
 
 
-def test_the_table_has_its_promised_shape(found: dict[str, Any]) -> None:
+def test_the_table_has_the_documented_shape(found: dict[str, Any]) -> None:
     assert list(found["table2"]) == ["without_human", "change_priority", "find_hidden"]
     for name, column in found["table2"].items():
         assert list(column) == ["order", "loss_area_m2", "total_m2"]
@@ -94,7 +96,7 @@ def test_the_shipped_world_meets_the_targets_of_the_column_that_it_was_fitted_to
     assert [target.target for target in fitted if not target.met] == []
 
 
-def test_the_kept_fit_is_of_this_engine_and_this_world(found: dict[str, Any]) -> None:
+def test_the_stored_fit_belongs_to_this_engine_and_world(found: dict[str, Any]) -> None:
     """Where this fails, the engine has changed: run `higvf fit` again and ship what it writes."""
     kept = kept_fit()
     for name, column in found["table2"].items():

@@ -8,5 +8,5 @@ from higvf_console.lab.reproduce.results import Results, run_cases
 
 @pytest.fixture(scope="session")
 def reproduction() -> Results:
-    """What all cases found."""
+    """The findings of all cases."""
     return run_cases(choose([]))

@@ -1,4 +1,4 @@
-"""The cases of `higvf reproduce`: what the paper says in words, seen in the runs themselves."""
+"""The cases of `higvf reproduce`: the claims of the paper, tested on the runs."""
 
 import math
 
@@ -38,7 +38,7 @@ def loss(run: Run) -> Floats:
 
 
 @pytest.mark.parametrize("name", [name for name in CASES if name != AREAS_ARE_FITTED])
-def test_what_the_paper_says_holds(reproduction: Results, name: str) -> None:
+def test_the_claims_of_the_paper_hold(reproduction: Results, name: str) -> None:
     findings = next(result.findings for result in reproduction.results if result.case.name == name)
     missed: list[Measurement] = [m for m in findings.measurements if m.holds is False]
     assert missed == []
@@ -77,7 +77,7 @@ def test_behind_each_obstacle_the_team_returns_to_the_circle(reproduction: Resul
     assert np.median(error) < 2.0
 
 
-def test_no_run_ever_comes_nearer_than_it_may(reproduction: Results) -> None:
+def test_no_run_violates_a_clearance(reproduction: Results) -> None:
     for run in reproduction.runs:
         safety, world = run.setup.params.safety, run.setup.world
         for i in range(run.position.shape[1]):

@@ -1,4 +1,4 @@
-"""The report of `higvf reproduce`: one page that needs nothing else, Markdown with its pictures, JSON, the errors."""
+"""The report of `higvf reproduce`: a self-contained page, Markdown with figures, JSON, errors."""
 
 import json
 import re
@@ -27,7 +27,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_page_needs_nothing_from_outside(report: Path) -> None:
+def test_the_page_is_self_contained(report: Path) -> None:
     page = (report / "report.html").read_text(encoding="utf-8")
     assert "://" not in page
     sources = re.findall(r'(?:src|href)="(.{20})', page)
@@ -52,7 +52,7 @@ def load(folder: Path) -> Any:
     return json.loads((folder / "report.json").read_text(encoding="utf-8"))
 
 
-def test_the_json_says_what_was_run_and_what_was_found(report: Path) -> None:
+def test_the_json_holds_the_runs_and_the_findings(report: Path) -> None:
     whole = load(report)
     assert set(whole) == {"version", "made", "versions", "cases", "runs", "differences"}
     assert [case["name"] for case in whole["cases"]] == FEW
@@ -132,7 +132,7 @@ def test_a_missing_matplotlib_is_named_with_its_extra(monkeypatch: pytest.Monkey
         command.reproduce(["gvf"], None, None)
 
 
-def test_a_missed_expectation_is_told_first() -> None:
+def test_a_missed_expectation_is_listed_in_the_summary() -> None:
     missed = Measurement("Height of <the> | moon", 3.0, "m", "none", False)
     case = Case("moon", "The moon", "Fig. 0", "by eye", choose(["gvf"])[0].run)
     results = Results("now", {}, (Result(case, Findings((missed,))),))

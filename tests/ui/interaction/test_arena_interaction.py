@@ -24,15 +24,14 @@ from higvf_console.core.commands import (
 from higvf_console.core.edits import AddEntity, ChangeEntity, DeleteEntity, EntityKind, MoveEntity, ToggleLink
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.session import Session
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.interaction.grips import Drag, gripped, handles_of, result_of, robot_near, wished
 from higvf_console.ui.interaction.tools import USES, Tool
 from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.scene.scene import View
-from higvf_console.world.editing.entities import Place
-from higvf_console.world.editing.layout import layout_of
+from higvf_console.world.editing.entities import EntityRef
+from higvf_console.world.setup import Setup
 from tests.teams import team
 
 TRIANGLE = floats([[100, 350], [60, 320], [60, 380]])
@@ -114,8 +113,8 @@ def test_what_is_dragged_moves_by_as_much_as_the_hand() -> None:
     hand.drag([610.0, 340.0], [700.0, 400.0], [650.0, 300.0])
     (moved,) = hand.given
     assert isinstance(moved, MoveEntity)
-    assert (moved.thing, moved.index, moved.point.tolist()) == (EntityKind.FIRE, 0, [640.0, 310.0])
-    assert hand.view.selected == Place(EntityKind.FIRE, 0)
+    assert (moved.kind, moved.index, moved.point.tolist()) == (EntityKind.FIRE, 0, [640.0, 310.0])
+    assert hand.view.selected == EntityRef(EntityKind.FIRE, 0)
     assert hand.view.drag is None
 
 
@@ -158,7 +157,7 @@ def test_a_new_thing_stands_where_it_is_put_and_the_hand_can_move_it() -> None:
     hand.hand.click(PAGE, floats([400.0, 500.0]))
     (added,) = hand.given
     assert isinstance(added, AddEntity)
-    assert (added.thing, added.point.tolist()) == (EntityKind.ROBOT, [400.0, 500.0])
+    assert (added.kind, added.point.tolist()) == (EntityKind.ROBOT, [400.0, 500.0])
     assert hand.shown[-1] is Tool.EDIT
 
 
@@ -213,28 +212,28 @@ def bar_and_polygon() -> Setup:
 @pytest.mark.parametrize(
     ("place", "handle", "to", "value"),
     [
-        (Place(EntityKind.BAR, 0), "length", [550.0, 300.0], 200.0),
-        (Place(EntityKind.BAR, 0), "angle", [450.0, 400.0], 90.0),
-        (Place(EntityKind.POLYGON, 0), "size", [850.0, 250.0], 100.0),
-        (Place(EntityKind.POLYGON, 0), "angle", [950.0, 150.0], 0.0),
+        (EntityRef(EntityKind.BAR, 0), "length", [550.0, 300.0], 200.0),
+        (EntityRef(EntityKind.BAR, 0), "angle", [450.0, 400.0], 90.0),
+        (EntityRef(EntityKind.POLYGON, 0), "size", [850.0, 250.0], 100.0),
+        (EntityRef(EntityKind.POLYGON, 0), "angle", [950.0, 150.0], 0.0),
     ],
 )
-def test_a_handle_changes_its_number(place: Place, handle: str, to: list[float], value: float) -> None:
+def test_a_handle_changes_its_number(place: EntityRef, handle: str, to: list[float], value: float) -> None:
     setup = bar_and_polygon()
-    layout, motion = layout_of(setup), setup.start.motion
+    layout, motion = setup.layout, setup.start.motion
     (grip,) = [found for found in handles_of(place, layout, motion, 1.0) if found.name == handle]
     drag = Drag(grip.point, floats(to), place, handle)
     assert wished(drag, layout, motion)[handle] == pytest.approx(value)
     (changed,) = result_of(drag, layout, motion)
     assert isinstance(changed, ChangeEntity)
-    assert (changed.thing, changed.index, changed.name) == (place.thing, 0, handle)
+    assert (changed.kind, changed.index, changed.name) == (place.kind, 0, handle)
     assert changed.value == pytest.approx(value)
 
 
 def test_what_is_gone_when_the_hand_lets_go_is_left_alone() -> None:
     setup = burning()
-    drag = Drag(floats([0.0, 0.0]), floats([9.0, 9.0]), Place(EntityKind.FIRE, 5))
-    assert result_of(drag, layout_of(setup), setup.start.motion) == []
+    drag = Drag(floats([0.0, 0.0]), floats([9.0, 9.0]), EntityRef(EntityKind.FIRE, 5))
+    assert result_of(drag, setup.layout, setup.start.motion) == []
 
 
 def test_a_drag_ends_with_the_tool_with_which_it_began() -> None:
@@ -270,22 +269,22 @@ def test_what_is_added_is_chosen_as_soon_as_it_is_there() -> None:
     hand.hand.click(PAGE, floats([600.0, 350.0]))
     hand.hand.tool(PAGE, Tool.CIRCLE)
     hand.hand.click(PAGE, floats([400.0, 500.0]))
-    assert hand.view.selected == Place(EntityKind.CIRCLE, 0)
+    assert hand.view.selected == EntityRef(EntityKind.CIRCLE, 0)
     hand.hand.key(PAGE, "delete")
     assert [type(command) for command in hand.given] == [AddEntity], "it is not there yet"
-    hand.view.keep_choice(layout_of(burning()))
+    hand.view.keep_choice(burning().layout)
     added = team(robots=[(100.0, 100.0), (300.0, 100.0)], circles=[(400.0, 500.0, 20.0)])
-    hand.view.keep_choice(layout_of(added))
-    assert hand.view.selected == Place(EntityKind.CIRCLE, 0)
+    hand.view.keep_choice(added.layout)
+    assert hand.view.selected == EntityRef(EntityKind.CIRCLE, 0)
 
 
 def test_a_choice_ends_when_things_of_its_kind_come_or_go() -> None:
     two = team(fires=[(600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])
     hand = held(two, Tool.EDIT)
     hand.hand.click(PAGE, floats([900.0, 350.0]))
-    hand.view.keep_choice(layout_of(two))
-    assert hand.view.selected == Place(EntityKind.FIRE, 1)
-    hand.view.keep_choice(layout_of(team(fires=[(100.0, 350.0, 30.0), (600.0, 350.0, 30.0), (900.0, 350.0, 30.0)])))
+    hand.view.keep_choice(two.layout)
+    assert hand.view.selected == EntityRef(EntityKind.FIRE, 1)
+    hand.view.keep_choice(team(fires=[(100.0, 350.0, 30.0), (600.0, 350.0, 30.0), (900.0, 350.0, 30.0)]).layout)
     assert hand.view.selected is None
 
 
@@ -297,8 +296,8 @@ def test_a_link_that_ends_at_no_robot_is_none() -> None:
 
 def test_the_middle_of_a_small_thing_moves_it_though_its_square_is_within_reach() -> None:
     setup = team(fires=[(600.0, 350.0, 8.0)])
-    layout, motion = layout_of(setup), setup.start.motion
-    chosen = Place(EntityKind.FIRE, 0)
+    layout, motion = setup.layout, setup.start.motion
+    chosen = EntityRef(EntityKind.FIRE, 0)
     for x, handle in ((600.0, ""), (603.0, ""), (606.0, "radius"), (608.0, "radius")):
         drag = gripped(floats([x, 350.0]), chosen, layout, motion, 10.0, 1.0)
         assert drag is not None

@@ -189,7 +189,7 @@ def test_an_obstacle_is_drawn_freehand_and_a_link_from_robot_to_robot(page: Page
     take(page, "outline")
     turn = np.linspace(0, 6.6, 80)  # beyond a full turn: the ends cross
     drag(page, np.stack([1000 + 80 * np.cos(turn), 150 + 50 * np.sin(turn)], axis=1))
-    wait_until(lambda: len(running.session.setup.polygons) == 1)
+    wait_until(lambda: len(running.session.setup.layout.obstacles.polygons) == 1)
     take(page, "link")
     first, second = running.state.motion.position[:2]
     drag(page, np.linspace(first, second, 12))
@@ -286,8 +286,8 @@ def test_obstacles_are_made_of_an_overhead_image(page: Page, running: Running, t
     choose(page, "Overhead image", file)
     wait_until(lambda: running.console._view.background)  # pyright: ignore[reportPrivateUsage]
     press(page, "Dark")
-    wait_until(lambda: len(running.session.setup.polygons) == 1)
-    low, high = (bound(running.session.setup.polygons[0], axis=0) for bound in (np.min, np.max))
+    wait_until(lambda: len(running.session.setup.layout.obstacles.polygons) == 1)
+    low, high = (bound(running.session.setup.layout.obstacles.polygons[0], axis=0) for bound in (np.min, np.max))
     assert low == pytest.approx([900, 500], abs=8.0)
     assert high == pytest.approx([1100, 620], abs=8.0)
     wait_until(lambda: visible(page, "/ground/image"))

@@ -13,9 +13,9 @@ from higvf_console.analysis.baseline import Baseline
 from higvf_console.analysis.preview import Future, Preview
 from higvf_console.control.guidance.paths import sketch_path
 from higvf_console.core.arrays import floats
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState
 from higvf_console.core.state import PathStatus, SimState
-from higvf_console.sim.setup import Event, Severity
 from higvf_console.sim.simulation import advance
 from higvf_console.ui.panels.fires import MOST_SAMPLES, LossHistory, summary_html, table_html
 from higvf_console.ui.panels.log import MOST_AT_ONCE, MOST_SHOWN, Notifications, log_html, newer

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from higvf_console.core.commands import AskReset, EmergencyStop, Freeze, Pick, ResetEmergencyStop, ResetRun, SetSpeed
-from higvf_console.sim.setup import Severity
+from higvf_console.core.events import Severity
 from higvf_console.ui.panels.log import STAY_S
 from higvf_console.ui.scene.scene import View
 from higvf_console.ui.theme import DARK, LIGHT, TEXT_SIZES, THEMES, USUAL_LOOK, hex_rgb

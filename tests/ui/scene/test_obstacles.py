@@ -9,7 +9,6 @@ from playwright.sync_api import Page
 
 from higvf_console.control.guidance.boundaries import ALONE, boundary_at, find_boundaries
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.sim.setup import Setup
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.glyphs import Triangles
 from higvf_console.ui.scene.ground import Ground, obstacle_bodies, obstacle_outlines, obstacle_surfaces
@@ -17,6 +16,7 @@ from higvf_console.ui.scene.parts import Canvas
 from higvf_console.ui.theme import DARK, dress, hex_rgb
 from higvf_console.world.build import edge_bars
 from higvf_console.world.polygons import signed_area, signed_distance
+from higvf_console.world.setup import Setup
 from tests.browser import ARENA, open_stage, screenshot, to_page
 from tests.teams import team
 

@@ -31,10 +31,9 @@ from higvf_console.core.edits import (
     SetParameters,
     ToggleLink,
 )
+from higvf_console.core.events import Event
 from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import parse_scenario
-from higvf_console.sim.setup import Event
-from higvf_console.world.editing.layout import layout_of
 from higvf_console.world.placement import obstacle_gaps, wall_gaps
 
 SCENE = """
@@ -63,7 +62,7 @@ HAIR = 2e-6  # [m]
 
 POINTS = st.tuples(st.floats(30.0, 1170.0), st.floats(30.0, 670.0))
 PLACES = st.one_of(POINTS, st.tuples(st.floats(600.0, 770.0), st.floats(260.0, 390.0))).map(floats)
-THINGS = st.sampled_from(["robot", "fire", "circle", "bar", "polygon"])
+KINDS = st.sampled_from(["robot", "fire", "circle", "bar", "polygon"])
 NUMBERS = st.sampled_from(["x", "y", "heading", "radius", "growth", "needs", "length", "half width", "angle", "size"])
 VALUES = st.one_of(st.floats(0.1, 5.0), st.floats(5.0, 700.0), st.sampled_from([1.0, 2.0, 3.0, 4.0]))
 ROBOTS, ROWS = st.integers(0, 4), st.integers(0, 2)
@@ -78,11 +77,11 @@ PARAMETERS = st.one_of(
     st.floats(0.1, 30.0).map(lambda rate: {"formation.formation_rate": rate}),
 )
 EDITS = st.one_of(
-    st.builds(AddEntity, thing=THINGS, point=PLACES),
+    st.builds(AddEntity, kind=KINDS, point=PLACES),
     st.builds(AddOutlines, outlines=st.tuples(OUTLINES)),
-    st.builds(MoveEntity, thing=THINGS, index=ROWS, point=PLACES),
-    st.builds(ChangeEntity, thing=THINGS, index=ROWS, name=NUMBERS, value=VALUES),
-    st.builds(DeleteEntity, thing=THINGS, index=ROWS),
+    st.builds(MoveEntity, kind=KINDS, index=ROWS, point=PLACES),
+    st.builds(ChangeEntity, kind=KINDS, index=ROWS, name=NUMBERS, value=VALUES),
+    st.builds(DeleteEntity, kind=KINDS, index=ROWS),
     st.builds(ToggleLink, first=ROBOTS, second=ROBOTS),
     st.builds(LinkByRange),
     st.builds(
@@ -136,7 +135,7 @@ def refused(events: tuple[Event, ...]) -> bool:
 
 def shortfalls(run: Run) -> Floats:
     """(N,) by how much each robot's controlled point misses a clearance [m], negative where none is missed."""
-    layout, motion = layout_of(run.setup), run.state.motion
+    layout, motion = run.setup.layout, run.state.motion
     position, safety, robots = motion.position, layout.params.safety, layout.params.robots
     margin = robots.look_ahead + robots.position_noise
     gaps = [gap for _, gap in obstacle_gaps(position, layout.obstacles)]

@@ -5,13 +5,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from higvf_console.core.arrays import floats
-from higvf_console.world.editing.layout import layout_of
 from higvf_console.world.editing.room import obstacle_room
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.placement import obstacle_gaps
 from tests.world.editing.actions import edited_run
 
-OBSTACLES = layout_of(edited_run().setup).obstacles
+OBSTACLES = edited_run().setup.layout.obstacles
 
 
 @given(points=st.lists(st.tuples(st.floats(0.0, 1200.0), st.floats(0.0, 700.0)), min_size=1, max_size=20))

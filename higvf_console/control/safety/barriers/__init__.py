@@ -1,1 +1,1 @@
-"""Safety barriers: each module turns one kind of danger into rows a.v <= b on a robot's velocity."""
+"""Safety barriers: each module makes the linear constraint a.v <= b of one kind of hazard."""

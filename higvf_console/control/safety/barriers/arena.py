@@ -9,7 +9,7 @@ from higvf_console.control.safety.barriers.linear_constraint import class_k
 def wall_constraint(
     x: float, y: float, normal_x: float, normal_y: float, offset: float, safety: SafetyParameters
 ) -> tuple[float, float, float]:
-    """The row of a wall: -n.v <= beta R_o k(h), h = (n.p - w)/R_o - 1.
+    """The constraint of a wall: -n.v <= beta R_o k(h), h = (n.p - w)/R_o - 1.
 
     Args:
         x: the robot [m].
@@ -20,9 +20,8 @@ def wall_constraint(
         safety: clearance and rate.
 
     Returns:
-        ax, ay, b of the unit row a.v <= b.
+        ax, ay, b of a.v <= b with a unit vector a.
     """
     clearance = safety.obstacle_clearance
     h = (normal_x * x + normal_y * y - offset) / clearance - 1.0
-    b = safety.obstacle_gain * clearance * class_k(h)
-    return -normal_x, -normal_y, max(b, -safety.speed_limit)
+    return -normal_x, -normal_y, safety.obstacle_gain * clearance * class_k(h)

@@ -1,8 +1,8 @@
 """When the barriers hold in discrete time: the sampling condition, the culling distances and the least stand-off.
 
-A row only speaks for the instant. Over a control period it gives h_next >= h (1 - dt rate h^2), which keeps h >= 0 as
-long as `dt rate h^2 <= 1` wherever the robot could reach h = 0 in one period, that is below h_near = ((R + s dt)/R)^2
-- 1 at the closing speed s. The smaller the clearance R, the stricter.
+A constraint only speaks for the instant. Over a control period it gives h_next >= h (1 - dt rate h^2), which keeps h >=
+0 as long as `dt rate h^2 <= 1` wherever the robot could reach h = 0 in one period, that is below h_near = ((R + s
+dt)/R)^2 - 1 at the closing speed s. The smaller the clearance R, the stricter.
 """
 
 import math
@@ -11,25 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.control.parameters import SafetyParameters
-from higvf_console.control.safety.barriers.fire import fire_activation_distance
-from higvf_console.control.safety.barriers.obstacle import obstacle_activation_distance
-from higvf_console.control.safety.barriers.robot_pair import sensing_radius
+from higvf_console.control.safety.hazards import AX, AY, BX, BY, FIRE, GROWTH, KIND, RADIUS, VX, VY, WALL
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import FilterError
-from higvf_console.core.state import World
-
-__all__ = [
-    "SAMPLING_LIMIT",
-    "SamplingCondition",
-    "check_sampling",
-    "fire_activation_distance",
-    "least_stand_off",
-    "obstacle_activation_distance",
-    "sampling_conditions",
-    "sensing_radius",
-]
 
 SAMPLING_LIMIT = 1.0
+_KINDS = ("circle", "bar", "fire", "wall")
 
 
 class SamplingCondition(NamedTuple):
@@ -53,35 +40,36 @@ class SamplingCondition(NamedTuple):
         return self.value <= SAMPLING_LIMIT
 
 
-def sampling_conditions(world: World, fire_radius: Floats, safety: SafetyParameters) -> tuple[SamplingCondition, ...]:
-    """The sampling condition of every kind of barrier that the world has, robot pairs first.
+def sampling_conditions(hazards: Floats, safety: SafetyParameters) -> tuple[SamplingCondition, ...]:
+    """The sampling condition of every kind of barrier, robot pairs first.
 
     Args:
-        world: circles, bars, walls and the growth of the fires.
-        fire_radius: (M,) smallest radius of each fire, that at the start [m].
+        hazards: (H, 9) see `control.safety.hazards`; of each kind the smallest and the fastest counts.
         safety: clearances, rates, speed limit and control period.
     """
     limit, margin, rate = safety.speed_limit, safety.obstacle_clearance, safety.obstacle_gain
     found = [_round("pair", safety.robot_clearance, 2.0 * limit, safety.pair_gain, safety.control_period)]
-    for kind, radii in (("circle", world.circles[:, 2]), ("bar", world.bars[:, 4])):
-        if radii.size:
-            found.append(_round(kind, margin + float(radii.min()), limit, rate, safety.control_period))
-    if fire_radius.size:
-        closing = limit + float(np.abs(world.fire_growth).max())
-        found.append(_round("fire", margin + float(fire_radius.min()), closing, rate, safety.control_period))
-    if world.walls.size:
-        h_near = limit * safety.control_period / margin
-        found.append(SamplingCondition("wall", margin, limit, safety.control_period * rate * h_near**2))
+    kinds = np.array([_kind(hazard) for hazard in hazards])
+    for kind in _KINDS:
+        of_kind = hazards[kinds == kind]
+        if not len(of_kind):
+            continue
+        if kind == "wall":
+            h_near = limit * safety.control_period / margin
+            found.append(SamplingCondition("wall", margin, limit, safety.control_period * rate * h_near**2))
+        else:
+            closing = limit + float((np.abs(of_kind[:, GROWTH]) + np.hypot(of_kind[:, VX], of_kind[:, VY])).max())
+            found.append(_round(kind, margin + float(of_kind[:, RADIUS].min()), closing, rate, safety.control_period))
     return tuple(found)
 
 
-def check_sampling(world: World, fire_radius: Floats, safety: SafetyParameters) -> None:
-    """Refuses a world in which the barriers do not hold in discrete time.
+def check_sampling(hazards: Floats, safety: SafetyParameters) -> None:
+    """Refuses hazards of which the barriers do not hold in discrete time.
 
     Raises:
         FilterError: a kind of barrier misses the sampling condition; the message gives the numbers and what to change.
     """
-    for condition in sampling_conditions(world, fire_radius, safety):
+    for condition in sampling_conditions(hazards, safety):
         if not condition.met:
             raise FilterError(
                 f"{condition.kind} barriers do not hold between two control steps: dt * rate * h_near^2 ="
@@ -93,7 +81,7 @@ def check_sampling(world: World, fire_radius: Floats, safety: SafetyParameters) 
 
 
 def least_stand_off(fire_radius: float, growth: float, safety: SafetyParameters) -> float:
-    """Smallest stand-off [m] at which a robot can hold at a fire: the row of the growing fire pushes it that far.
+    """Smallest stand-off [m] at which a robot can hold at a fire: its growing barrier pushes it that far.
 
     R_o + R_k (sqrt(1 + (2 R'/(beta R_k))^(1/3)) - 1), R_k = radius + R_o
 
@@ -105,6 +93,14 @@ def least_stand_off(fire_radius: float, growth: float, safety: SafetyParameters)
     clearance = fire_radius + safety.obstacle_clearance
     h = (2.0 * growth / (safety.obstacle_gain * clearance)) ** (1.0 / 3.0)
     return safety.obstacle_clearance + clearance * (math.sqrt(1.0 + h) - 1.0)
+
+
+def _kind(hazard: Floats) -> str:
+    if hazard[KIND] == WALL:
+        return "wall"
+    if hazard[KIND] == FIRE:
+        return "fire"
+    return "circle" if hazard[AX] == hazard[BX] and hazard[AY] == hazard[BY] else "bar"
 
 
 def _round(kind: str, clearance: float, closing: float, rate: float, period: float) -> SamplingCondition:

@@ -1,4 +1,4 @@
-"""No robot is ever faster than v_max: a disc, the one limit on velocity that is not a row."""
+"""No robot is ever faster than v_max: a disc, the one limit on velocity that is not linear."""
 
 import math
 

@@ -1,1 +1,1 @@
-"""The cases: each file runs a few of them and compares them with what the paper says."""
+"""The cases of the paper; each module runs some of them and compares the results with the paper."""

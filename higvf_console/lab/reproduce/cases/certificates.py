@@ -9,7 +9,7 @@ from higvf_console.lab.reproduce.runs import Run, Runs
 
 
 def run_certificates(runs: Runs) -> Findings:
-    """Looks at all runs of the other cases."""
+    """Evaluates the certificates of all runs of the other cases."""
     made = [runs.get(spec) for spec in (*circles.specs(), *firefighting.SPECS.values(), *physical.SPECS)]
     found = [certificates_of(run) for run in made]
     measured = [_worst(kind, [certificates[kind] for certificates in found]) for kind in found[0]]
@@ -18,10 +18,10 @@ def run_certificates(runs: Runs) -> Findings:
         (
             *measured,
             within(
-                "Smallest lambda_2 at any moment", unlinked, "", 1e-6, math.inf, "above 0: the team stays connected"
+                "Minimum of lambda_2 over all runs", unlinked, "", 1e-6, math.inf, "above 0: the team stays connected"
             ),
             Measurement(
-                "Control periods in which a robot could not meet all rows",
+                "Control periods with an infeasible robot (constraints without a solution)",
                 sum(run.report["infeasible_ticks"] for run in made),
                 "",
                 "0",
@@ -32,13 +32,14 @@ def run_certificates(runs: Runs) -> Findings:
         tables=(_table(made, found),),
         notes=(
             "The bound on |v_s| does not depend on the number of robots; Theorem 1 of the paper is looser.",
-            "The corrected intention update is semi-implicit and always stable; the printed one is in the case forms.",
+            "The corrected intention update is semi-implicit and unconditionally stable; the case `forms` tests the"
+            " printed one.",
         ),
     )
 
 
 def certificates_of(run: Run) -> dict[str, dict[str, Any]]:
-    """The certificates that the session kept, each at its worst, by the name of the condition without its details."""
+    """The worst value of each certificate of a run, by the name of the condition without its details."""
     return {entry["name"].partition(" (")[0]: entry for entry in run.report["certificates"]}
 
 
@@ -48,25 +49,25 @@ def _worst(kind: str, entries: list[dict[str, Any]]) -> Measurement:
     value = (min if first["least"] else max)(values, default=math.inf)
     limit = f"at {'least' if first['least'] else 'most'} {first['limit']:g}"
     return Measurement(
-        f"{kind}: {first['symbol']}, the worst of all runs", value, "", limit, all(entry["met"] for entry in entries)
+        f"{kind}: {first['symbol']}, worst value of all runs", value, "", limit, all(entry["met"] for entry in entries)
     )
 
 
 def _table(runs: list[Run], found: list[dict[str, dict[str, Any]]]) -> Table:
-    head = ("run", *[f"{kind}: {entry['symbol']}" for kind, entry in found[0].items()], "clearance [m]")
+    head = ("run", *[f"{kind}: {entry['symbol']}" for kind, entry in found[0].items()], "clearance margin [m]")
     rows = tuple(
         (
             str(run.spec).removeprefix("higvf run ").replace(" --headless", ""),
             *[_number(entry["value"]) for entry in certificates.values()],
-            _number(run.report["min_clearance_m"]),
+            _number(run.report["min_clearance_margin_m"]),
         )
         for run, certificates in zip(runs, found, strict=True)
     )
-    return Table("Each run", head, rows)
+    return Table("Certificates of each run", head, rows)
 
 
 def _number(value: float | None) -> str:
-    return "nothing near" if value is None else f"{value:.3g}"
+    return "no hazard near" if value is None else f"{value:.3g}"
 
 
 CASES = (
@@ -74,7 +75,7 @@ CASES = (
         "certificates",
         "Certificates",
         "Appendices A and B, and section V: stability, bounds, invariance.",
-        "Conditions of the parameters, and every control period of every run of the other cases.",
+        "Conditions on the parameters, and on every control period of every run of the other cases.",
         run_certificates,
     ),
 )

@@ -1,4 +1,4 @@
-"""Following a circle: from inside, from outside, with a change of the influenced robot, past obstacles."""
+"""Following a circle: from inside, from outside, with a changed influenced robot, and past obstacles."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -15,8 +15,8 @@ from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, map_figure, ne
 from higvf_console.lab.reproduce.figures.charts import over_time
 from higvf_console.lab.reproduce.runs import Run, Runs, RunSpec
 
-BAND = 5.0  # a robot this close to the path is on it [m]
-FORMATION_SHARE = 0.25  # of the mean distance, by which the distances may be off (root mean square)
+BAND = 5.0  # distance within which a robot is on the path [m]
+FORMATION_SHARE = 0.25  # largest RMS error of the formation distances, as a share of their mean
 INSIDE = RunSpec("circle-inside-corrected")
 OUTSIDE = (RunSpec("circle-outside-corrected"), RunSpec("circle-outside"), RunSpec("circle-inside"))
 CHANGE = RunSpec("circle-inside-corrected", "change-robot")
@@ -30,13 +30,13 @@ def specs() -> tuple[RunSpec, ...]:
 
 
 def run_inside(runs: Runs) -> Findings:
-    """From inside: the corrected centre, for which the text's "inside" is true."""
+    """From inside: the corrected centre, for which the starts do lie inside."""
     run = runs.get(INSIDE)
     return Findings(_following(run), (_picture(run, "circle-inside", "from inside"),), (run,))
 
 
 def run_outside(runs: Runs) -> Findings:
-    """From outside: the corrected centre, and the published one with both starts."""
+    """From outside: the corrected centre, and the published centre with both starts."""
     made = [runs.get(spec) for spec in OUTSIDE]
     names = ("corrected centre", "published centre, second start", "published centre, first start")
     measured = [
@@ -50,30 +50,30 @@ def run_outside(runs: Runs) -> Findings:
         ),
         tuple(made),
         notes=(
-            "The published centre (250, 300) contains none of the six starts, though the text says that three are"
-            " inside: both centres are run.",
+            "The circle about the published centre (250, 300) contains none of the six start positions, although the"
+            " paper places three of them inside. Both centres are run.",
         ),
     )
 
 
 def run_change(runs: Runs) -> Findings:
-    """The influenced robot is changed twice on the way."""
+    """Changes the influenced robot twice during the run."""
     run = runs.get(CHANGE)
     changes = np.flatnonzero(np.diff(run.influenced)) + 1
     path, error = run.paths[0].path, measures.path_distance(run.paths[0].path, measures.leader_track(run))
     ends = [*changes[1:].tolist(), len(run.time)]
-    measured = [Measurement("Changes of the influenced robot", len(changes), "", "twice on the way", len(changes) == 2)]
+    measured = [Measurement("Changes of the influenced robot", len(changes), "", "2", len(changes) == 2)]
     for change, end in zip(changes.tolist(), ends, strict=True):
         took = measures.settled_at(run.time[change:end], error[change:end], BAND) - float(run.time[change])
         robot = int(run.influenced[change]) + 1
         measured.append(
             within(
-                f"Time until robot {robot} is within {BAND:g} m of the path to stay",
+                f"Time until robot {robot} stays within {BAND:g} m of the path",
                 took,
                 "s",
                 0.0,
                 10.0,
-                "quickly: the whole team responds",
+                "short: the whole team responds",
             )
         )
     measured += [
@@ -83,7 +83,7 @@ def run_change(runs: Runs) -> Findings:
             "",
             2.0,
             math.inf,
-            "it keeps following",
+            "the team keeps following the path",
         ),
         _formation_measure(run),
         _clearance_measure(run),
@@ -94,13 +94,13 @@ def run_change(runs: Runs) -> Findings:
         (
             Picture(
                 "circle-change",
-                "The influenced robot is changed twice (paper, Fig. 9b); larger marks show where.",
+                "The influenced robot is changed twice (paper, Fig. 9b), at the diamond marks.",
                 lambda: _draw_change(run, switched),
             ),
             Picture(
                 "circle-change-error",
-                "Each robot's distance from the path; the influenced one in full colour. The"
-                " picked robot comes onto the path and the team shifts with it.",
+                "Distance of each robot from the path; the influenced robot in full colour. The picked"
+                " robot moves onto the path, and the team moves with it.",
                 lambda: _draw_errors(run, switched),
             ),
         ),
@@ -109,12 +109,12 @@ def run_change(runs: Runs) -> Findings:
 
 
 def run_obstacles(runs: Runs) -> Findings:
-    """Two circles and a bar stand on the circle."""
+    """Past two circles and a bar on the path."""
     return _past_obstacles(runs.get(OBSTACLES), "circle-obstacles")
 
 
 def run_irregular(runs: Runs) -> Findings:
-    """Irregular obstacles stand on the circle."""
+    """Past irregular obstacles on the path."""
     return _past_obstacles(runs.get(IRREGULAR), "circle-irregular")
 
 
@@ -134,23 +134,23 @@ def _past_obstacles(run: Run, name: str) -> Findings:
                 "",
                 2.0,
                 math.inf,
-                "the team goes on round",
+                "the team keeps circling",
             ),
             Measurement(
-                "Times the influenced robot left the path by more than 5 m, and came back",
+                "Excursions of the influenced robot from the path by more than 5 m",
                 len(away),
                 "",
-                "temporarily deviates, then returns",
+                "at least one, followed by a return",
                 bool(away) and bool(error[arrived:].min() < BAND),
             ),
-            within("The longest of them", float(longest), "s", 0.0, half_lap, "temporarily: less than half a lap"),
+            within("Longest excursion", float(longest), "s", 0.0, half_lap, "temporary: less than half a lap"),
             within(
-                "Share of the time on the path, once there",
+                "Share of the time on the path after reaching it",
                 float((error[arrived:] <= BAND).mean()),
                 "",
                 0.5,
                 1.0,
-                "most of the way",
+                "more than half",
             ),
             _deadlock_measure(run),
         ),
@@ -158,37 +158,37 @@ def _past_obstacles(run: Run, name: str) -> Findings:
             _picture(run, name, "past obstacles"),
             Picture(
                 f"{name}-error",
-                "Distance of the influenced robot from the path: off it at each obstacle, back behind it.",
+                "Distance of the influenced robot from the path: it leaves the path at each obstacle and returns.",
                 lambda: _draw_errors(run, []),
             ),
         ),
         (run,),
-        notes=("The paper does not say where its obstacles are; these are the project's own.",),
+        notes=("The paper does not give the positions of its obstacles; these are the project's own.",),
     )
 
 
 def _following(run: Run) -> tuple[Measurement, ...]:
-    """What following a circle means in numbers: arrives, stays, goes round, keeps formation and clearance."""
+    """Measures of following a circle: arrival, distance, laps, formation, clearance."""
     path = run.paths[0].path
     error = measures.path_distance(path, measures.leader_track(run))
     settled = measures.settled_at(run.time, error, BAND)
     stays = error[run.time >= settled + 5.0]
     return (
         within(
-            f"Time until the influenced robot is within {BAND:g} m of the path to stay",
+            f"Time until the influenced robot stays within {BAND:g} m of the path",
             settled,
             "s",
             0.0,
             40.0,
-            "it reaches the path",
+            "the robot reaches the path",
         ),
         within(
-            "Its largest distance from the path from 5 s later on",
+            "Its largest distance from the path, from 5 s later",
             float(stays.max()) if len(stays) else math.inf,
             "m",
             0.0,
             BAND,
-            "it follows the path",
+            "the robot follows the path",
         ),
         within(
             "Laps of the team's centre",
@@ -196,7 +196,7 @@ def _following(run: Run) -> tuple[Measurement, ...]:
             "",
             1.0,
             math.inf,
-            "along the path's direction",
+            "at least one, in the direction of the path",
         ),
         _formation_measure(run),
         _clearance_measure(run),
@@ -207,7 +207,7 @@ def _formation_measure(run: Run) -> Measurement:
     later = measures.formation_error(run)[run.time >= run.time[-1] / 2]
     share = float(np.sqrt(np.mean(later**2))) / measures.formation_size(run)
     return within(
-        "Formation: error of the distances, second half, as a share of their mean (root mean square)",
+        "RMS error of the formation distances in the second half, as a share of their mean",
         share,
         "",
         0.0,
@@ -217,7 +217,7 @@ def _formation_measure(run: Run) -> Measurement:
 
 
 def _clearance_measure(run: Run) -> Measurement:
-    return within("Smallest clearance", measures.smallest_clearance(run), "m", 0.0, math.inf, "never negative")
+    return within("Minimum clearance", measures.smallest_clearance(run), "m", 0.0, math.inf, "never negative")
 
 
 def _deadlock_measure(run: Run) -> Measurement:
@@ -225,19 +225,19 @@ def _deadlock_measure(run: Run) -> Measurement:
 
 
 def _picture(run: Run, name: str, words: str) -> Picture:
-    caption = f"Tracks {words} (paper, Fig. 9). Open marks: start; filled marks: end; thin lines: links at the instants"
-    return Picture(name, f"{caption} that the times name.", lambda: draw_following(run))
+    caption = f"Tracks {words} (paper, Fig. 9). Open marks: start; filled marks: end; thin lines: links at the"
+    return Picture(name, f"{caption} times shown.", lambda: draw_following(run))
 
 
 def draw_following(
     run: Run, times: Sequence[float] | None = None, also: Callable[[Axes], None] | None = None
 ) -> Figure:
-    """The map of a run with desired paths, tracks and the formation at a few instants.
+    """Draws the map of a run with desired paths, tracks and the formation at some times.
 
     Args:
-        run: what to draw.
-        times: of the instants [s]; None = round ones of the first lap.
-        also: draws more on the axes.
+        run: run to draw.
+        times: times of the formations [s]; None = round times of the first lap.
+        also: draws further elements on the axes.
     """
     figure, axes = map_figure(maps.frame_of(run))
     for given in run.paths:
@@ -257,7 +257,7 @@ def draw_following(
 def _draw_change(run: Run, switched: Sequence[float]) -> Figure:
     def mark(axes: Axes) -> None:
         for time in switched:
-            k = run.moment(time)
+            k = run.index_at(time)
             robot = int(run.influenced[k])
             axes.plot(
                 *run.position[k, robot], "D", color=robot_ink(robot), markeredgecolor="white", markersize=7.5, zorder=9
@@ -291,7 +291,7 @@ CASES = (
     Case(
         "circle-inside",
         "Following a circle from inside",
-        f"{_PAPER}(a): the influenced robot follows the circle, the others keep moving in formation.",
+        f"{_PAPER}(a): the influenced robot follows the circle; the others keep the formation.",
         "Scenario circle-inside-corrected, 90 s.",
         run_inside,
     ),
@@ -305,8 +305,8 @@ CASES = (
     Case(
         "circle-change",
         "Changing the influenced robot",
-        f"{_PAPER}(b): any robot can be picked, and the team keeps following.",
-        "Scenario circle-inside-corrected with the script change-robot: two picks on the way.",
+        f"{_PAPER}(b): the operator can pick any robot, and the team keeps following the path.",
+        "Scenario circle-inside-corrected with the script change-robot: two picks during the run.",
         run_change,
     ),
     Case(

@@ -1,4 +1,4 @@
-"""The composite vector field: path field and obstacle field, each faded by its bump, and their sum."""
+"""The composite vector field: path field and circulating field, weighted by the bumps, and their sum."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,13 +9,13 @@ from higvf_console.control.guidance.field import FieldKind, field_at
 from higvf_console.control.guidance.obstacles import part_at
 from higvf_console.core.arrays import Bools, Floats, floats, ints
 from higvf_console.lab.reproduce.case import Case, Findings, Picture, within
-from higvf_console.lab.reproduce.cases.fields import WIDE, draw_rings
+from higvf_console.lab.reproduce.cases.fields import WIDE, draw_obstacle_boundaries
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, dress_map, new_figure
 from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.maps import draw_obstacles, draw_path
 from higvf_console.lab.reproduce.runs import Runs
 from higvf_console.scenario.scenario import parse_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
 _CROSSED = f"""
 version: 1
@@ -28,7 +28,7 @@ parameters: {{{WIDE}}}
 
 
 class _Panels:
-    """The five fields of Fig. 6 on one grid, each a row a point (G, 2), unit vectors at most."""
+    """The five fields of Fig. 6 on one grid, each (G, 2), with vectors of at most unit length."""
 
     def __init__(self, setup: Setup, columns: int) -> None:
         state, world, params = setup.start, setup.world, setup.params
@@ -42,16 +42,16 @@ class _Panels:
             [zero_in(float(np.hypot(*p)), float(circle[2]), params.boundaries, params.forms) for p in away]
         )
         normal = np.array([part_at(0, x, y, world)[1:] for x, y in self.points.tolist()])
-        self.around = floats(np.stack([normal[:, 1], -normal[:, 0]], axis=1))  # side E n, clockwise
-        side = ints([[-1]])
+        self.around = floats(np.stack([normal[:, 1], -normal[:, 0]], axis=1))  # -E n: clockwise
+        clockwise = ints([[-1]])
         self.outside = np.hypot(*away.T) > circle[2]
         self.sum = self.bump[:, None] * self.path + (1.0 - self.bump)[:, None] * self.around
-        agreed = state._replace(motion=state.motion._replace(side=side))
+        agreed = state._replace(motion=state.motion._replace(circulation=clockwise))
         self.engine = field_at(FieldKind.COMPOSITE, self.points, agreed, world, params) / speed
 
 
 def run_composite(_: Runs) -> Findings:
-    """The five panels of Fig. 6, and the field that the engine makes of them."""
+    """Compares the composite field of the engine with the five panels of Fig. 6."""
     setup = parse_scenario(_CROSSED, "composite").setup()
     panels = _Panels(setup, 30)
     outside = panels.bump == 1.0
@@ -59,41 +59,42 @@ def run_composite(_: Runs) -> Findings:
     return Findings(
         (
             within(
-                "Outside R: largest difference between composite and path field",
+                "Largest difference between composite and path field outside R",
                 float(apart[outside].max()),
                 "",
                 0.0,
                 1e-9,
-                "0: outside R only the path counts",
+                "0: only the path field acts outside R",
             ),
             within(
-                "Inside Q: largest share of the path field",
+                "Largest share of the path field inside Q",
                 float(panels.bump[_inside_q(panels, setup)].max()),
                 "",
                 0.0,
                 0.0,
-                "0: inside Q only the obstacle counts",
+                "0: only the circulating field acts inside Q",
             ),
             within("Length of the circulating field", float(np.hypot(*panels.around.T).mean()), "", 0.999, 1.001, "1"),
         ),
         (
             Picture(
                 "composite",
-                "How the composite field is made (paper, Fig. 6). Colours as in the paper: red outside"
+                "Composition of the vector field (paper, Fig. 6). Colours as in the paper: red outside"
                 " R, green inside Q, blue between.",
                 lambda: _draw_composite(setup),
             ),
             Picture(
                 "composite-engine",
-                "The field that robots feel: obstacles turn only what heads into them, so a"
-                " robot behind the obstacle is not pulled round it again.",
+                "The field of the engine: an obstacle turns only robots that head towards it, so that a"
+                " robot beyond the obstacle is not led round it again.",
                 lambda: _draw_engine(setup),
             ),
         ),
         notes=(
-            "The engine applies the composite step once, to the blended velocity of each robot, and only to what heads"
-            " into a ring; the first five panels are the printed sum, the last one is the engine's. X_R here circulates"
-            " at right angles to the surface's normal; to keep the team out of Q is the safety filter's task.",
+            "The first five panels show the printed sum; the last figure shows the engine. The engine applies the"
+            " composite step once, to the blended velocity of each robot, and only to robots that head inward inside a"
+            " reactive boundary. Here X_R is orthogonal to the surface normal; the safety filter keeps the team clear"
+            " of obstacles.",
         ),
     )
 
@@ -114,13 +115,13 @@ def _draw_composite(setup: Setup) -> Figure:
     ]
     shown: list[tuple[tuple[int, slice], str, Floats, str | list[str]]] = [
         ((0, slice(0, 2)), r"(a) $\hat{X}_P$: the desired path", panels.path, INK.fire),
-        ((0, slice(2, 4)), r"(b) $\hat{X}_R$: round the obstacle", panels.around, INK.reactive),
+        ((0, slice(2, 4)), r"(b) $\hat{X}_R$: circulation", panels.around, INK.reactive),
         ((1, slice(0, 2)), r"(c) $S\,\hat{X}_P$: zero-in", panels.bump[:, None] * panels.path, INK.fire),
         ((1, slice(2, 4)), r"(d) $Z\,\hat{X}_R$: zero-out", zero_out * panels.around, INK.reactive),
         ((2, slice(1, 3)), r"(e) $S\,\hat{X}_P + Z\,\hat{X}_R$: composite", panels.sum, zone),
     ]
-    for (row, columns), title, field, ink in shown:
-        axes = figure.add_subplot(grid[row, columns])
+    for (line, columns), title, field, ink in shown:
+        axes = figure.add_subplot(grid[line, columns])
         _dress_panel(axes, setup, title)
         inked = ink if isinstance(ink, str) else [c for c, out in zip(ink, panels.outside, strict=True) if out]
         draw_arrows(axes, panels.points[panels.outside], field[panels.outside], panels.cell, inked)
@@ -141,15 +142,15 @@ def _dress_panel(axes: Axes, setup: Setup, title: str) -> None:
     axes.set_title(title)
     draw_path(axes, setup.start.intent.path)
     draw_obstacles(axes, setup.world)
-    draw_rings(axes, setup.world, setup.params)
+    draw_obstacle_boundaries(axes, setup.world, setup.params)
 
 
 CASES = (
     Case(
         "composite",
         "The composite vector field",
-        "Fig. 6: path field and boundary field, blended by the bumps.",
-        "The engine's path field, circulation and bump on a grid, multiplied and added as the panels say.",
+        "Fig. 6: path field and boundary field, weighted by the bumps.",
+        "Path field, circulation and bump of the engine on a grid, multiplied and added as in the panels.",
         run_composite,
     ),
 )

@@ -1,4 +1,4 @@
-"""The vector fields on paper: guiding field, bump functions, boundaries. Nothing moves here."""
+"""Vector fields without simulation: guiding field, bump functions, boundaries."""
 
 import math
 
@@ -20,13 +20,13 @@ from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.maps import boundary, capsule, draw_obstacles, draw_path
 from higvf_console.lab.reproduce.runs import Runs
 from higvf_console.scenario.scenario import parse_scenario
-from higvf_console.sim.setup import Setup
+from higvf_console.world.setup import Setup
 
-GAINS = Parameters()
+PARAMETERS = Parameters()
 CORRECTED, PIXELS = Forms(), Forms(bump=PRINTED)
 ARENA = Arena(-200.0, -200.0, 200.0, 200.0)
 CIRCLE = circle_path(0.0, 0.0, 120.0)
-RING_RADIUS = 20.0  # of the obstacle of the bump functions [m]
+OBSTACLE_RADIUS = 20.0  # of the obstacle of the bump functions [m]
 WIDE = "boundaries: {reactive_margin: 45, repulsive_margin: 14}"
 _BOUNDED = f"""
 version: 1
@@ -41,17 +41,17 @@ parameters: {{{WIDE}}}
 
 
 def run_gvf(_: Runs) -> Findings:
-    """The guiding vector field of a circle, and where following it leads."""
+    """Evaluates the guiding vector field of a circle and integrates its field lines."""
     radii = np.array([15.0, 60.0, 119.0, 180.0, 250.0])
     ends = [_end_radius(float(radius)) for radius in radii]
-    on_path = guiding_vector(CIRCLE, 0.0, EVERYWHERE, 120.0, 0.0, GAINS.path)
-    at_centre = guiding_vector(CIRCLE, 0.0, EVERYWHERE, 0.0, 0.0, GAINS.path)
-    capture = guiding_vector(CIRCLE, 0.0, EVERYWHERE, 120.0 + GAINS.path.capture_distance, 0.0, GAINS.path)
+    on_path = guiding_vector(CIRCLE, 0.0, EVERYWHERE, 120.0, 0.0, PARAMETERS.path)
+    at_centre = guiding_vector(CIRCLE, 0.0, EVERYWHERE, 0.0, 0.0, PARAMETERS.path)
+    capture = guiding_vector(CIRCLE, 0.0, EVERYWHERE, 120.0 + PARAMETERS.path.capture_distance, 0.0, PARAMETERS.path)
     turned = math.degrees(math.atan2(-capture[0], capture[1]))
     return Findings(
         (
             within(
-                "Farthest end from the circle of five field lines, from 15 to 250 m off its centre",
+                "Largest final distance to the circle of five field lines that start 15 to 250 m from its centre",
                 float(np.abs(np.array(ends) - 120.0).max()),
                 "m",
                 0.0,
@@ -59,34 +59,34 @@ def run_gvf(_: Runs) -> Findings:
                 "0: the field leads to the path",
             ),
             within(
-                "Angle between field and path, on the path",
+                "Angle between field and path on the path",
                 math.degrees(math.atan2(-on_path[0], on_path[1])),
                 "°",
                 -1e-6,
                 1e-6,
                 "0: tangential on the path",
             ),
-            within("The same one capture distance 1/k off the path", turned, "°", 45 - 1e-6, 45 + 1e-6, "45"),
+            within("The same angle at one capture distance 1/k from the path", turned, "°", 45 - 1e-6, 45 + 1e-6, "45"),
             within(
                 "Length of the field at the centre, where the gradient vanishes",
                 math.hypot(*at_centre),
                 "",
                 1 - 1e-9,
                 1 + 1e-9,
-                "1: defined everywhere (printed: 0)",
+                "1: the field is defined everywhere (printed: 0)",
             ),
         ),
         (
             Picture(
                 "gvf",
                 "The guiding vector field of a circle (paper, Fig. 3): tangential on the path, orthogonal far"
-                " away. Every arrow is the engine's own field at that point.",
+                " away. The arrows show the field of the engine.",
                 _draw_gvf,
             ),
         ),
         notes=(
-            "Signed distance over the capture distance takes the place of the squared-pixel level set: in px² the"
-            " tangential part matters only within 0.002 px of the path.",
+            "The signed distance in units of the capture distance replaces the level set in squared pixels, for which"
+            " the tangential part is significant only within 0.002 px of the path.",
         ),
     )
 
@@ -94,7 +94,7 @@ def run_gvf(_: Runs) -> Findings:
 def _end_radius(radius: float) -> float:
     x, y = radius, 0.0
     for _ in range(4000):
-        vx, vy = guiding_vector(CIRCLE, 0.0, EVERYWHERE, x, y, GAINS.path)
+        vx, vy = guiding_vector(CIRCLE, 0.0, EVERYWHERE, x, y, PARAMETERS.path)
         x, y = x + 0.2 * vx, y + 0.2 * vy
     return math.hypot(x, y)
 
@@ -104,39 +104,39 @@ def _draw_gvf() -> Figure:
     axes = figure.subplots()
     dress_map(axes, ARENA)
     points = grid_points(ARENA, 21)
-    field = floats([guiding_vector(CIRCLE, 0.0, EVERYWHERE, x, y, GAINS.path) for x, y in points.tolist()])
+    field = floats([guiding_vector(CIRCLE, 0.0, EVERYWHERE, x, y, PARAMETERS.path) for x, y in points.tolist()])
     draw_path(axes, CIRCLE)
     draw_arrows(axes, points, field, ARENA.width / 21, INK.ours)
     return figure
 
 
 def run_bumps(_: Runs) -> Findings:
-    """S and Z over the ring, smooth in the dimensionless form, a jump in the printed one."""
-    boundaries = GAINS.boundaries
-    start = RING_RADIUS + boundaries.repulsive_margin
+    """S and Z between the boundaries: smooth in the dimensionless form, a jump in the printed one."""
+    boundaries = PARAMETERS.boundaries
+    start = OBSTACLE_RADIUS + boundaries.repulsive_margin
     printed = _printed(start + 0.01)
-    smooth = zero_in(start + 0.01, RING_RADIUS, boundaries, CORRECTED)
-    distance = np.linspace(start, RING_RADIUS + boundaries.reactive_margin, 20001)
-    bump = np.array([zero_in(d, RING_RADIUS, boundaries, CORRECTED) for d in distance.tolist()])
+    smooth = zero_in(start + 0.01, OBSTACLE_RADIUS, boundaries, CORRECTED)
+    distance = np.linspace(start, OBSTACLE_RADIUS + boundaries.reactive_margin, 20001)
+    bump = np.array([zero_in(d, OBSTACLE_RADIUS, boundaries, CORRECTED) for d in distance.tolist()])
     rise = distance[np.searchsorted(bump, 0.99)] - distance[np.searchsorted(bump, 0.01)]
     return Findings(
         (
             within(
-                "S as printed, 0.01 px outside the repulsive boundary",
+                "S as printed at 0.01 px outside the repulsive boundary",
                 printed,
                 "",
                 0.4,
                 0.5,
-                "0.47: it jumps from 0 within 0.01 px",
+                "0.47: S jumps from 0 within 0.01 px",
             ),
-            within("S here at the same place", smooth, "", 0.0, 1e-6, "0: smooth"),
+            within("S as corrected at the same point", smooth, "", 0.0, 1e-6, "0: smooth"),
             within(
-                "Width over which S here rises from 1 % to 99 %",
+                "Width over which the corrected S rises from 1 % to 99 %",
                 float(rise),
                 "m",
                 2.0,
                 math.inf,
-                "most of the 11 m ring",
+                "most of the 11 m between the boundaries",
             ),
             within(
                 "Largest |S + Z - 1|",
@@ -150,8 +150,8 @@ def run_bumps(_: Runs) -> Findings:
         (
             Picture(
                 "bumps",
-                "Zero-in S (solid) and zero-out Z (dashed) across the ring of an obstacle of 20 m (paper,"
-                " Fig. 5): left dimensionless, as the engine has them; right in px² as printed.",
+                "Zero-in S (solid) and zero-out Z (dashed) between the boundaries of an obstacle of radius"
+                " 20 m (paper, Fig. 5): dimensionless as in the engine (left), in px² as printed (right).",
                 _draw_bumps,
             ),
         ),
@@ -159,23 +159,23 @@ def run_bumps(_: Runs) -> Findings:
 
 
 def _printed(distance: float) -> float:
-    return zero_in(distance, RING_RADIUS, GAINS.boundaries, PIXELS)
+    return zero_in(distance, OBSTACLE_RADIUS, PARAMETERS.boundaries, PIXELS)
 
 
 def _draw_bumps() -> Figure:
-    boundaries = GAINS.boundaries
+    boundaries = PARAMETERS.boundaries
     figure = new_figure(PAGE, 2.5)
     panels = figure.subplots(1, 2, sharey=True)
-    distance = np.linspace(RING_RADIUS + 10.0, RING_RADIUS + 29.0, 1901)
+    distance = np.linspace(OBSTACLE_RADIUS + 10.0, OBSTACLE_RADIUS + 29.0, 1901)
     shapes = (
-        ("Dimensionless, as run", [zero_in(d, RING_RADIUS, boundaries, CORRECTED) for d in distance.tolist()]),
+        ("Dimensionless, as run", [zero_in(d, OBSTACLE_RADIUS, boundaries, CORRECTED) for d in distance.tolist()]),
         ("Squared pixels, as printed", [_printed(d) for d in distance.tolist()]),
     )
     for axes, (title, values) in zip(panels, shapes, strict=True):
         bump = np.array(values)
-        axes.plot(distance - RING_RADIUS, bump, color=INK.ours, linewidth=1.6, label="S, zero-in")
+        axes.plot(distance - OBSTACLE_RADIUS, bump, color=INK.ours, linewidth=1.6, label="S, zero-in")
         axes.plot(
-            distance - RING_RADIUS,
+            distance - OBSTACLE_RADIUS,
             1.0 - bump,
             color=INK.fire,
             linewidth=1.4,
@@ -213,18 +213,18 @@ def run_boundaries(_: Runs) -> Findings:
                 "Repulsive boundary Q, from the surface",
                 boundaries.repulsive_margin,
                 "m",
-                "outside the safety barrier, else only the filter would ever see it",
+                "outside the safety clearance, else robots would never reach it",
                 boundaries.repulsive_margin > safety.obstacle_clearance,
             ),
             Measurement(
-                "Safety barrier, from the surface", safety.obstacle_clearance, "m", "the paper gives no numbers", None
+                "Safety clearance, from the surface", safety.obstacle_clearance, "m", "the paper gives no numbers", None
             ),
         ),
         (
             Picture(
                 "boundaries",
                 "Reactive boundary R (outer) and repulsive boundary Q (inner) of a circle and a bar"
-                " (paper, Fig. 4). Robots react between them and only circulate inside Q.",
+                " (paper, Fig. 4). Robots start to turn inside R and only circulate inside Q.",
                 lambda: _draw_boundaries(setup),
             ),
         ),
@@ -237,18 +237,18 @@ def _draw_boundaries(setup: Setup) -> Figure:
     dress_map(axes, setup.arena, 50.0)
     draw_path(axes, setup.start.intent.path)
     draw_obstacles(axes, setup.world)
-    draw_rings(axes, setup.world, setup.params)
-    for words, at, ink in (
+    draw_obstacle_boundaries(axes, setup.world, setup.params)
+    for label, at, ink in (
         ("reactive boundary R", (-85.0, 79.0), INK.reactive),
         ("repulsive boundary Q", (-85.0, 48.0), INK.repulsive),
         ("desired path P", (-18.0, 5.0), INK.path),
     ):
-        axes.text(*at, words, color=ink, ha="center", va="bottom", fontsize=7.5)
+        axes.text(*at, label, color=ink, ha="center", va="bottom", fontsize=7.5)
     return figure
 
 
-def draw_rings(axes: Axes, world: World, params: Parameters) -> None:
-    """R and Q of every circle and bar."""
+def draw_obstacle_boundaries(axes: Axes, world: World, params: Parameters) -> None:
+    """Draws R and Q of every circle and bar."""
     spines = [(x, y, x, y, radius) for x, y, radius in world.circles.tolist()] + world.bars.tolist()
     for ax, ay, bx, by, radius in spines:
         for margin, ink in (
@@ -263,21 +263,21 @@ CASES = (
         "gvf",
         "The guiding vector field",
         "Fig. 3: a field that leads to a circle and along it.",
-        "The engine's guiding vector [2] on a grid, and field lines by small steps along it.",
+        "The guiding vector [2] of the engine on a grid, and field lines integrated with small steps.",
         run_gvf,
     ),
     Case(
         "bumps",
         "Zero-in and zero-out bump functions",
         "Fig. 5 and equations [5], [6], [29]-[31].",
-        "The engine's bump across a ring, and the printed formula in squared pixels beside it.",
+        "The bump of the engine between the boundaries, beside the printed formula in squared pixels.",
         run_bumps,
     ),
     Case(
         "boundaries",
         "Reactive and repulsive boundaries",
         "Fig. 4: R and Q round a circle and a bar.",
-        "The engine's rings of a circle and a bar.",
+        "The boundaries of a circle and a bar in the engine.",
         run_boundaries,
     ),
 )

@@ -1,4 +1,4 @@
-"""Firefighting, Table I: without a human, with a changed priority, with a hidden fire found."""
+"""Firefighting in the world of Table I: without a human, with a changed priority, with a hidden fire found."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -21,21 +21,21 @@ _PICTURES = {"without_human": "fire-alone", "change_priority": "fire-priority", 
 
 
 def run_alone(runs: Runs) -> Findings:
-    """The team's own choice."""
-    return _fight(runs, "without_human")
+    """Runs the team without a human."""
+    return _findings(runs, "without_human")
 
 
 def run_priority(runs: Runs) -> Findings:
-    """The operator leads the team past obstacle 1, so that it sees how large fire 3 is."""
-    return _fight(runs, "change_priority")
+    """Runs with a stroke past obstacle 1, from where the team sees the full size of fire 3."""
+    return _findings(runs, "change_priority")
 
 
 def run_hidden(runs: Runs) -> Findings:
-    """The operator leads the team round the bar to fire 5."""
-    return _fight(runs, "find_hidden")
+    """Runs with a stroke round the bar to fire 5."""
+    return _findings(runs, "find_hidden")
 
 
-def _fight(runs: Runs, name: str) -> Findings:
+def _findings(runs: Runs, name: str) -> Findings:
     run, column = runs.get(SPECS[name]), COLUMNS[name]
     measured = [
         Measurement(
@@ -48,8 +48,8 @@ def _fight(runs: Runs, name: str) -> Findings:
         Measurement(
             "Total loss area", round(sum(run.report["loss_area_m2"]), 1), "m²", f"{column.total:,.1f} (paper)", None
         ),
-        within("Smallest clearance", measures.smallest_clearance(run), "m", 0.0, np.inf, "never negative"),
-        within("Time in deadlock", run.report["deadlock_s"], "s", 0.0, 1.0, "none that lasts"),
+        within("Minimum clearance", measures.smallest_clearance(run), "m", 0.0, np.inf, "never negative"),
+        within("Time in deadlock", run.report["deadlock_s"], "s", 0.0, 1.0, "at most 1 s"),
         Measurement("Time until the last fire is out", run.report["duration_s"], "s", "not given", None),
     ]
     made = [run]
@@ -62,12 +62,14 @@ def _fight(runs: Runs, name: str) -> Findings:
         (
             Picture(
                 _PICTURES[name],
-                f"{column.title} (paper, Fig. 10). Fires at their largest radius, dotted at the"
-                " start, with the order in which they went out.",
-                lambda: draw_fight(run),
+                f"{column.title} (paper, Fig. 10). Fires at their largest radius, the initial radius"
+                " dotted, with the order in which they went out.",
+                lambda: draw_firefighting(run),
             ),
             Picture(
-                f"{_PICTURES[name]}-loss", "Loss area of each fire beside the paper's.", lambda: _draw_loss(run, column)
+                f"{_PICTURES[name]}-loss",
+                "Loss area of each fire beside that of the paper.",
+                lambda: _draw_loss(run, column),
             ),
         ),
         tuple(made[:1]),
@@ -81,7 +83,7 @@ def _against(run: Run, alone: Run, column: Column) -> list[Measurement]:
     change = 100.0 * (ours.sum() / base.sum() - 1.0)
     measured = [
         Measurement(
-            "Change of the total against no human",
+            "Change of the total loss area against the run without a human",
             round(float(change), 2),
             "%",
             f"{100.0 * (paper.sum() / paper_base.sum() - 1.0):+.1f} (paper)",
@@ -108,16 +110,16 @@ def _loss_table(run: Run, column: Column) -> Table:
     ]
     total, paper = sum(run.report["loss_area_m2"]), sum(column.loss_area)
     rows.append(("Sum", f"{total:,.1f}", f"{paper:,.1f}", f"{100.0 * (total / paper - 1.0):+.1f} %"))
-    return Table("Loss area [m²]", ("", "here", "paper", "difference"), tuple(rows))
+    return Table("Loss area [m²]", ("", "reproduction", "paper", "difference"), tuple(rows))
 
 
-def draw_fight(run: Run) -> Figure:
-    """The map of a firefighting run: fires, obstacles, strokes, tracks, the formation at each fire that went out."""
+def draw_firefighting(run: Run) -> Figure:
+    """Draws the map of a firefighting run, with the formation at each time at which a fire went out."""
     figure, axes = map_figure(maps.frame_of(run), PAGE)
     maps.draw_fires(axes, run, measures.order(run))
     maps.draw_obstacles(axes, run.setup.world)
     for given in run.paths:
-        maps.draw_path(axes, given.path, "operator's stroke")
+        maps.draw_path(axes, given.path, "stroke of the operator")
     maps.draw_tracks(axes, run)
     times = [float(t) for t in sorted(measures.extinguished_at(run)) if np.isfinite(t)]
     maps.draw_formations(axes, run, [0.0, *times])
@@ -138,23 +140,24 @@ CASES = (
     Case(
         "fire-alone",
         "Firefighting without a human",
-        "Fig. 10(a), Table II column 1: fires go out in the order"
-        " 1-2-3-4-5; after fire 1 obstacle 1 hides how large fire 3 is.",
-        "Scenario firefighting (Table I).",
+        "Fig. 10(a), Table II column 1: the fires go out in the order"
+        " 1-2-3-4-5; after fire 1, obstacle 1 hides a part of fire 3.",
+        "Scenario table2: Table I with the fitted parameters and bar.",
         run_alone,
     ),
     Case(
         "fire-priority",
         "Changing the priority",
-        "Fig. 10(b), Table II column 2: one stroke makes the team take fire 3 before fire 2, and less burns.",
-        "Scenario firefighting with the script priority: one stroke when fire 1 is out.",
+        "Fig. 10(b), Table II column 2: after one stroke, fire 3 goes out before fire 2, and less area burns.",
+        "Scenario table2 with the script table2-priority: one stroke when fire 1 is out.",
         run_priority,
     ),
     Case(
         "fire-hidden",
         "Finding a hidden fire",
-        "Fig. 10(c), Table II column 3: one stroke leads the team round the bar to fire 5, and only its loss changes.",
-        "Scenario firefighting with the script hidden-fire: one stroke when fire 4 is out.",
+        "Fig. 10(c), Table II column 3: one stroke leads the team round the bar to fire 5, and only the loss of fire 5"
+        " changes.",
+        "Scenario table2 with the script table2-hidden: one stroke when fire 4 is out.",
         run_hidden,
     ),
 )

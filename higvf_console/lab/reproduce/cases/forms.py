@@ -1,4 +1,4 @@
-"""Printed against corrected: each doubtful equation alone as printed, and the number that shows the failure."""
+"""Compares each doubtful equation in its printed and its corrected form by a number that shows the failure."""
 
 import math
 from collections.abc import Callable
@@ -19,15 +19,15 @@ class Doubt(NamedTuple):
     """A doubtful equation.
 
     Attributes:
-        field: its name in `Forms`.
-        equation: its number and name.
-        printed: what is printed.
-        corrected: what runs instead.
+        field: name of the equation in `Forms`.
+        equation: number and name of the equation.
+        printed: printed form.
+        corrected: corrected form.
         shown: what the experiment measures.
-        unit: of the number.
-        measure: gains -> number.
-        low: least number at which the equation does what it is for.
-        high: largest such number.
+        unit: unit of the measured value.
+        measure: the experiment, from parameters to the measured value.
+        low: lower limit of the values for which the equation works.
+        high: upper limit of these values.
     """
 
     field: str
@@ -41,7 +41,7 @@ class Doubt(NamedTuple):
     high: float
 
     def works(self, number: float) -> bool:
-        """Whether the equation does what it is for; NaN never does."""
+        """Whether the measured value is within the limits; False for NaN."""
         return self.low <= number <= self.high
 
 
@@ -51,7 +51,7 @@ DOUBTS = (
         equation="[12] formation",
         printed="-| |r| - d | r/|r|",
         corrected="-k_form (|r| - d) r/|r|",
-        shown="distance of two robots after 30 s, 30 m apart at first, d = 60",
+        shown="distance of two robots after 30 s, initially 30 m, desired d = 60 m",
         unit="m",
         measure=experiments.formation_distance,
         low=59.0,
@@ -62,7 +62,7 @@ DOUBTS = (
         equation="[15] shared intention",
         printed="a map with weights, not rates",
         corrected="semi-implicit step of its ODE",
-        shown="largest |v_s| in the first second, the human intention being 1",
+        shown="largest |v_s| in the first second for a human intention of 1",
         unit="",
         measure=experiments.intention_peak,
         low=0.0,
@@ -73,7 +73,7 @@ DOUBTS = (
         equation="[11] robot intention",
         printed="-θ φ ∇φ, φ in m²",
         corrected="θ sat(distance / band) towards the fire",
-        shown="largest |v_t| at the start of Table I, a human intention being at most 1",
+        shown="largest |v_t| at the start of Table I; a human intention is at most 1",
         unit="",
         measure=experiments.target_length,
         low=0.0,
@@ -84,7 +84,7 @@ DOUBTS = (
         equation="[9] human intention",
         printed="zero-in only: Π S · X_P",
         corrected="composite step with Z X_R, once, on the velocity",
-        shown="way of a robot in 15 s; a circle on its path ends at 220 m",
+        shown="distance that a robot covers in 15 s; a circle on its path ends at 220 m",
         unit="m",
         measure=experiments.way_past_obstacle,
         low=250.0,
@@ -95,7 +95,7 @@ DOUBTS = (
         equation="[17] speed",
         printed="C v/|v|",
         corrected="C v/max(|v|, δ)",
-        shown="speed wanted at rest, v_s = 0 and v_f = 0",
+        shown="blended speed at rest, v_s = 0 and v_f = 0",
         unit="m/s",
         measure=experiments.speed_at_rest,
         low=0.0,
@@ -106,7 +106,7 @@ DOUBTS = (
         equation="[19] blending",
         printed="k_s a/(k_s a + k_f b)",
         corrected="k_s a/(k_s a + k_f b + δ)",
-        shown="λ at |v_s| = 1e-9, v_f = 0; λ is to be continuous with λ(0, 0) = 0",
+        shown="λ at |v_s| = 1e-9, v_f = 0; continuity requires λ(0, 0) = 0",
         unit="",
         measure=experiments.weight_near_rest,
         low=0.0,
@@ -117,18 +117,18 @@ DOUBTS = (
         equation="[29]-[31] bump",
         printed="φ in squared lengths",
         corrected="φ dimensionless",
-        shown="S 0.01 m outside the repulsive boundary, where S = 0",
+        shown="S at 0.01 m outside the repulsive boundary, where S = 0",
         unit="",
         measure=experiments.bump_at_boundary,
         low=0.0,
         high=1e-3,
     ),
     Doubt(
-        field="fire_row",
-        equation="[27] row of a growing fire",
+        field="fire_constraint",
+        equation="[27] constraint of a growing fire",
         printed="no term for the growth",
         corrected="- (R_next² - R²)/(2 dt)",
-        shown="smallest clearance of a paused robot beside a fire that grows by 1 m/s",
+        shown="minimum clearance of a paused robot beside a fire that grows by 1 m/s",
         unit="m",
         measure=experiments.clearance_at_fire,
         low=0.0,
@@ -137,9 +137,9 @@ DOUBTS = (
     Doubt(
         field="h_index",
         equation="[27] index of h",
-        printed="h_ij in the row of obstacle k",
+        printed="h_ij in the constraint of obstacle k",
         corrected="h_ik",
-        shown="smallest clearance on a path through the second of two circles",
+        shown="minimum clearance on a path through the second of two circles",
         unit="m",
         measure=experiments.clearance_by_index,
         low=0.0,
@@ -149,12 +149,12 @@ DOUBTS = (
 
 
 def printed_alone(field: str) -> Parameters:
-    """The default gains with one equation as printed."""
+    """The default parameters with one equation as printed."""
     return Parameters(forms=Forms()._replace(**{field: PRINTED}))
 
 
 def run_forms(_: Runs) -> Findings:
-    """Every experiment, once in each form."""
+    """Runs every experiment in both forms."""
     measured: list[Measurement] = []
     rows: list[tuple[str, ...]] = []
     with np.errstate(all="ignore"):
@@ -183,10 +183,10 @@ def run_forms(_: Runs) -> Findings:
     radius = _radius()
     measured.append(
         Measurement(
-            "[15] printed: spectral radius of the map for the team of Table I, robot 1 influenced",
+            "[15] as printed: spectral radius of the map for the team of Table I with robot 1 influenced",
             round(radius, 2),
             "",
-            "below 1 to converge",
+            "above 1: the map diverges",
             radius > 1.0,
         )
     )
@@ -194,18 +194,19 @@ def run_forms(_: Runs) -> Findings:
         tuple(measured),
         tables=(
             Table(
-                "Each equation alone as printed, all others corrected",
-                ("equation", "printed", "corrected", "measured", "printed gives", "corrected gives"),
+                "Each equation as printed, with all others corrected",
+                ("equation", "printed", "corrected", "measured", "value as printed", "value as corrected"),
                 tuple(rows),
             ),
         ),
         notes=(
-            "A row holds when the corrected form does what the equation is for and the printed one does not."
-            " `higvf run SCENARIO --forms printed` runs a whole scenario in the printed forms.",
+            "A check mark means that the corrected form works and the printed form fails. `higvf run SCENARIO --forms"
+            " printed` runs a whole scenario in the printed forms.",
         ),
         data={
             "forms": {
-                doubt.field: {"printed": row[4], "corrected": row[5]} for doubt, row in zip(DOUBTS, rows, strict=True)
+                doubt.field: {"printed": cells[4], "corrected": cells[5]}
+                for doubt, cells in zip(DOUBTS, rows, strict=True)
             }
         },
     )
@@ -230,9 +231,9 @@ def _shown(value: float, unit: str) -> str:
 CASES = (
     Case(
         "forms",
-        "Printed against corrected",
-        "Equations [9], [11], [12], [15], [17], [19], [27], [29]-[31] as printed do not run.",
-        "One small experiment an equation, through the engine's step, with one form switched at a time.",
+        "Printed and corrected equations",
+        "Equations [9], [11], [12], [15], [17], [19], [27], [29]-[31] do not work as printed.",
+        "One experiment per equation with the step of the engine, with one form switched at a time.",
         run_forms,
     ),
 )

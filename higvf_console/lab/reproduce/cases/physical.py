@@ -1,4 +1,4 @@
-"""The two physical experiments, on positions of the project's own: the paper gives none."""
+"""Simulations of the two physical experiments; positions are the project's own, since the paper gives none."""
 
 import math
 
@@ -19,11 +19,11 @@ PATROL = RunSpec("physical-1")
 GAZE = RunSpec("barrier-gaze", demo=True)
 GAZE_ALONE = RunSpec("barrier-gaze")
 SPECS = (PATROL, GAZE, GAZE_ALONE)
-_BAND = 10.0  # a robot this close to a sketched path is on it [m]
+_BAND = 10.0  # distance within which a robot is on a sketched path [m]
 
 
 def run_patrol(runs: Runs) -> Findings:
-    """Case 1: a given path, targets found on the way, back to the path where it was left."""
+    """Case 1: the team leaves a given path for targets that it finds, and returns to the path."""
     run = runs.get(PATROL)
     away = measures.intervals(run.path_status == PathStatus.BREAK_AWAY)
     w, last = run.path_parameter, len(run.time) - 1
@@ -37,18 +37,18 @@ def run_patrol(runs: Runs) -> Findings:
                 "Order of the targets",
                 _words(run),
                 "",
-                "1-2-3: two found on the way, one at the path's end",
+                "1-2-3: two found on the way, one at the end of the path",
                 _words(run) == "1-2-3",
             ),
             Measurement(
-                "Times the team broke away from the path",
+                "Number of break-aways from the path",
                 len(away),
                 "",
-                "twice: the third is too small for it",
+                "2: the third target is below the threshold",
                 len(away) == 2,
             ),
             within(
-                "Largest change of the path parameter w while away",
+                "Largest change of the path parameter w during a break-away",
                 max(kept, default=math.nan),
                 "m",
                 0.0,
@@ -56,12 +56,12 @@ def run_patrol(runs: Runs) -> Findings:
                 "0: w is kept",
             ),
             within(
-                "Largest distance along the path between the kept w and where it is joined again",
+                "Largest distance along the path between the kept w and the point of return",
                 max(joined, default=math.nan),
                 "m",
                 0.0,
                 WINDOW,
-                "within the search window: no branch is skipped",
+                "within the search window: the team skips no part of the path",
             ),
             within(
                 "Longest time until the influenced robot is back on the path",
@@ -73,30 +73,30 @@ def run_patrol(runs: Runs) -> Findings:
             ),
             Measurement("The path is finished", "yes" if finished else "no", "", "yes", finished),
             within(
-                "Smallest clearance",
+                "Minimum clearance",
                 measures.smallest_clearance(run),
                 "m",
                 0.0,
                 math.inf,
-                "never negative, even where the path crosses barriers",
+                "never negative, although the path crosses barriers",
             ),
-            within("Time in deadlock", run.report["deadlock_s"], "s", 0.0, 1.0, "none that lasts"),
+            within("Time in deadlock", run.report["deadlock_s"], "s", 0.0, 1.0, "at most 1 s"),
         ),
         (
             Picture(
                 "physical-1",
                 "Physical case 1 (paper, Figs. 11 and 12): the given path crosses barriers; thick"
-                " stretches of robot 1's track are break-aways to a found target.",
+                " parts of the track of robot 1 are break-aways to a target.",
                 lambda: _draw_patrol(run, away),
             ),
             Picture(
                 "physical-1-w",
-                "The path parameter w stands while the team is away, and goes on from there.",
+                "The path parameter w is kept during a break-away and continues afterwards.",
                 lambda: _draw_parameter(run, away),
             ),
         ),
         (run,),
-        notes=("Robots see 150 m far here. The positions, the path and the threshold are the project's own.",),
+        notes=("The perception range is 150 m. Positions, path and threshold are the project's own.",),
     )
 
 
@@ -122,7 +122,7 @@ def _draw_patrol(run: Run, away: list[tuple[int, int]]) -> Figure:
             linewidth=2.6,
             alpha=0.8,
             zorder=4.5,
-            label="broken away",
+            label="break-away",
         )
     times = maps.time_marks(run, 9)
     maps.draw_formations(axes, run, [0.0, *times])
@@ -135,14 +135,14 @@ def _draw_parameter(run: Run, away: list[tuple[int, int]]) -> Figure:
     figure = new_figure(PAGE, 2.0)
     axes = figure.subplots()
     over_time(axes, run.time, run.path_parameter, INK.ours)
-    _shade(axes, run, away, "away from the path")
+    _shade(axes, run, away, "break-away")
     axes.set_ylabel("w [m]")
     axes.legend(loc="upper left")
     return figure
 
 
-def _shade(axes: Axes, run: Run, stretches: list[tuple[int, int]], label: str) -> None:
-    for number, (first, last) in enumerate(stretches):
+def _shade(axes: Axes, run: Run, intervals: list[tuple[int, int]], label: str) -> None:
+    for number, (first, last) in enumerate(intervals):
         axes.axvspan(
             float(run.time[first]),
             float(run.time[last]),
@@ -154,7 +154,7 @@ def _shade(axes: Axes, run: Run, stretches: list[tuple[int, int]], label: str) -
 
 
 def run_gaze(runs: Runs) -> Findings:
-    """Case 2: pause by EMG, a path by gaze, the robot by BCI, resume."""
+    """Case 2: pause by EMG, path by gaze, robot by BCI, resume."""
     run, alone = runs.get(GAZE), runs.get(GAZE_ALONE)
     paused = measures.intervals(run.paused)
     speed = np.hypot(run.velocity[..., 0], run.velocity[..., 1]).max(axis=1)
@@ -166,40 +166,46 @@ def run_gaze(runs: Runs) -> Findings:
     return Findings(
         (
             Measurement(
-                "Order alone", _words(alone), "", "2-1-3: the barrier hides target 3", _words(alone) == "2-1-3"
+                "Order without the operator",
+                _words(alone),
+                "",
+                "2-1-3: the barrier hides target 3",
+                _words(alone) == "2-1-3",
             ),
             Measurement("Order with the operator", _words(run), "", "2-3-1", _words(run) == "2-3-1"),
             Measurement(
-                "Commands, in order",
+                "Sequence of commands",
                 " ".join(kinds),
                 "",
-                "pause, path, pick, resume",
+                "pause, path and pick, resume",
                 -1 not in steps and steps == sorted(steps) and "Pick" in kinds,
             ),
             Measurement(
                 "Devices",
                 ", ".join(sources),
                 "",
-                "gaze, EMG, BCI; no mouse, no keyboard",
+                "gaze, EMG and BCI only",
                 sources == ["bci", "emg", "gaze"],
             ),
             within(
                 "Fastest robot while paused", stands, "m/s", 0.0, 5.0, "about 0: robots only yield to a growing fire"
             ),
-            Measurement("Change of the total loss area", round(less, 1), "%", "less burns", less < 0.0),
-            within("Smallest clearance", measures.smallest_clearance(run), "m", 0.0, math.inf, "never negative"),
+            Measurement("Change of the total loss area", round(less, 1), "%", "negative: less area burns", less < 0.0),
+            within("Minimum clearance", measures.smallest_clearance(run), "m", 0.0, math.inf, "never negative"),
         ),
         (
             Picture(
                 "physical-2",
-                "Physical case 2 (paper, Figs. 14 to 16) with the operator: paused at the cross, the"
+                "Physical case 2 (paper, Figs. 14 to 16) with the operator: paused at the crosses; the"
                 " gaze path leads the team round the barrier to target 3.",
                 lambda: _draw_gaze(run, paused),
             ),
-            Picture("physical-2-alone", "The same without the operator: 2-1-3.", lambda: _draw_gaze(alone, [])),
+            Picture(
+                "physical-2-alone", "The same world without the operator: order 2-1-3.", lambda: _draw_gaze(alone, [])
+            ),
         ),
         (run, alone),
-        notes=("The inputs are the project's own synthetic recordings; positions are its own too.",),
+        notes=("The inputs are synthetic recordings of the project; the positions are its own as well.",),
     )
 
 
@@ -236,17 +242,17 @@ CASES = (
     Case(
         "physical-1",
         "Physical case 1: a given path, targets on the way",
-        "Figs. 11 and 12: limited perception; the"
-        " given path crosses barriers; robots break away to a found target and return to the path.",
+        "Figs. 11 and 12: with limited perception, robots"
+        " leave a given path that crosses barriers for a target that they find, and return to the path.",
         "Scenario physical-1, headless.",
         run_patrol,
     ),
     Case(
         "physical-2",
-        "Physical case 2: pause, gaze, brain, resume",
-        "Figs. 14 to 16: alone the order is 2-1-3; paused"
-        " by EMG, led by gaze, the robot picked by BCI, target 3 comes before target 1.",
-        "Scenario barrier-gaze with its recorded inputs (--demo), and without.",
+        "Physical case 2: pause by EMG, path by gaze, robot by BCI",
+        "Figs. 14 to 16: the order without the operator is"
+        " 2-1-3. With a pause by EMG, a path by gaze and a robot picked by BCI, target 3 comes before target 1.",
+        "Scenario barrier-gaze with its recorded inputs (--demo) and without them.",
         run_gaze,
     ),
 )

@@ -1,4 +1,4 @@
-"""Table II side by side with the paper."""
+"""Table II beside the paper, with the uncertainty of the fit."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -17,7 +17,14 @@ FIRE_BAND, TOTAL_BAND, REDUCTION_BAND = (100.0 * limit for limit in (FIRE_LIMIT,
 
 
 class Comparison(NamedTuple):
-    """Our Table II: `columns` as in the JSON, the runs they come from, and further tables, e.g. of the fit."""
+    """Reproduced Table II.
+
+    Attributes:
+        columns: its columns, as in the JSON.
+        runs: the runs of the columns.
+        tables: further tables, e.g. of the fit.
+        notes: explanations for the reader.
+    """
 
     columns: dict[str, dict[str, Any]]
     runs: tuple[Run, ...]
@@ -26,7 +33,7 @@ class Comparison(NamedTuple):
 
 
 def compare(runs: Runs) -> Comparison:
-    """Our Table II, of the scenario that `higvf fit` wrote, and what that fit left open."""
+    """Computes Table II in the scenario that `higvf fit` wrote, with the uncertainty of that fit."""
     made = {name: runs.get(spec) for name, spec in SPECS.items()}
     columns = {
         name: {
@@ -39,12 +46,12 @@ def compare(runs: Runs) -> Comparison:
     fit = kept_fit()
     missed = [verdict["target"] for verdict in fit["spread"]["nearest"]["targets"] if not verdict["met"]]
     notes = (
-        "The paper gives no gains, no position of the bar, no law of extinguishing and no start delay. Those were"
-        " fitted to the first column alone, by a rule stated beforehand; the other two columns are predictions.",
-        f"The fit is not unique: {fit['spread']['samples']} other worlds meet what is asked of column 1, and their"
-        " predictions scatter as the second table shows. The nearest of them misses"
-        f" {', '.join(missed) or 'no target at all'}; it was not chosen, since choosing it would fit all columns.",
-        "Column 2 of Table II as printed sums to 48251.9, not 48253.9.",
+        "The paper gives no parameters, no position of the bar, no law of extinguishing and no start delay. These were"
+        " fitted to column 1 only, by a rule fixed beforehand; columns 2 and 3 are predictions.",
+        f"The fit is not unique: the second table shows the spread of the predictions over {fit['spread']['samples']}"
+        f" worlds that meet the targets of column 1. The nearest of them misses {', '.join(missed) or 'no target'}; it"
+        " was not chosen, because that choice would use all columns.",
+        "The printed entries of column 2 sum to 48251.9; the paper prints 48253.9.",
     )
     return Comparison(columns, tuple(made.values()), (_predictions(fit), _parameters(fit), _influence(fit)), notes)
 
@@ -54,8 +61,8 @@ def _predictions(fit: Mapping[str, Any]) -> Table:
         (name.replace(".", ", "), *(_amount(name, found[key]) for key in ("paper", "low", "median", "high")))
         for name, found in fit["spread"]["predictions"].items()
     ]
-    head = ("", "paper", "least", "median", "most")
-    return Table("What worlds predict that column 1 cannot tell apart", head, tuple(rows))
+    head = ("", "paper", "minimum", "median", "maximum")
+    return Table("Predictions of the worlds that meet column 1", head, tuple(rows))
 
 
 def _amount(name: str, value: float) -> str:
@@ -68,7 +75,7 @@ def _parameters(fit: Mapping[str, Any]) -> Table:
         (name, *(f"{found[key]:g} {found['unit']}".rstrip() for key in ("chosen", "low", "high")))
         for name, found in spread.items()
     ]
-    return Table("Fitted parameters, and their range over those worlds", ("", "chosen", "from", "to"), tuple(rows))
+    return Table("Fitted parameters, and their range over these worlds", ("", "chosen", "from", "to"), tuple(rows))
 
 
 def _influence(fit: Mapping[str, Any]) -> Table:
@@ -79,12 +86,12 @@ def _influence(fit: Mapping[str, Any]) -> Table:
         for changes in [(*found["fires"], *found["totals"].values())]
     ]
     fires, totals = (f"a(s{fire})" for fire in range(1, 6)), (f"total, {c.title.lower()}" for c in COLUMNS.values())
-    head = ("change of", *fires, *totals)
-    return Table("Influence of each parameter (central differences)", head, tuple(rows))
+    head = ("step of", *fires, *totals)
+    return Table("Sensitivity to each parameter (central differences)", head, tuple(rows))
 
 
 def run_table_2(runs: Runs) -> Findings:
-    """All three columns, beside the paper's."""
+    """Compares all three columns with those of the paper."""
     ours = compare(runs)
     return Findings(
         _measured(ours),
@@ -101,14 +108,14 @@ def _measured(ours: Comparison) -> tuple[Measurement, ...]:
     worst = max(abs(a / b - 1.0) for a, b in zip(alone["loss_area_m2"], paper.loss_area, strict=True)) * 100.0
     found = [
         Measurement(
-            "Orders of extinguishing",
+            "Order in which the fires go out, by column",
             ", ".join("".join(map(str, c["order"])) for c in ours.columns.values()),
             "",
             ", ".join("".join(map(str, c.order)) for c in COLUMNS.values()),
             all(tuple(c["order"]) == COLUMNS[name].order for name, c in ours.columns.items()),
         ),
         Measurement(
-            "Largest difference of a fire in column 1",
+            "Largest error of a loss area in column 1",
             round(worst, 2),
             "%",
             f"at most {FIRE_BAND:g}",
@@ -119,10 +126,10 @@ def _measured(ours: Comparison) -> tuple[Measurement, ...]:
         off = 100.0 * (column["total_m2"] / sum(COLUMNS[name].loss_area) - 1.0)
         found.append(
             Measurement(
-                f"{COLUMNS[name].title}: difference of the total",
+                f"{COLUMNS[name].title}: error of the total",
                 round(off, 2),
                 "%",
-                f"within {TOTAL_BAND:g}",
+                f"at most {TOTAL_BAND:g} in magnitude",
                 abs(off) <= TOTAL_BAND,
             )
         )
@@ -134,7 +141,7 @@ def _measured(ours: Comparison) -> tuple[Measurement, ...]:
                 f"{COLUMNS[name].title}: change of the total",
                 round(change, 2),
                 "%",
-                f"{wanted:.1f}, within {REDUCTION_BAND:g} percentage point",
+                f"{wanted:.1f}, to within {REDUCTION_BAND:g} percentage point",
                 abs(change - wanted) <= REDUCTION_BAND,
             )
         )
@@ -145,7 +152,7 @@ def _table(ours: Comparison) -> Table:
     names = list(COLUMNS)
     head = ["Loss area [m²]"]
     for name in names:
-        head += [f"{COLUMNS[name].title}: here", "paper", "difference"]
+        head += [f"{COLUMNS[name].title}: reproduction", "paper", "difference"]
     rows: list[tuple[str, ...]] = []
     for fire in (*range(5), None):
         cells = ["Sum" if fire is None else f"a(s{fire + 1})"]
@@ -155,7 +162,7 @@ def _table(ours: Comparison) -> Table:
             b = sum(paper) if fire is None else paper[fire]
             cells += [f"{a:,.1f}", f"{b:,.1f}", f"{100.0 * (a / b - 1.0):+.1f} %"]
         rows.append(tuple(cells))
-    return Table("Table II, side by side", tuple(head), tuple(rows))
+    return Table("Table II", tuple(head), tuple(rows))
 
 
 def _draw(ours: Comparison) -> Figure:

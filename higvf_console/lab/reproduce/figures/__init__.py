@@ -1,1 +1,1 @@
-"""The figures of the report, in one visual language."""
+"""The figures of the report, in one common style."""

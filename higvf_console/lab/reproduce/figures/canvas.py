@@ -1,4 +1,4 @@
-"""The visual language: one palette (Okabe-Ito), one set of line widths and type sizes, axes in metres."""
+"""The common style of all figures: palette (Okabe-Ito), line widths, font sizes, axes in metres."""
 
 import io
 from collections.abc import Callable, Generator
@@ -15,7 +15,7 @@ from higvf_console.core.viewport import Arena
 
 
 class Inks(NamedTuple):
-    """Colours that colour-blind people tell apart, on white; greys for what only stands there."""
+    """Colours for a white background, distinguishable with colour blindness; grey for static objects."""
 
     text: str = "#222222"
     quiet: str = "#6b7280"
@@ -35,8 +35,8 @@ class Inks(NamedTuple):
 
 INK = Inks()
 ROBOTS = ("#0072b2", "#e69f00", "#009e73", "#56b4e9", "#8c510a", "#332288")
-PAGE = 6.9  # width of a figure over the whole page [in]
-_HIGHEST = 4.6  # height of a map [in]
+PAGE = 6.9  # width of a full-page figure [in]
+_HIGHEST = 4.6  # maximum height of a map [in]
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
@@ -74,18 +74,23 @@ _STYLE: dict[Any, Any] = {
 
 @contextmanager
 def style() -> Generator[None]:
-    """Whatever is drawn or saved inside follows the visual language."""
+    """Applies the common style to everything drawn or saved within the context."""
     with mpl.rc_context(_STYLE):
         yield
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure [in] that belongs to no window."""
+    """An empty figure of `width` x `height` [in] without a window."""
     return Figure(figsize=(width, height))
 
 
 def map_figure(frame: Arena, width: float = PAGE) -> tuple[Figure, Axes]:
-    """A figure of one map and its legend, as high as the frame asks for; a high one is made narrower [in]."""
+    """A figure with one map and its legend.
+
+    Args:
+        frame: part of the plane to show [m]; the height of the figure follows from it.
+        width: maximum width [in]; a high frame gives a narrower figure.
+    """
     width = min(width, 0.55 + _HIGHEST * frame.width / frame.height)
     figure = new_figure(width, (width - 0.55) * frame.height / frame.width + 0.75)
     axes = figure.subplots()
@@ -94,7 +99,7 @@ def map_figure(frame: Arena, width: float = PAGE) -> tuple[Figure, Axes]:
 
 
 def dress_map(axes: Axes, arena: Arena, step: float = 100.0) -> None:
-    """Equal aspect, metres on both axes, a quiet grid."""
+    """Formats map axes: equal aspect, metres on both axes, a light grid with lines every `step` [m]."""
     axes.set_aspect("equal")
     axes.set_xlim(arena.x_min, arena.x_max)
     axes.set_ylim(arena.y_min, arena.y_max)
@@ -103,19 +108,19 @@ def dress_map(axes: Axes, arena: Arena, step: float = 100.0) -> None:
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.grid(visible=True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(True)
+    for edge in ("top", "right"):
+        axes.spines[edge].set_visible(True)
     for spine in axes.spines.values():
         spine.set_color(INK.grid)
 
 
 def robot_ink(robot: int) -> str:
-    """A robot's colour, by its index."""
+    """Colour of a robot."""
     return ROBOTS[robot % len(ROBOTS)]
 
 
 def rendered(draw: Callable[[], Figure], *endings: str) -> dict[str, bytes]:
-    """A figure as files: "svg" and "png", byte for byte the same for the same figure."""
+    """Contents of the files of a figure, by suffix ("svg", "png"); the same figure gives the same bytes."""
     files: dict[str, bytes] = {}
     with style():
         figure = draw()
@@ -128,7 +133,7 @@ def rendered(draw: Callable[[], Figure], *endings: str) -> dict[str, bytes]:
 
 
 def nice_step(span: float, most: int) -> float:
-    """The round number, 1, 2 or 5 times a power of ten, that divides `span` into at most `most` parts."""
+    """The smallest of 1, 2 or 5 times a power of ten that divides `span` into at most `most` parts."""
     raw = span / most
     power = 10.0 ** np.floor(np.log10(raw))
     return float(next(power * factor for factor in (1.0, 2.0, 5.0, 10.0) if power * factor >= raw))

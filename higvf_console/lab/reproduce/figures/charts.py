@@ -1,4 +1,4 @@
-"""Charts beside the maps: a quantity over time, bars of loss area against the paper's."""
+"""Charts: a quantity over time, and bars of loss areas beside those of the paper."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,7 +11,7 @@ from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, new_figure
 
 
 def over_time(axes: Axes, time: Floats, values: Floats, ink: str, label: str | None = None) -> None:
-    """One line over session time."""
+    """Plots one line over session time [s]."""
     axes.plot(time[::3], values[::3], color=ink, linewidth=1.2, label=label)
     axes.set_xlim(float(time[0]), float(time[-1]))
     axes.set_xlabel("time [s]")
@@ -19,10 +19,10 @@ def over_time(axes: Axes, time: Floats, values: Floats, ink: str, label: str | N
 
 
 def loss_bars(axes: Axes, ours: Sequence[float], paper: Sequence[float], title: str) -> None:
-    """Loss area of each fire [1000 m^2], the paper's behind."""
+    """Draws bars of the loss area of each fire, given in m^2, beside those of the paper."""
     place = np.arange(len(ours))
     axes.bar(place - 0.2, np.array(paper) / 1e3, 0.38, color=INK.paper, label="paper")
-    bars = axes.bar(place + 0.2, np.array(ours) / 1e3, 0.38, color=INK.ours, label="here")
+    bars = axes.bar(place + 0.2, np.array(ours) / 1e3, 0.38, color=INK.ours, label="reproduction")
     axes.bar_label(bars, [f"{value / 1e3:.1f}" for value in ours], fontsize=6.0, padding=1.5, color=INK.ours)
     axes.set_xticks(place, [f"fire {fire + 1}" for fire in place])
     axes.set_ylabel("loss area [1000 m²]")
@@ -32,7 +32,7 @@ def loss_bars(axes: Axes, ours: Sequence[float], paper: Sequence[float], title: 
 
 
 def table_2_bars(columns: Mapping[str, tuple[Sequence[float], Sequence[float]]]) -> Figure:
-    """One panel a column of Table II: (here, paper) by its title, on one scale."""
+    """One panel per column of Table II on a common scale; `columns` maps its title to (reproduction, paper)."""
     figure = new_figure(PAGE, 2.5)
     panels = figure.subplots(1, len(columns), sharey=True)
     for axes, (title, (ours, paper)) in zip(panels, columns.items(), strict=True):

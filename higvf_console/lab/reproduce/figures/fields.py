@@ -1,4 +1,4 @@
-"""Vector fields on a grid, drawn as arrows of one length or with their own."""
+"""Vector fields on a grid, drawn as arrows."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,7 +8,7 @@ from higvf_console.core.viewport import Arena
 
 
 def grid_points(arena: Arena, columns: int) -> Floats:
-    """Ground points (G, 2) on a square grid with `columns` over the width, half a cell from the edges [m]."""
+    """Points (G, 2) [m] of a square grid with `columns` over the width, half a cell from the edges."""
     cell = arena.width / columns
     rows = max(1, round(arena.height / cell))
     x = arena.x_min + cell * (np.arange(columns) + 0.5)
@@ -17,7 +17,7 @@ def grid_points(arena: Arena, columns: int) -> Floats:
 
 
 def draw_arrows(axes: Axes, points: Floats, vectors: Floats, cell: float, ink: str | list[str]) -> None:
-    """Arrows (G, 2), a unit vector as long as 0.8 cells [m]; those shorter than 2 % are left out."""
+    """Draws vectors (G, 2) as arrows; a unit vector is 0.8 cells long, and vectors below 0.02 are omitted."""
     seen = np.hypot(vectors[:, 0], vectors[:, 1]) > 0.02
     colours = ink if isinstance(ink, str) else [colour for colour, shown in zip(ink, seen, strict=True) if shown]
     axes.quiver(

@@ -1,4 +1,4 @@
-"""What a map is made of: obstacles, fires, desired paths, robots' tracks with time marks, the formation at instants."""
+"""Elements of a map: obstacles, fires, desired paths, tracks with time marks, formations at some times."""
 
 import math
 from collections.abc import Sequence
@@ -17,12 +17,12 @@ from higvf_console.core.viewport import Arena
 from higvf_console.lab.reproduce.figures.canvas import INK, nice_step, robot_ink
 from higvf_console.lab.reproduce.runs import Run
 
-_CORNER = 24  # points on each end of a bar
-_ROOMY = 38.0  # a fire of this radius has room for its words [m]
+_CORNER = 24  # points of each end of a capsule
+_ROOMY = 38.0  # radius of a fire that has room for its label [m]
 
 
 def frame_of(run: Run, margin: float = 40.0) -> Arena:
-    """The part of the plane where something happens: tracks, desired paths, fires and obstacles [m]."""
+    """The smallest frame that contains tracks, desired paths, fires and obstacles, plus a margin [m]."""
     world = run.setup.world
     parts = [run.position.reshape(-1, 2), world.bars[:, 0:2], world.bars[:, 2:4]]
     for at, radius in (
@@ -40,7 +40,7 @@ def frame_of(run: Run, margin: float = 40.0) -> Arena:
 
 
 def draw_obstacles(axes: Axes, world: World) -> None:
-    """Circles, bars and irregular obstacles."""
+    """Draws circles, bars and irregular obstacles."""
     look: dict[str, Any] = {
         "facecolor": INK.obstacle, "edgecolor": INK.obstacle_edge, "linewidth": 0.6, "zorder": 2,
     }  # fmt: skip
@@ -53,7 +53,7 @@ def draw_obstacles(axes: Axes, world: World) -> None:
 
 
 def outlines(world: World) -> list[Floats]:
-    """Corners (n, 2) of irregular obstacles, which a world keeps as closed chains of bars without width [m]."""
+    """Corners (n, 2) [m] of the irregular obstacles, which a world stores as closed chains of bars of zero width."""
     found: list[Floats] = []
     chain: list[list[float]] = []
     for ax, ay, bx, by, _ in world.bars[world.bars[:, 4] == 0.0].tolist():
@@ -65,7 +65,7 @@ def outlines(world: World) -> list[Floats]:
 
 
 def capsule(ax: float, ay: float, bx: float, by: float, radius: float) -> Floats:
-    """The outline (n, 2) of a disc swept from a to b."""
+    """The outline (n, 2) [m] of a capsule."""
     angle = math.atan2(by - ay, bx - ax)
     turn = np.linspace(-math.pi / 2, math.pi / 2, _CORNER) + angle
     cap = radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
@@ -73,14 +73,14 @@ def capsule(ax: float, ay: float, bx: float, by: float, radius: float) -> Floats
 
 
 def draw_path(axes: Axes, path: Path, label: str | None = None) -> None:
-    """A desired path, with an arrow head where it starts."""
+    """Draws a desired path."""
     length = path.length if path.kind != PathKind.LINE else 3000.0
     points = path_points(path, np.linspace(0.0, length, 400))
     axes.plot(*points.T, color=INK.path, linewidth=3.0, alpha=0.55, zorder=1.5, solid_capstyle="round", label=label)
 
 
 def draw_tracks(axes: Axes, run: Run, first: int = 0, last: int | None = None) -> None:
-    """Each robot's way from an open to a filled mark."""
+    """Draws the track of each robot, with an open mark at its start and a filled mark at its end."""
     stop = len(run.time) if last is None else last + 1
     for robot in range(run.position.shape[1]):
         track, ink = run.position[first:stop, robot], robot_ink(robot)
@@ -90,9 +90,9 @@ def draw_tracks(axes: Axes, run: Run, first: int = 0, last: int | None = None) -
 
 
 def draw_formations(axes: Axes, run: Run, times: Sequence[float]) -> None:
-    """The links and the robots at a few instants."""
+    """Draws the robots and their links at some times [s]."""
     for time in times:
-        k = run.moment(time)
+        k = run.index_at(time)
         for i, j in run.links[k].tolist():
             axes.plot(*run.position[k, [i, j]].T, color=INK.link, linewidth=0.7, zorder=3)
         for robot in range(run.position.shape[1]):
@@ -100,7 +100,7 @@ def draw_formations(axes: Axes, run: Run, times: Sequence[float]) -> None:
 
 
 def draw_fires(axes: Axes, run: Run, order: Sequence[int]) -> None:
-    """Fires at their largest radius, their radius at the start dotted, with number and place in the order."""
+    """Draws fires at their largest radius, the initial radius dotted, with number and rank in the order."""
     final, start = run.fire_radius[-1], run.fire_radius[0]
     for fire, (x, y) in enumerate(run.setup.world.fire_position.tolist()):
         radius = float(final[fire])
@@ -118,7 +118,7 @@ def draw_fires(axes: Axes, run: Run, order: Sequence[int]) -> None:
 
 
 def _beside(axes: Axes, run: Run, centre: Floats, radius: float) -> tuple[float, float]:
-    """Where a small fire's words go: next to it, far from all tracks."""
+    """Position of the label of a small fire: beside it, as far as possible from all tracks."""
     width = axes.get_xlim()[1] - axes.get_xlim()[0]
     angles = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
     spots = centre + (radius + 0.03 * width) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
@@ -133,20 +133,20 @@ def _ordinal(place: int) -> str:
 
 
 def time_marks(run: Run, most: int = 8, start: float = 0.0) -> list[float]:
-    """Round times, at most `most`, behind `start`, and not so near the end that a mark would hide it."""
+    """At most `most` round times after `start` [s], not too near the end of the run."""
     end = float(run.time[-1])
     step = nice_step(end - start, most)
     return [t for t in np.arange(math.ceil(start / step) * step, end - 0.3 * step, step).tolist() if t > 0.0]
 
 
 def draw_times(axes: Axes, run: Run, times: Sequence[float]) -> None:
-    """Writes times beside the team, each where the fewest tracks, fires and other texts are."""
+    """Writes times beside the team, each where it is farthest from tracks, fires and other labels."""
     busy = np.vstack([run.position[::10].reshape(-1, 2), *_occupied(run)])
     low, high = np.array([axes.get_xlim()[0], axes.get_ylim()[0]]), np.array([axes.get_xlim()[1], axes.get_ylim()[1]])
     reach = 0.035 * float((high - low).max())
     angles = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
     for time in times:
-        team = run.position[run.moment(time)]
+        team = run.position[run.index_at(time)]
         spots = [
             robot + factor * reach * np.array([math.cos(a), math.sin(a)])
             for robot in team for factor in (0.8, 1.1, 1.5) for a in angles
@@ -165,12 +165,12 @@ def draw_times(axes: Axes, run: Run, times: Sequence[float]) -> None:
             x, y, f"{time:.0f} s", ha="center", va="center", fontsize=6.5, color=INK.quiet, zorder=8,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
         )  # fmt: skip
-        words = spot + np.array([(dx, 0.0) for dx in (-0.8 * reach, 0.0, 0.8 * reach)])
-        busy = np.vstack([busy, words])
+        label = spot + np.array([(dx, 0.0) for dx in (-0.8 * reach, 0.0, 0.8 * reach)])
+        busy = np.vstack([busy, label])
 
 
 def _occupied(run: Run) -> list[Floats]:
-    """Points (n, 2) all over each fire, circle and bar, where no words shall stand."""
+    """Points (n, 2) [m] that cover each fire, circle and bar, where no label may be placed."""
     world = run.setup.world
     discs = [*np.c_[world.fire_position, run.fire_radius[-1]].tolist(), *world.circles.tolist()]
     turn = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
@@ -183,7 +183,7 @@ def _occupied(run: Run) -> list[Floats]:
 
 
 def legend_below(axes: Axes, columns: int = 6) -> None:
-    """The legend under the map, each entry once."""
+    """Draws the legend below the map, with each entry once."""
     handles, labels = axes.get_legend_handles_labels()
     once = dict(zip(labels, handles, strict=True))
     axes.legend(
@@ -192,7 +192,7 @@ def legend_below(axes: Axes, columns: int = 6) -> None:
 
 
 def boundary(axes: Axes, outline: Floats, colour: str, label: str | None = None) -> None:
-    """A dashed closed boundary (n, 2)."""
+    """Draws a closed dashed boundary (n, 2) [m]."""
     closed = Outline(np.vstack([outline, outline[:1]]))
     axes.add_patch(
         PathPatch(closed, fill=False, edgecolor=colour, linewidth=1.1, linestyle=(0, (4, 2)), zorder=3, label=label)

@@ -1,1 +1,1 @@
-"""The report of a reproduction: one HTML page, Markdown with pictures beside it, and JSON."""
+"""The report of a reproduction as an HTML page, Markdown with figures, and JSON."""

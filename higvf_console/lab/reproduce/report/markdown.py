@@ -1,18 +1,18 @@
-"""The report as Markdown, with its pictures in figures/."""
+"""The report as Markdown, with its figures in figures/."""
 
 from collections.abc import Iterable, Sequence
 
 from higvf_console.lab.reproduce.case import Findings
+from higvf_console.lab.reproduce.report.formatting import missed, number, tally, verdict
 from higvf_console.lab.reproduce.report.notes import DIFFERENCES, METHOD
-from higvf_console.lab.reproduce.report.words import missed, number, tally, verdict
 from higvf_console.lab.reproduce.results import Result, Results, plain_run
 
 
 def markdown_report(results: Results) -> str:
-    """The whole report; `figures/NAME.png` must lie beside it."""
-    lines = ["# HI-GVF, reproduced", "", f"Made {results.made}", "", "## Summary", ""]
+    """The text of the report; it refers to `figures/NAME.png`."""
+    lines = ["# Reproduction of HI-GVF", "", f"Created {results.made}", "", "## Summary", ""]
     lines += table(
-        ("case", "the paper", "met"),
+        ("case", "paper", "met"),
         [
             (f"[{r.case.title}](#{_anchor(r.case.title)})", r.case.paper, "{} of {}".format(*tally(r.findings)))
             for r in results.results
@@ -21,14 +21,14 @@ def markdown_report(results: Results) -> str:
     lines += ["", *_missed(results)]
     for result in results.results:
         lines += _case(result)
-    lines += ["## What differs from the paper, and why", ""]
+    lines += ["## Differences from the paper", ""]
     lines += [f"- **{what}.** {why}" for what, why in DIFFERENCES]
-    lines += ["", "## How it was made", "", *[f"- {note}" for note in METHOD], ""]
+    lines += ["", "## Method", "", *[f"- {note}" for note in METHOD], ""]
     lines += table(("program", "version"), list(results.versions.items()))
     lines += ["", "### Runs", ""]
     runs = [plain_run(run) for run in results.runs]
     lines += table(
-        ("run", "forms", "time [s]", "digest"),
+        ("run", "forms", "duration [s]", "digest"),
         [(f"`{r['command']}`", r["forms"], f"{r['duration_s']:g}", f"`{r['digest']}`") for r in runs],
     )
     return "\n".join(lines) + "\n"
@@ -43,17 +43,17 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
 def _missed(results: Results) -> list[str]:
     found = missed(results)
     if not found:
-        return ["Every expectation is met.", ""]
-    lines = ["Expectations that are not met:", ""]
+        return ["All expectations are met.", ""]
+    lines = ["Expectations not met:", ""]
     lines += [f"- {name}: {m.what}: {number(m.value, m.unit)}; expected {m.expected}" for name, m in found]
     return [*lines, ""]
 
 
 def _case(result: Result) -> list[str]:
     case, findings = result
-    lines = [f"## {case.title}", "", f"The paper: {case.paper}", "", f"Here: {case.how}", ""]
+    lines = [f"## {case.title}", "", f"Paper: {case.paper}", "", f"Reproduction: {case.how}", ""]
     lines += table(
-        ("", "measured", "", "expected"),
+        ("", "measured", "value", "expected"),
         [(verdict(m), m.what, number(m.value, m.unit), m.expected) for m in findings.measurements],
     )
     return [*lines, "", *_rest(findings)]

@@ -1,38 +1,38 @@
-"""The report as one self-contained HTML page: figures inline, no script, no address outside."""
+"""The report as one self-contained HTML page: inline figures, no scripts, no external resources."""
 
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
 
 from higvf_console.lab.reproduce.case import Measurement, Picture, Table
+from higvf_console.lab.reproduce.report.formatting import missed, number, tally, verdict
 from higvf_console.lab.reproduce.report.notes import DIFFERENCES, METHOD
-from higvf_console.lab.reproduce.report.sheet import SHEET
-from higvf_console.lab.reproduce.report.words import missed, number, tally, verdict
+from higvf_console.lab.reproduce.report.stylesheet import SHEET
 from higvf_console.lab.reproduce.results import Result, Results, plain_run
 
 
 def html_report(results: Results, figures: Mapping[str, bytes]) -> str:
-    """The page.
+    """The text of the page.
 
     Args:
-        results: what to tell.
-        figures: SVG by the picture's name.
+        results: findings to report.
+        figures: SVG of each picture, by its name.
     """
     cases = "".join(_case(result, figures) for result in results.results)
     return f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
-<title>HI-GVF, reproduced</title><style>{SHEET}</style></head>
+<title>Reproduction of HI-GVF</title><style>{SHEET}</style></head>
 <body>
 <nav aria-label="Contents"><p>Contents</p><ol>{_contents(results)}</ol></nav>
 <main>
-<header><h1>HI-GVF, reproduced</h1>
-<p class="lead">Every result of the paper that a simulation can give, run from the published data and put beside what
-the paper says: {_sentence(results)}</p>
-<p class="made">Made {escape(results.made)}</p></header>
+<header><h1>Reproduction of HI-GVF</h1>
+<p class="lead">Every result of the paper that a simulation can give, computed from the published data and compared with
+the paper: {_sentence(results)}</p>
+<p class="made">Created {escape(results.made)}</p></header>
 <section id="summary"><h2>Summary</h2>{_summary(results)}{_missed(results)}</section>
 {cases}
-<section id="differences"><h2>What differs from the paper, and why</h2><dl>{_differences()}</dl></section>
-<section id="method"><h2>How it was made</h2><ul>{"".join(f"<li>{_code(note)}</li>" for note in METHOD)}</ul>
+<section id="differences"><h2>Differences from the paper</h2><dl>{_differences()}</dl></section>
+<section id="method"><h2>Method</h2><ul>{"".join(f"<li>{_code(note)}</li>" for note in METHOD)}</ul>
 <h3>Versions</h3>{_grid(("program", "version"), list(results.versions.items()))}
 <h3>Runs</h3>{_runs(results)}</section>
 </main></body></html>
@@ -41,7 +41,7 @@ the paper says: {_sentence(results)}</p>
 
 def _contents(results: Results) -> str:
     entries = [("summary", "Summary"), *[(f"case-{r.case.name}", r.case.title) for r in results.results]]
-    entries += [("differences", "What differs, and why"), ("method", "How it was made")]
+    entries += [("differences", "Differences from the paper"), ("method", "Method")]
     return "".join(f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title in entries)
 
 
@@ -59,20 +59,20 @@ def _summary(results: Results) -> str:
             f'<tr><td><a href="#case-{case.name}">{escape(case.title)}</a></td><td>{escape(case.paper)}</td>{mark}</tr>'
         )
     return _scroll(
-        f"<table><thead><tr><th>case</th><th>the paper</th><th>met</th></tr></thead><tbody>{rows}</tbody></table>"
+        f"<table><thead><tr><th>case</th><th>paper</th><th>met</th></tr></thead><tbody>{rows}</tbody></table>"
     )
 
 
 def _missed(results: Results) -> str:
     found = missed(results)
     if not found:
-        return "<p>Every expectation is met.</p>"
+        return "<p>All expectations are met.</p>"
     items = "".join(
         f'<li><a href="#case-{name}">{name}</a>: {escape(m.what)}: <b>{escape(number(m.value, m.unit))}</b>; expected'
         f" {escape(m.expected)}</li>"
         for name, m in found
     )
-    return f"<h3>Not met</h3><ul>{items}</ul>"
+    return f"<h3>Expectations not met</h3><ul>{items}</ul>"
 
 
 def _case(result: Result, figures: Mapping[str, bytes]) -> str:
@@ -81,7 +81,7 @@ def _case(result: Result, figures: Mapping[str, bytes]) -> str:
     pictures = "".join(_picture(picture, figures[picture.name]) for picture in findings.pictures)
     notes = "".join(f'<p class="note">{_code(note)}</p>' for note in findings.notes)
     return f"""<section id="case-{case.name}"><h2>{escape(case.title)} <code>{case.name}</code></h2>
-<p><b>The paper.</b> {escape(case.paper)}</p><p><b>Here.</b> {escape(case.how)}</p>
+<p><b>Paper.</b> {escape(case.paper)}</p><p><b>Reproduction.</b> {escape(case.how)}</p>
 {_measurements(findings.measurements)}{tables}{pictures}{notes}</section>
 """
 
@@ -97,7 +97,7 @@ def _measurements(measured: Sequence[Measurement]) -> str:
 
 
 _KIND = {True: "met", False: "missed", None: "open"}
-_TITLE = {True: "met", False: "not met", None: "nothing promised"}
+_TITLE = {True: "met", False: "not met", None: "no expectation"}
 
 
 def _table(shown: Table) -> str:
@@ -127,7 +127,7 @@ def _runs(results: Results) -> str:
         f'<td class="number">{run["duration_s"]:g} s</td><td><code class="digest">{run["digest"]}</code></td></tr>'
         for run in map(plain_run, results.runs)
     )
-    head = "<th>run</th><th>forms</th><th>time</th><th>digest of the trajectory</th>"
+    head = "<th>run</th><th>forms</th><th>duration</th><th>digest of the trajectory</th>"
     return _scroll(f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>")
 
 
@@ -136,6 +136,6 @@ def _scroll(table: str) -> str:
 
 
 def _code(text: str) -> str:
-    """Escaped, with `words` as code."""
+    """Escapes text and marks the parts between backquotes as code."""
     parts = escape(text).split("`")
     return "".join(f"<code>{part}</code>" if odd % 2 else part for odd, part in enumerate(parts))

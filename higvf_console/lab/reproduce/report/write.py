@@ -10,10 +10,17 @@ from higvf_console.lab.reproduce.results import Results
 
 
 def write_report(results: Results, folder: Path) -> Path:
-    """Draws all pictures and writes all files; returns the page.
+    """Draws all pictures and writes all files.
+
+    Args:
+        results: findings to report.
+        folder: created if it does not exist.
+
+    Returns:
+        The path of report.html.
 
     Raises:
-        HigvfError: the folder cannot be written to.
+        HigvfError: a file cannot be written.
     """
     pictures = [picture for result in results.results for picture in result.findings.pictures]
     files = {picture.name: rendered(picture.draw, "svg", "png") for picture in pictures}

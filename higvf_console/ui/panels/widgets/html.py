@@ -3,7 +3,7 @@
 import math
 from html import escape
 
-from higvf_console.sim.setup import Severity
+from higvf_console.core.events import Severity
 from higvf_console.ui.theme import CSS, Look, Palette
 
 

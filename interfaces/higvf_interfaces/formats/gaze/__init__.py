@@ -1,1 +1,1 @@
-"""Readers of eye-tracker files."""
+"""Readers of gaze formats, one module per format; each yields a `GazeStream`."""

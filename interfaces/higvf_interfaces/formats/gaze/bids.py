@@ -1,11 +1,11 @@
-"""BIDS eye tracking: a table without header, `..._physio.tsv.gz`, whose columns a JSON file beside it names.
+"""BIDS eye tracking: a table without header, `..._physio.tsv.gz`, with a JSON sidecar that names the columns.
 
     {"SamplingFrequency": 500, "StartTime": 0, "Columns": ["timestamp", "x_coordinate", "y_coordinate", "pupil_size"],
      "PhysioType": "eyetrack", "x_coordinate": {"Units": "pixel"}, "timestamp": {"Units": "ms"}}
 
-The first sample lies at StartTime, as onsets of the events do; without a column of times, sample k lies k /
-SamplingFrequency behind it. The screen's size and origin stand in the JSON of the events (`StimulusPresentation`),
-which is taken where it lies beside the table. Missing is "n/a".
+StartTime is the time of the first sample on the clock of the events' onsets. Without a time column, sample k has the
+time StartTime + k / SamplingFrequency. The events' JSON sidecar (`StimulusPresentation`), if present in the same
+folder, gives size and origin of the screen. "n/a" means missing.
 """
 
 import json
@@ -27,7 +27,7 @@ TITLE = "BIDS eye tracking (tsv.gz or tsv, with its JSON beside it)"
 _TIMES = ("timestamp", "eye1_timestamp", "time")
 _FRAMES = {"pixel": "screen", "pixels": "screen", "px": "screen", "normalized": "unit"}
 _LONG_UNITS = {"seconds": "s", "second": "s", "milliseconds": "ms", "microseconds": "μs", "nanoseconds": "ns"}
-_LARGEST = 1_000_000  # bytes of a JSON
+_LARGEST = 1_000_000  # maximum size of a sidecar [bytes]
 _FIRST_ROWS = 2000
 
 
@@ -40,23 +40,23 @@ class _Table(NamedTuple):
 
 
 def matches(file: TextFile) -> bool:
-    """Whether a JSON beside the file names the columns of gaze."""
+    """Return whether the file has a JSON sidecar with gaze columns."""
     sidecar = _sidecar(file.path)
     return sidecar is not None and _table(sidecar) is not None
 
 
 def stream(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read.
+    """Open the table.
 
     Raises:
-        InputError: no JSON beside the file, no gaze in its columns, neither times nor a sampling frequency, or a
-            StartTime that is no number.
+        InputError: If the sidecar or its gaze columns are missing, there are neither times nor a sampling frequency, or
+            StartTime is not a number.
     """
     sidecar = _sidecar(file.path)
     table = _table(sidecar) if sidecar is not None else None
     if table is None:
         raise InputError(
-            f'{file.path}: BIDS tables have no header; put {_stem(file.path)}.json beside it, with "Columns" that hold '
+            f'{file.path}: a BIDS table has no header; put {_stem(file.path)}.json beside it, whose "Columns" include '
             "x_coordinate and y_coordinate"
         )
     notes: list[str] = []
@@ -85,7 +85,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
 
 
 def _times(file: TextFile, table: _Table, notes: list[str]) -> "_Times":
-    """How a row gets its time: from its column, or by counting."""
+    """Return the source of the row times: the time column, or the row count."""
     if table.time is None:
         rate = table.sidecar.get("SamplingFrequency")
         if not is_number(rate) or rate <= 0:
@@ -96,27 +96,27 @@ def _times(file: TextFile, table: _Table, notes: list[str]) -> "_Times":
     if unit not in TIME_UNITS:
         place = table.time
         unit = unit_by_steps(floats([number(c[place]) for c in islice(_cells(file, table, []), _FIRST_ROWS)]))
-        notes.append(f"{table.columns[place]} has no unit in the JSON: taken as {unit} from its steps")
+        notes.append(f"{table.columns[place]} has no unit in the JSON: {unit} inferred from its steps")
     return _Times(table.time, TIME_UNITS[unit])
 
 
 class _Times:
-    """Gives rows their device times [s]: by the column at `place` or, where that is None, by counting."""
+    """Device times of rows [s], from the column at `place`, or from the row count if `place` is None."""
 
     def __init__(self, place: int | None, scale: float) -> None:
-        """Takes seconds in one unit of the column, or from row to row."""
+        """Set the scale: seconds per unit of the column, or per row."""
         self._place, self._scale = place, scale
         self._count = count()
 
     def __call__(self, cells: list[str]) -> float:
-        """Time of the next row [s]."""
+        """Return the time of the next row [s]."""
         if self._place is None:
             return next(self._count) * self._scale
         return number(cells[self._place]) * self._scale
 
 
 def _cells(file: TextFile, table: _Table, notes: list[str]) -> Iterator[list[str]]:
-    """Cells of every line: where lines are counted for their times, one without samples must not move the rest."""
+    """Yield the cells of every line, short lines included, so that they do not shift times from the row count."""
     short = 0
     for line in file.lines(notes, blank=table.time is None):
         cells = line.split("\t")
@@ -124,7 +124,7 @@ def _cells(file: TextFile, table: _Table, notes: list[str]) -> Iterator[list[str
         short += not whole
         yield cells if whole else [""] * len(table.columns)
     if short:
-        notes.append(f"{short} rows with too few cells are missing gaze")
+        notes.append(f"{short} rows with too few cells: gaze missing")
 
 
 def _table(sidecar: Mapping[str, object]) -> _Table | None:
@@ -147,7 +147,7 @@ def _sidecar(path: Path) -> Mapping[str, object] | None:
 
 
 def _presentation(path: Path) -> tuple[tuple[float, float] | None, str]:
-    """Size of the screen [px] and its origin, from the events' JSON beside the table."""
+    """Return size [px] and origin of the screen from the events' JSON sidecar."""
     entities = _stem(path).rsplit("_", 1)[0]
     for name in (entities + "_events.json", entities.split("_recording-")[0] + "_events.json"):
         found = (_json(path.with_name(name)) or {}).get("StimulusPresentation")

@@ -1,11 +1,11 @@
-"""EyeLink ASC text, as `edf2asc` writes it: samples, messages and events in one stream of lines.
+"""EyeLink ASC text written by `edf2asc`: samples, messages and events, one per line.
 
-    MSG     2095865 DISPLAY_COORDS 0 0 1279 1023          inclusive: 1280 px wide; GAZE_COORDS goes over it
-    SAMPLES GAZE LEFT RIGHT RATE 1000.00 TRACKING CR      one or two eyes; HREF and PUPIL are no screen coordinates
-    2154556   139.6   132.1   784.0 ...                   time [ms], x, y [px], pupil for each eye, flags; "." = missing
-    SBLINK L 2154600 ... EBLINK L 2154600 2154700 100     what lies between is the lid, finite or not
+    MSG     2095865 DISPLAY_COORDS 0 0 1279 1023          inclusive: 1280 px wide; GAZE_COORDS takes precedence
+    SAMPLES GAZE LEFT RIGHT RATE 1000.00 TRACKING CR      one or two eyes; HREF, PUPIL: not screen coordinates
+    2154556   139.6   132.1   784.0 ...                   time [ms]; x, y [px] and pupil per eye; flags; "." = missing
+    SBLINK L 2154600 ... EBLINK L 2154600 2154700 100     samples between are invalid, even if finite
 
-Of the flags, C (no corneal reflection) and I (interpolated) say that the point was not measured.
+The flags C (no corneal reflection) and I (interpolated) mark a point as not measured.
 """
 
 import math
@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.gaze.eyes import NO_EYE, Eye, both
+from higvf_interfaces.formats.gaze.binocular import NO_EYE, Eye, both
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TextFile, number
 
@@ -24,37 +24,37 @@ _SIGNS = re.compile(rb"^(\*\* CONVERTED FROM|SAMPLES[ \t]+|START[ \t]+\d+[ \t]+(
 _COORDINATES = ("GAZE_COORDS", "DISPLAY_COORDS")
 _UNMEASURED = frozenset("CI")
 _EYES = {"L": 0, "R": 1}
-_TIME = re.compile(r"\d+(\.\d)?")  # [ms]; at 2000 Hz with a half
+_TIME = re.compile(r"\d+(\.\d)?")  # [ms]; with a decimal at 2000 Hz
 _FLAGS = re.compile(r"[.CIR]{3}|[.CIR]{5}")
-_PREAMBLE = b"** "  # a whole conversion, in which samples stand between START and END only
+_PREAMBLE = b"** "  # start of a complete conversion, in which samples appear only between START and END
 _HEADER_LINES = 100_000
 
 
 class _Setting(NamedTuple):
-    """What the lines before a sample say of it."""
+    """State set by the lines before a sample."""
 
-    recording: bool  # numbers outside START and END belong to the calibration
-    eyes: tuple[int, ...] = ()  # 0 left, 1 right, in the order of their columns
-    shut: frozenset[int] = frozenset()  # eyes that blink
+    recording: bool  # between START and END; numbers elsewhere belong to the calibration
+    eyes: tuple[int, ...] = ()  # 0 left, 1 right, in the order of the columns
+    shut: frozenset[int] = frozenset()  # eyes in a blink
     origin: tuple[float, float] = (0.0, 0.0)  # [px]
     screen: tuple[float, float] | None = None
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the first bytes have the converter's line, or the line that describes samples."""
+    """Return whether the first bytes contain the line of the converter or the line that describes samples."""
     return _SIGNS.search(file.head) is not None
 
 
 def stream(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read.
+    """Open the file.
 
     Raises:
-        InputError: samples that are not gaze on the screen, or no sample at all.
+        InputError: If the samples are not gaze on the screen, or there are none.
     """
     setting = _first_setting(file)
     notes: list[str] = []
     if setting.screen is None:
-        notes.append("the file does not say the size of the screen (GAZE_COORDS or DISPLAY_COORDS)")
+        notes.append("the file does not specify the screen size (GAZE_COORDS or DISPLAY_COORDS)")
     columns = ("time [ms]", *(f"{axis} {'LR'[eye]} [px]" for eye in setting.eyes for axis in "xy"), "flags")
     return GazeStream(NAME, columns, "screen", blocks_of(_rows(file, notes)), notes, screen=setting.screen)
 
@@ -65,7 +65,7 @@ def _first_setting(file: TextFile) -> _Setting:
         cells = line.split()
         if _is_sample(setting, cells):
             return setting if setting.eyes else setting._replace(eyes=_counted_eyes(cells))
-        setting = _heard(file, setting, cells)
+        setting = _updated(file, setting, cells)
         if count > _HEADER_LINES:
             break
     raise InputError(f"{file.path}: has no samples; convert the EDF with edf2asc without -e (events only)")
@@ -82,13 +82,13 @@ def _rows(file: TextFile, notes: list[str]) -> Iterator[Row]:
     for line in file.lines(notes):
         cells = line.split()
         if not _is_sample(setting, cells):
-            setting = _heard(file, setting, cells)
+            setting = _updated(file, setting, cells)
             continue
         if held is not None:
             yield held
         held = _row(cells, setting)
     if not file.complete and _is_sample(setting, cells) and not _FLAGS.fullmatch(cells[-1]):
-        notes.append("the last row is torn: left out")
+        notes.append("truncated last row dropped")
     elif held is not None:
         yield held
 
@@ -117,8 +117,8 @@ def _counted_eyes(cells: list[str]) -> tuple[int, ...]:
     return (0, 1) if numbers >= 6 else (0,)
 
 
-def _heard(file: TextFile, setting: _Setting, cells: list[str]) -> _Setting:
-    """The setting after a line that is no sample."""
+def _updated(file: TextFile, setting: _Setting, cells: list[str]) -> _Setting:
+    """Return the state after a line that is not a sample."""
     match cells:
         case ["SAMPLES", kind, *words]:
             if kind != "GAZE":
@@ -132,7 +132,7 @@ def _heard(file: TextFile, setting: _Setting, cells: list[str]) -> _Setting:
             return setting._replace(shut=setting.shut | {_EYES[eye]})
         case ["EBLINK", eye, *_] if eye in _EYES:
             return setting._replace(shut=setting.shut - {_EYES[eye]})
-        case ["START" | "END" as word, *_]:  # a blink may last over the end of a block
+        case ["START" | "END" as word, *_]:  # a blink may have no end in its block
             return setting._replace(recording=word == "START", shut=frozenset())
         case _:
             return setting

@@ -1,14 +1,15 @@
-"""Gazepoint tables: shares of the screen, origin top left, and the last point repeated while the eyes are lost.
+"""Gazepoint tables: gaze in fractions of the screen, origin top left.
 
-Only the validity tells a repeated point from a steady eye: BPOGV for the best point of both eyes, FPOGV for the
-fixation's. The title of the time column carries the date, `TIME(2016/11/09 10:05:22.333)`; its cells are seconds.
+The last point is repeated while the eyes are lost, so the validity column is required: BPOGV for the best point of
+gaze, FPOGV for the point of the fixation. The title of the time column contains the date,
+`TIME(2016/11/09 10:05:22.333)`; its cells are in seconds.
 """
 
 import math
 from collections.abc import Iterator
 
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.gaze.eyes import says_yes
+from higvf_interfaces.formats.gaze.binocular import says_yes
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import Column, TextFile, cell, number
 
@@ -18,15 +19,15 @@ _POINTS = (("bpogx", "bpogy", "bpogv"), ("fpogx", "fpogy", "fpogv"))
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the header has a point of gaze and its validity."""
+    """Return whether the header has a time, a gaze point and its validity."""
     return file.find("time") is not None and _find(file) is not None
 
 
 def stream(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read.
+    """Open the table.
 
     Raises:
-        InputError: no time, or no point with its validity.
+        InputError: If the time, or a gaze point with its validity, is missing.
     """
     time, found = file.find("time"), _find(file)
     if time is None or found is None:

@@ -1,8 +1,8 @@
-"""Tables of Pupil Labs Neon and Invisible: gaze in the scene, on a surface, or on a reference image.
+"""Pupil Labs Neon and Invisible CSV tables: gaze in the scene, on a surface, or on a reference image.
 
-Times are nanoseconds since 1970, too long for a float, so they are counted from the first sample in integers. Gaze
-stays finite while the eye is shut: blinks are cut by the column "blink id" where there is one, else by the table
-`blinks.csv` beside the file. A tracker that is not worn sees nothing.
+Times are nanoseconds since 1970, which exceed the precision of a float, so the first time is subtracted as an integer.
+Gaze stays finite during blinks; these are cut by the column "blink id", or else by the table `blinks.csv` in the same
+folder. Samples with the tracker not worn are invalid.
 """
 
 import math
@@ -12,7 +12,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.gaze.eyes import says_yes
+from higvf_interfaces.formats.gaze.binocular import says_yes
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import Column, TextFile, cell, look, number
 
@@ -37,15 +37,15 @@ class _Columns(NamedTuple):
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the header has times in nanoseconds and a point in one of the three frames."""
+    """Return whether the header has times in nanoseconds and a gaze point in one of the three frames."""
     return _find(file) is not None
 
 
 def stream(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read.
+    """Open the table.
 
     Raises:
-        InputError: a column is missing, or no row has a time.
+        InputError: If a column is missing.
     """
     columns = _find(file)
     if columns is None:
@@ -76,7 +76,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
 
 
 def nanoseconds(text: str) -> int | None:
-    """A count of nanoseconds, exact where it is written as an integer; None where there is none."""
+    """Parse a count of nanoseconds, exactly if it is an integer; None if invalid."""
     if text.isascii() and text.lstrip("-").isdigit() and len(text) <= 20:
         return int(text)
     value = number(text)
@@ -95,7 +95,7 @@ def _find(file: TextFile) -> _Columns | None:
 
 
 def _blinks(file: TextFile, notes: list[str]) -> tuple[Sequence[int], Sequence[int]]:
-    """Starts and ends of the blinks in the table beside the file [ns], in order."""
+    """Return starts and ends of the blinks in `blinks.csv` [ns], in order of time."""
     path = file.path.parent / BLINKS
     if not path.is_file():
         notes.append(f"no column 'blink id' and no {BLINKS} beside the file: blinks are not cut")
@@ -108,7 +108,7 @@ def _blinks(file: TextFile, notes: list[str]) -> tuple[Sequence[int], Sequence[i
         if begun is not None and over is not None:
             pairs.append((begun, over))
     pairs.sort()
-    notes.append(f"{len(pairs)} blinks of {BLINKS} cut")
+    notes.append(f"{len(pairs)} blinks listed in {BLINKS} cut")
     return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
 
 

@@ -1,11 +1,11 @@
-"""The folder that a Pupil Labs Neon or Invisible writes: raw numbers, their times, and a text that types them.
+"""Recording folders of Pupil Labs Neon and Invisible: binary samples, their times, and text files with the data types.
 
-    gaze ps1.raw    x, y as in gaze.dtype (two float32 without one): pixels of the scene camera, origin top left
-    gaze ps1.time   one int64 a sample: nanoseconds since 1970; a second part is called ps2, and so on
-    blinks ps1.raw  records with start_timestamp_ns and end_timestamp_ns, as in blinks.dtype
-    worn ps1.raw    one byte a sample: 0 = not worn
+    gaze ps1.raw    x, y, typed by gaze.dtype (default two float32): pixels of the scene camera, origin top left
+    gaze ps1.time   one int64 per sample: nanoseconds since 1970; further parts are numbered ps2, ps3, ...
+    blinks ps1.raw  records with start_timestamp_ns and end_timestamp_ns, typed by blinks.dtype
+    worn ps1.raw    one byte per sample: 0 = not worn
 
-Gaze stays finite and wanders while the eye is shut, so the blink list must be cut out.
+Gaze stays finite during blinks, so the listed blinks are cut.
 """
 
 import ast
@@ -39,15 +39,15 @@ class _Part(NamedTuple):
 
 
 def matches(file: TextFile) -> bool:
-    """Whether it is a folder with raw gaze in it."""
+    """Return whether the path is a folder with raw gaze files."""
     return not file.head and file.path.is_dir() and bool(_raw_files(file.path))
 
 
 def stream(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read.
+    """Open the recording.
 
     Raises:
-        InputError: no folder, no gaze in it, no times beside it, or types that cannot be read.
+        InputError: If the path is not such a folder, or its gaze, times or data types are missing or invalid.
     """
     folder = file.path
     if not matches(file):
@@ -101,25 +101,25 @@ def _blocks(parts: list[_Part], types: np.dtype[Any], blinks: NDArray[np.int64],
                 gaze = np.fromfile(part.raw, types, count, offset=first * types.itemsize)
                 time = np.fromfile(part.time, _NANOSECONDS, count, offset=first * _NANOSECONDS.itemsize)
                 count = min(len(gaze), len(time))
-                open_eyed = ~_shut(time[:count], blinks)
+                valid = ~_shut(time[:count], blinks)
                 if part.worn is not None:
-                    open_eyed &= np.fromfile(part.worn, _WORN, count, offset=first) > 0
-                with np.errstate(invalid="ignore"):  # a torn float may be a signalling NaN
+                    valid &= np.fromfile(part.worn, _WORN, count, offset=first) > 0
+                with np.errstate(invalid="ignore"):  # damaged data may contain signalling NaNs
                     points = np.stack([gaze["x"][:count], gaze["y"][:count]], axis=1).astype(np.float64)
                 points[~np.isfinite(points)] = np.nan
-                yield block_of(floats((time[:count] - epoch) * 1e-9), floats(points), bools(open_eyed))
+                yield block_of(floats((time[:count] - epoch) * 1e-9), floats(points), bools(valid))
     except (OSError, ValueError) as problem:
         raise InputError(f"{parts[0].raw.parent}: cannot be read: {problem}") from problem
 
 
 def _shut(time: NDArray[np.int64], blinks: NDArray[np.int64]) -> Bools:
-    """Whether each time (n,) lies in one of the blinks (k, 2), which are in order."""
+    """Return whether each time (n,) lies in one of the ordered blinks (k, 2)."""
     latest = np.searchsorted(blinks[:, 0], time, side="right") - 1
     return bools((latest >= 0) & (time <= blinks[latest, 1])) if len(blinks) else np.zeros(len(time), dtype=np.bool_)
 
 
 def _blinks(folder: Path, notes: list[str]) -> NDArray[np.int64]:
-    """Starts and ends of the blinks (k, 2) [ns], in order; those that overlap run on."""
+    """Return starts and ends of the blinks (k, 2) [ns], in order of time; the ends are made non-decreasing."""
     usual = np.dtype([("event_type", "<i4"), ("start_timestamp_ns", "<i8"), ("end_timestamp_ns", "<i8")])
     types = _types(folder / "blinks.dtype", usual)
     files = sorted(folder.glob("blinks ps*.raw"))
@@ -130,12 +130,12 @@ def _blinks(folder: Path, notes: list[str]) -> NDArray[np.int64]:
     pairs = np.stack([found["start_timestamp_ns"], found["end_timestamp_ns"]], axis=1).astype(np.int64)
     pairs = pairs[np.argsort(pairs[:, 0], kind="stable")]
     pairs[:, 1] = np.maximum.accumulate(pairs[:, 1]) if len(pairs) else pairs[:, 1]
-    notes.append(f"{len(pairs)} blinks of the device's list cut")
+    notes.append(f"{len(pairs)} blinks listed by the device cut")
     return pairs
 
 
 def _types(path: Path, usual: np.dtype[Any]) -> np.dtype[Any]:
-    """The types that a .dtype text names; `usual` where there is none."""
+    """Return the data types in a .dtype file, or `usual` if there is no such file."""
     if not path.is_file():
         return usual
     try:
@@ -149,7 +149,7 @@ def _types(path: Path, usual: np.dtype[Any]) -> np.dtype[Any]:
 
 
 def _scene(folder: Path) -> tuple[float, float] | None:
-    """Size of the scene camera's image [px], by what the device says it is."""
+    """Return the image size of the scene camera [px] by the device's model, or None if unknown."""
     try:
         info: object = json.loads((folder / "info.json").read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):

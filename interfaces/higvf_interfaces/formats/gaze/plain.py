@@ -1,7 +1,7 @@
-"""Plain gaze tables, `time,x,y[,confidence][,valid]`: a header line, then one row a sample.
+"""Plain gaze tables, `time,x,y[,confidence][,valid]`: a header line, then one row per sample.
 
-Delimiter comma, semicolon or tab. The time is in seconds unless the title carries a unit (`time [ms]`); a unit of x
-settles the frame (`x [m]` arena, `x [px]` screen), which must be declared otherwise.
+The delimiter is comma, semicolon or tab. Times are in seconds unless the title has a unit (`time [ms]`). The unit of x
+gives the frame (`x [m]` arena, `x [px]` screen); without one the option `frame` is required.
 """
 
 from collections.abc import Callable, Iterator
@@ -12,7 +12,7 @@ import numpy as np
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import unit_by_steps
-from higvf_interfaces.formats.gaze.eyes import says_no
+from higvf_interfaces.formats.gaze.binocular import says_no
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, epoch_seconds, number
 
@@ -21,19 +21,19 @@ TITLE = "plain gaze CSV (time,x,y[,confidence])"
 TIMES = ("time", "timestamp", "t", "time_s", "time_ms")
 _FRAMES = {"m": "arena", "px": "screen"}
 _LOOKED_AT = 2000  # rows
-_TELLING = 10  # so many times tell their unit
+_TELLING = 10  # more times than this are needed to infer their unit
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the header names a time and a point."""
+    """Return whether the header has the columns time, x and y."""
     return file.find(*TIMES) is not None and file.find("x") is not None and file.find("y") is not None
 
 
 def stream(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read.
+    """Open the table.
 
     Raises:
-        InputError: no time column, no x and y columns, or a unit of time that is unknown or cannot be seconds.
+        InputError: If the time, x or y column is missing, or the unit of time is unknown or cannot be seconds.
     """
     time, x, y = file.find(*TIMES), file.find("x"), file.find("y")
     if time is None:
@@ -48,9 +48,9 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
 
     def rows() -> Iterator[Row]:
         for row in file.rows(notes):
-            vouched = not says_no(cell(row, validity))
+            valid = not says_no(cell(row, validity))
             point = number(cell(row, x)), number(cell(row, y))
-            yield seconds(cell(row, time)), *point, vouched, number(cell(row, confidence))
+            yield seconds(cell(row, time)), *point, valid, number(cell(row, confidence))
 
     return GazeStream(
         format=NAME,
@@ -64,10 +64,12 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
 
 
 def seconds_of(path: Path, time: Column | None) -> Callable[[str], float]:
-    """What reads cells of a column of times as seconds: by the unit of its title, or by `epoch_seconds` without one.
+    """Return a function that parses cells of a time column to seconds, by the unit of its title.
+
+    Without a unit, the function is `epoch_seconds`.
 
     Raises:
-        InputError: the title carries a unit that is none of time; the message begins with `path`.
+        InputError: If the title has an unknown unit of time; the message begins with `path`.
     """
     unit = "" if time is None else {"time_s": "s", "time_ms": "ms"}.get(time.name, time.unit)
     if not unit:
@@ -78,11 +80,11 @@ def seconds_of(path: Path, time: Column | None) -> Callable[[str], float]:
 
 
 def _check_steps(file: TextFile, time: Column) -> None:
-    """Refuses a column without unit whose times cannot be seconds of gaze."""
+    """Reject a time column without unit whose time steps cannot be seconds."""
     times = floats([epoch_seconds(cell(row, time)) for row in file.first_rows(_LOOKED_AT)])
     unit = unit_by_steps(times)
     if np.count_nonzero(np.isfinite(times)) > _TELLING and unit != "s":
         raise InputError(
-            f"{file.path}: {time.title} names no unit, and its steps are too long for gaze in seconds; write the unit "
+            f"{file.path}: {time.title} has no unit, and its steps are too long for gaze in seconds; write the unit "
             f"into that title, perhaps {time.title} [{unit}]"
         )

@@ -1,14 +1,14 @@
-"""Pupil Core's `gaze_positions.csv` and its surface tracker's `gaze_positions_on_surface_NAME.csv`.
+"""Pupil Core tables: `gaze_positions.csv`, and `gaze_positions_on_surface_NAME.csv` of the surface tracker.
 
-Coordinates are shares with the origin at the BOTTOM left: of the scene camera's image in the first table, of the
-surface (a screen with markers, say) in the second, where `on_surf` says whether the eye was on it at all. Times count
-from an arbitrary epoch. The vendor advises to trust confidences from 0.6.
+Coordinates are normalised with the origin at the BOTTOM left: to the image of the scene camera in the first table, to
+the surface (such as a screen with markers) in the second, whose column `on_surf` marks gaze on the surface. Times count
+from an arbitrary epoch. The vendor recommends a minimum confidence of 0.6.
 """
 
 from collections.abc import Iterator
 
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.gaze.eyes import says_yes
+from higvf_interfaces.formats.gaze.binocular import says_yes
 from higvf_interfaces.formats.records import BOTTOM_LEFT, GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import Column, TextFile, cell, number
 
@@ -18,17 +18,17 @@ _CLOCKS = ("gaze_timestamp", "timestamp", "world_timestamp")
 
 
 def matches_core(file: TextFile) -> bool:
-    """Whether the header names a normalised position in the scene."""
+    """Return whether the header has a normalised position in the scene."""
     return file.find(*_CLOCKS) is not None and file.find("norm_pos_x") is not None
 
 
 def matches_surface(file: TextFile) -> bool:
-    """Whether the header names a normalised position on a surface."""
+    """Return whether the header has a normalised position on a surface."""
     return file.find(*_CLOCKS) is not None and file.find("x_norm") is not None and file.find("on_surf") is not None
 
 
 def stream_core(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read gaze in the scene camera's image.
+    """Open a table of gaze in the image of the scene camera.
 
     Raises:
         InputError: a column is missing.
@@ -37,7 +37,7 @@ def stream_core(file: TextFile, _: Wanted) -> GazeStream:
 
 
 def stream_surface(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read gaze on a surface.
+    """Open a table of gaze on a surface.
 
     Raises:
         InputError: a column is missing.

@@ -1,7 +1,7 @@
-"""Old Tobii tables, of Tobii Studio, E-Prime and the SDKs before 3: validity counts from 0 (found) to 4 (lost).
+"""Tables of Tobii Studio, E-Prime and Tobii SDKs before 3, with validity codes from 0 (found) to 4 (lost).
 
-The smaller the better, the opposite of later SDKs. A missing point is -1, which is inside no screen and must not be
-averaged with the other eye's; validities from 2 on may be the wrong eye, and Tobii's own filters leave them out.
+Low codes mean good data, the opposite of later SDKs. A missing point is -1 and must not enter the mean of both eyes.
+Codes from 2 may belong to the other eye; like Tobii's own filters, the reader treats them as missing.
 """
 
 import math
@@ -12,13 +12,13 @@ from typing import NamedTuple
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import unit_by_steps
-from higvf_interfaces.formats.gaze.eyes import NO_EYE, Eye, both
+from higvf_interfaces.formats.gaze.binocular import NO_EYE, Eye, both
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, number
 
 NAME = "tobii-old"
 TITLE = "Tobii Studio, E-Prime or old Tobii SDK table (validity 0 to 4)"
-_FOUND = 1  # the worst validity that is taken
+_FOUND = 1  # highest validity code accepted
 _MISSING = -1.0
 _FIRST_ROWS = 2000
 _TIMES = ("eyetrackertimestamp", "time", "recordingtimestamp", "tettime", "timestamp")
@@ -37,15 +37,15 @@ class _EyeColumns(NamedTuple):
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the header has an old dialect's point and validity of an eye."""
+    """Return whether the header has a time, and gaze point and validity of an eye in one of the dialects."""
     return file.find(*_TIMES) is not None and _find_eyes(file)[1] != ()
 
 
 def stream(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read.
+    """Open the table.
 
     Raises:
-        InputError: no times, or no eye with point and validity.
+        InputError: If the time, or an eye with point and validity, is missing.
     """
     frame, eyes = _find_eyes(file)
     clocks = [column for column in (file.find(name) for name in _TIMES) if column is not None]
@@ -63,7 +63,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         first = floats([number(cell(row, clock)) for row in islice(file.rows([]), _FIRST_ROWS)])
         unit = unit_by_steps(first)
         scale = TIME_UNITS[unit]
-        notes.append(f"{clock.title} has no unit: taken as {unit} from its steps")
+        notes.append(f"{clock.title} has no unit: {unit} inferred from its steps")
 
     def rows() -> Iterator[Row]:
         for row in file.rows(notes):

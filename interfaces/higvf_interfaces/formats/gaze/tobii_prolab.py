@@ -1,9 +1,9 @@
-"""Tobii Pro Lab's tab-separated export: units in the column titles, rows of all sensors interleaved, any locale.
+"""Tobii Pro Lab TSV exports, in any locale.
 
-One row a sample of any sensor; those of the eye tracker are kept. Gaze is in pixels of the display ("DACS px"), with
-"Valid" or "Invalid" for each eye, and empty cells where there is nothing. Times come from the eye tracker's own clock
-where every sample has it: the recording clock is rounded to milliseconds, too coarse for velocities. What the export
-leaves open (which clock is complete, its unit, the words of validity) is settled by the first rows.
+Rows of all sensors are interleaved; only those of the eye tracker are read. Gaze is in display pixels ("DACS px"), with
+"Valid" or "Invalid" for each eye; missing values are empty cells. The clock of the eye tracker is preferred, because
+the recording clock is rounded to milliseconds, too coarse for velocities. The first rows determine which clock is
+complete, its unit, and whether there are validity words.
 """
 
 import math
@@ -16,7 +16,7 @@ import numpy as np
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import unit_by_steps
-from higvf_interfaces.formats.gaze.eyes import both
+from higvf_interfaces.formats.gaze.binocular import both
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, number
 
@@ -47,15 +47,15 @@ class _Sample(NamedTuple):
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the header is Pro Lab's."""
+    """Return whether the header has a time stamp and a gaze point of Pro Lab."""
     return file.find(*_CLOCKS) is not None and any(column.name.startswith("gaze point") for column in file.columns)
 
 
 def stream(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read the eye tracker's rows.
+    """Open the export.
 
     Raises:
-        InputError: no times, no gaze columns in display pixels, or no row of an eye tracker.
+        InputError: If the times, the gaze columns in display pixels, or the rows of an eye tracker are missing.
     """
     columns = _find_columns(file)
     notes: list[str] = []
@@ -64,13 +64,13 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     if not first:
         named = False
         first = list(islice(_samples(file, columns, named, []), _FIRST_ROWS))
-        notes.append('no row says Sensor "Eye Tracker": rows with gaze or validity taken')
+        notes.append('no row has Sensor "Eye Tracker": rows with gaze or validity used')
     if not first:
         raise InputError(f"{file.path}: no row comes from an eye tracker")
     chosen, scale = _choose_clock(columns.clocks, floats([sample.times for sample in first]), notes)
     worded = any(word in ("valid", "invalid") for sample in first for word in sample.words)
     if not worded:
-        notes.append("no validity words: every sample with coordinates counts as valid")
+        notes.append("no validity values: every sample with coordinates counts as valid")
 
     def rows() -> Iterator[Row]:
         for sample in _samples(file, columns, named, notes):
@@ -93,7 +93,7 @@ def _find_columns(file: TextFile) -> _Columns:
     combined, left, right = (pair(f"gaze point {eye}{{}}", _PIXELS) for eye in ("", "left ", "right "))
     if not any(None not in eye for eye in (combined, left, right)):
         raise InputError(
-            f"{file.path}: no gaze columns in display pixels (Gaze point X [DACS px]): export them too; "
+            f"{file.path}: no gaze columns in display pixels (Gaze point X [DACS px]); include them in the export; "
             f"has: {file.titles}"
         )
     clocks = tuple(clock for clock in map(file.find, _CLOCKS) if clock is not None)
@@ -111,7 +111,7 @@ def _find_columns(file: TextFile) -> _Columns:
 
 
 def _samples(file: TextFile, columns: _Columns, named: bool, notes: list[str]) -> Iterator[_Sample]:
-    """Rows of the eye tracker: by the sensor's name, or those with gaze or validity."""
+    """Yield the rows of the eye tracker: by the sensor's name, or those with gaze or validity."""
     for row in file.rows(notes):
         point = _gaze(row, columns)
         left, right = (cell(row, column).casefold() for column in columns.validity)
@@ -126,20 +126,20 @@ def _samples(file: TextFile, columns: _Columns, named: bool, notes: list[str]) -
 
 
 def _gaze(row: list[str], columns: _Columns) -> tuple[float, float]:
-    """The combined gaze point, or what the two eyes' points average to [px]."""
+    """Return the combined gaze point, or the mean of both eyes [px]."""
     if None not in columns.both:
         return number(cell(row, columns.both[0])), number(cell(row, columns.both[1]))
     return both((number(cell(row, x)), number(cell(row, y))) for x, y in (columns.left, columns.right))
 
 
 def _choose_clock(clocks: tuple[Column, ...], times: Floats, notes: list[str]) -> tuple[int, float]:
-    """The first clock that every row has, else the one that most rows have; and the seconds in its unit."""
+    """Return the clock that most rows have, the first on a tie, and its scale to seconds."""
     chosen = int(np.argmax(np.isfinite(times).sum(axis=0)))
     clock = clocks[chosen]
     if clock.unit in TIME_UNITS:
         return chosen, TIME_UNITS[clock.unit]
     unit = unit_by_steps(times[:, chosen])
-    notes.append(f"{clock.title} has no unit: taken as {unit} from its steps")
+    notes.append(f"{clock.title} has no unit: {unit} inferred from its steps")
     return chosen, TIME_UNITS[unit]
 
 

@@ -1,7 +1,7 @@
-"""Tables written from the Python SDK `tobii_research`: the callback's keys as columns, validity 1 = valid.
+"""Tables of the Python SDK `tobii_research`: the keys of the callback as columns, validity 1 = valid.
 
-A point is one cell, "(0.51, 0.43)", as pandas writes a tuple, or two columns with an ending such as `_x` and `_y`.
-Coordinates are shares of the display area, origin top left.
+A point is one cell, "(0.51, 0.43)", as pandas writes a tuple, or two columns with suffixes such as `_x` and `_y`.
+Coordinates are fractions of the display area, origin top left.
 """
 
 import math
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.gaze.eyes import NO_EYE, Eye, both, says_yes
+from higvf_interfaces.formats.gaze.binocular import NO_EYE, Eye, both, says_yes
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import Column, TextFile, cell, number
 
@@ -21,20 +21,20 @@ _ENDINGS = (("",), ("_x", "_y"), ("_0", "_1"), ("[0]", "[1]"), (".x", ".y"), (" 
 
 
 class _EyeColumns(NamedTuple):
-    points: tuple[Column, ...]  # one of a pair of numbers, or two
+    points: tuple[Column, ...]  # one column of pairs, or two columns
     validity: Column | None
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the header has the SDK's time stamp and a point of an eye."""
+    """Return whether the header has a time stamp and a gaze point of the SDK."""
     return file.find(*_CLOCKS) is not None and _find_eyes(file) != ()
 
 
 def stream(file: TextFile, _: Wanted) -> GazeStream:
-    """Begins to read.
+    """Open the table.
 
     Raises:
-        InputError: no time stamp, or no point of an eye.
+        InputError: If the time stamp or the gaze points are missing.
     """
     clock, eyes = file.find(*_CLOCKS), _find_eyes(file)
     if clock is None or not eyes:
@@ -67,7 +67,7 @@ def _find_eyes(file: TextFile) -> tuple[_EyeColumns, ...]:
 
 
 def _titled(file: TextFile, title: str) -> Column | None:
-    """The column of that title, brackets and all: `[0]` is no unit here."""
+    """Return the column with exactly this title; a suffix such as `[0]` is not a unit here."""
     return next((column for column in file.columns if column.title.casefold() == title), None)
 
 

@@ -1,4 +1,4 @@
-"""BIDS channel tables (`*_channels.tsv`): names, units and status of the channels of the recording beside them."""
+"""BIDS channel tables (`*_channels.tsv`): names, units and status of the channels of a recording."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -10,7 +10,7 @@ _ENDINGS = ("_emg", "_eeg", "_ieeg", "_meg", "_physio")
 
 
 class ChannelNote(NamedTuple):
-    """What the table says of a channel."""
+    """Entry of a channel in the table."""
 
     type: str
     unit: str
@@ -18,10 +18,10 @@ class ChannelNote(NamedTuple):
 
 
 def beside(recording: Path) -> dict[str, ChannelNote]:
-    """The channel table of a BIDS recording, by channel name; empty where there is none.
+    """Read the channel table in the folder of a BIDS recording, by channel name; empty without one.
 
     Raises:
-        InputError: the table has no column `name`.
+        InputError: If the table has no column `name`.
     """
     stem = recording.stem
     ending = next((ending for ending in _ENDINGS if stem.endswith(ending)), None)

@@ -1,4 +1,4 @@
-"""BIDS event tables (`*_events.tsv`): onset and duration in seconds of the recording, and what happened."""
+"""BIDS event tables (`*_events.tsv`): onset, duration [s] and label of each event."""
 
 import math
 
@@ -15,15 +15,15 @@ _MISSING = {"", "n/a", "nan"}
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the header has onset and duration, as BIDS demands of events."""
+    """Return whether the header has onset and duration, which BIDS requires."""
     return file.find("onset") is not None and file.find("duration") is not None
 
 
-def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa: ARG001 - the table says it all
-    """Reads the events; `n/a` is missing.
+def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa: ARG001 - needs no options
+    """Read the events; `n/a` means missing.
 
     Raises:
-        InputError: there is no column of labels, or no event with an onset and a label.
+        InputError: If there is no label column, or no event with onset and label.
     """
     onset, confidence = file.find("onset"), file.find(*_CONFIDENCES)
     labels = [column for name in _LABELS if (column := file.find(name)) is not None]
@@ -41,7 +41,7 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
         else:
             without += 1
     if without:
-        notes.append(f"{without} events without an onset or a label left out")
+        notes.append(f"{without} events without onset or label dropped")
     if not decisions:
         raise InputError(f"{file.path}: no event has both an onset and a label")
     return CommandLog(tuple(sorted(decisions, key=lambda decision: decision.time)), 0.0, NAME, tuple(notes))

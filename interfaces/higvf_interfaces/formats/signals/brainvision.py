@@ -1,6 +1,6 @@
-"""BrainVision markers (.vmrk, or the .vhdr that names it): `Mk2=Stimulus,S  1,487,1,0`, counted in samples from 1.
+"""BrainVision markers (.vmrk, or its .vhdr): `Mk2=Stimulus,S  1,487,1,0`, positions in samples from 1.
 
-Only the header knows the sampling interval, so a marker file alone needs its header beside it, or a rate.
+Only the header contains the sampling interval, so a marker file needs its header in the same folder, or a rate.
 """
 
 from higvf_console.core.errors import InputError
@@ -16,15 +16,15 @@ _Sections = dict[str, dict[str, str]]
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the first line is that of a BrainVision header or marker file."""
+    """Return whether the first line is that of a BrainVision header or marker file."""
     return _kind(file) != ""
 
 
 def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
-    """Reads the markers; their descriptions are the labels, or their types where they have none.
+    """Read the markers; the labels are their descriptions, or their types if the description is empty.
 
     Raises:
-        InputError: the other file is missing, no sampling interval is known, or there is no event.
+        InputError: If the marker file is missing, the sampling interval is unknown, or there is no event.
     """
     kind = _kind(file)
     if kind == _HEADER:
@@ -73,7 +73,7 @@ def _value(sections: _Sections, section: str, key: str) -> str:
 
 
 def _plain(name: str, file: TextFile) -> str:
-    """The file name that a header gives; `$b` is the header's own, without its ending."""
+    """Return the file name given in a header; `$b` stands for the header's own name without suffix."""
     base = name.replace("$b", file.path.stem).replace("\\", "/").rsplit("/", 1)[-1].strip("\0 ")
     if base in ("", ".", ".."):
         raise InputError(f"{file.path}: {name!r} is not the name of a marker file")

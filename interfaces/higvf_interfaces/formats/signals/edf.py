@@ -1,7 +1,7 @@
-"""European Data Format (EDF, EDF+) and BioSemi's BDF: channels as a signal, annotations as decisions.
+"""European Data Format (EDF, EDF+) and BioSemi's BDF: channels as signals, annotations as decisions.
 
-The channels of the commonest sampling rate make the signal; units are the header's, also where a BIDS channel table
-beside the file says otherwise. EDF is read in slices; BDF as a whole.
+Only the channels of the most common sampling rate are read. Units come from the header, even if a BIDS channel table
+contradicts it. EDF is read in slices, BDF as a whole.
 """
 
 import struct
@@ -9,13 +9,13 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import edfio
 import numpy as np
 
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
+from higvf_console.core.optional import optional
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals import bids_channels
 from higvf_interfaces.formats.signals.records import (
@@ -27,6 +27,11 @@ from higvf_interfaces.formats.signals.records import (
     unused_rate,
 )
 from higvf_interfaces.formats.text import TextFile
+
+if TYPE_CHECKING:
+    import edfio
+else:
+    edfio = optional("edfio", "devices")
 
 NAME = "edf"
 TITLE = "EDF or BDF"
@@ -43,15 +48,15 @@ class _Content(NamedTuple):
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the file begins with the version field of EDF or BDF."""
+    """Return whether the file begins with the version field of EDF or BDF."""
     return _version(file.path) in (_EDF, _BDF)
 
 
 def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
-    """Reads the channels of the commonest rate.
+    """Read the channels of the most common rate.
 
     Raises:
-        InputError: no EDF or BDF file, or one without samples.
+        InputError: If the file is not EDF or BDF, or has no samples.
     """
     data, notes = _load(file.path)
     try:
@@ -66,7 +71,7 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
     if count < 1 or not rate > 0:
         raise InputError(f"{file.path}: the file has no samples")
     if others:
-        notes.append(f"{sum(n for _, n in others)} channels of other rates than {rate:g} Hz left out")
+        notes.append(f"{sum(n for _, n in others)} channels with other rates than {rate:g} Hz dropped")
     notes += _by_bids(file.path, names, units)
     notes += unused_rate(request.rate, rate)
 
@@ -80,10 +85,10 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
 
 
 def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa: ARG001 - annotations carry their times
-    """Reads the annotations.
+    """Read the annotations.
 
     Raises:
-        InputError: no EDF or BDF file, or one without annotations.
+        InputError: If the file is not EDF or BDF, or has no annotations.
     """
     data, notes = _load(file.path)
     try:
@@ -108,7 +113,7 @@ def _load(path: Path) -> _Content:
     version = _version(path)
     if version not in (_EDF, _BDF):
         raise InputError(f"{path}: is neither an EDF nor a BDF file")
-    with warnings.catch_warnings(record=True) as said:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             data = edfio.read_bdf(path) if version == _BDF else edfio.read_edf(path)
@@ -117,17 +122,17 @@ def _load(path: Path) -> _Content:
             raise InputError(f"{path}: the file cannot be read: {str(problem)[:200]}") from problem
     if not continuous:
         raise InputError(f"{path}: the recording has gaps (EDF+D), which is not supported; export it as EDF+C")
-    cut = [f"the recording was cut off: {warning.message}" for warning in said if "records" in str(warning.message)]
+    cut = [f"the recording was cut off: {warning.message}" for warning in caught if "records" in str(warning.message)]
     return _Content(data, cut)
 
 
 def _by_bids(path: Path, names: list[str], units: list[str]) -> list[str]:
-    """What the BIDS channel table beside the file adds: bad channels, and where it contradicts the header."""
+    """Return notes on the BIDS channel table: bad channels, and units that contradict the header."""
     table = bids_channels.beside(path)
     known = [(name, unit, table[name]) for name, unit in zip(names, units, strict=True) if name in table]
     bad = [name for name, _, note in known if note.bad]
     other = [name for name, unit, note in known if note.unit not in ("", "n/a", unit)]
     notes = [f"marked bad in channels.tsv: {', '.join(bad)}"] if bad else []
     if other:
-        notes.append(f"channels.tsv gives {len(other)} channels another unit than the header, which is kept")
+        notes.append(f"channels.tsv contradicts the header in the units of {len(other)} channels: the header is used")
     return notes

@@ -1,6 +1,6 @@
-"""Samples of a Myo armband as scripts save them: eight whole numbers from -128 to 127 a row, and nothing else.
+"""Myo armband samples as saved by common scripts: rows of eight integers from -128 to 127, without header.
 
-The file has no header, no times and no unit, so it is replayed only at a rate that a person gives (a Myo has 200 Hz).
+The file has neither times nor units, so the option `rate` is required (a Myo armband has 200 Hz).
 """
 
 from collections.abc import Iterator
@@ -18,35 +18,35 @@ _LOOKED_AT = 20  # rows
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the first rows are eight whole numbers of one signed byte each."""
+    """Return whether the first rows are eight integers of one signed byte each."""
     head = list(islice(file.lines(), _LOOKED_AT))
     whole = head[:-1] if len(head) < _LOOKED_AT and not file.complete else head
     return bool(whole) and all(_is_sample(_cells(file, line)) for line in whole)
 
 
 def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
-    """Reads the eight electrodes, in the device's own units.
+    """Read the eight electrodes, in device units.
 
     Raises:
-        InputError: no rate is given, or no row is a sample.
+        InputError: If no rate is given, or no row is a sample.
     """
     if request.rate is None:
         raise InputError(
-            f"{file.path}: a {TITLE} cannot be replayed without times; give rate=200 (what a Myo armband has) or "
+            f"{file.path}: a {TITLE} cannot be replayed without times; give rate=200 (the rate of a Myo armband) or "
             "period=0.005"
         )
     names = tuple(f"EMG{k}" for k in range(1, _CHANNELS + 1))
 
     def rows(notes: list[str]) -> Iterator[list[str]]:
-        torn = 0
+        dropped = 0
         for line in file.lines():
             row = _cells(file, line)
             if _is_sample(row):
                 yield row
             else:
-                torn += 1
-        if torn:
-            notes.append(f"{torn} rows that are not eight signed bytes left out")
+                dropped += 1
+        if dropped:
+            notes.append(f"{dropped} rows that are not eight signed bytes dropped")
 
     table = SampleTable(
         path=file.path,

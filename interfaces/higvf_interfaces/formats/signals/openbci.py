@@ -1,9 +1,9 @@
-"""Text recordings of the OpenBCI GUI, old (no header row) and new (`Sample Index, EXG Channel 0, ...`).
+"""OpenBCI GUI text recordings, in the old format (no header row) and the new (`Sample Index, EXG Channel 0, ...`).
 
-Lines that start with % describe the recording. The old ones name no columns: counter, channels, three auxiliary ones,
-then the time of day and, later on, milliseconds since 1970. The new ones have duplicate titles (`Not Used`, `Other`)
-and a `Timestamp` in seconds or milliseconds. Samples arrive in bursts, so their times are smoothed; the counter, which
-wraps at 256, shows lost ones.
+Lines that start with % describe the recording. The old format has the columns counter, channels, three auxiliary
+channels, time of day and, in later versions, milliseconds since 1970. The new format has duplicate titles (`Not Used`,
+`Other`) and a `Timestamp` in seconds or milliseconds. Samples arrive in bursts, so their times are smoothed; the
+counter, modulo 256, reveals lost samples.
 """
 
 import csv
@@ -26,24 +26,24 @@ _RATE = re.compile(r"%\s*sample rate\s*=\s*([\d.]+)", re.IGNORECASE)
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the first line says OpenBCI."""
+    """Return whether the first line names OpenBCI."""
     return file.first_line.startswith("%") and "openbci" in file.first_line.casefold()
 
 
 def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
-    """Reads the EXG channels [uV].
+    """Read the EXG channels [uV].
 
     Raises:
-        InputError: no samples, no channels, or no times and no rate.
+        InputError: If there are no samples, no channels, or neither times nor a rate.
     """
     return table_signals(_table(file), request)
 
 
 def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
-    """Reads the events of the column `Marker Channel`.
+    """Read the events of the column `Marker Channel`.
 
     Raises:
-        InputError: no such column, no event, no samples, or no times and no rate.
+        InputError: If there is no such column, no event, no samples, or neither times nor a rate.
     """
     return table_markers(_table(file), request)
 
@@ -80,16 +80,16 @@ def _table(file: TextFile) -> SampleTable:
 
 
 def _rows(file: TextFile, titled: bool, width: int, notes: list[str]) -> Iterator[list[str]]:
-    torn = 0
+    dropped = 0
     samples = (line for line in file.lines() if not line.startswith("%"))
     for line in islice(samples, int(titled), None):
         row = _cells(line)
         if len(row) == width:
             yield row
         else:
-            torn += 1
-    if torn:
-        notes.append(f"{torn} torn rows left out")
+            dropped += 1
+    if dropped:
+        notes.append(f"{dropped} truncated rows dropped")
 
 
 def _cells(line: str) -> list[str]:
@@ -106,7 +106,7 @@ def _named(titles: list[str]) -> tuple[int, ...]:
 def _counted(file: TextFile, about: str, first: list[str]) -> tuple[int, ...]:
     count = _CHANNELS.search(about)
     if count is None or not 0 < int(count[1]) < len(first):
-        raise InputError(f"{file.path}: the OpenBCI recording does not say '%Number of channels = N' for its columns")
+        raise InputError(f"{file.path}: the OpenBCI recording lacks a valid line '%Number of channels = N'")
     return tuple(range(1, int(count[1]) + 1))
 
 
@@ -115,7 +115,7 @@ def _titled(titles: list[str], name: str) -> int | None:
 
 
 def _old_time(row: list[str]) -> int | None:
-    """The column of an old recording that holds the time: the last one that can be read as one."""
+    """Return the time column of the old format: the last column that can be parsed as a time."""
     times = [k for k, text in enumerate(row) if epoch_seconds(text) > 1e8 or _CLOCK_TIME.fullmatch(text)]
     return times[-1] if times else None
 

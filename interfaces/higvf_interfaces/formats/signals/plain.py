@@ -1,8 +1,8 @@
-"""Tables of samples as Muse and Lab Streaming Layer tools export them: a time column, channels, perhaps markers.
+"""Signal tables of Muse and Lab Streaming Layer tools: a time column, channels, and optionally a marker column.
 
     timestamps,TP9,AF7,AF8,TP10,Right AUX,Marker0
 
-Every further column whose first row is a number is a channel. The stamps of such tools double and run backwards.
+Every other column with numbers in its first rows is a channel. The time stamps may repeat and run backwards.
 """
 
 import math
@@ -27,30 +27,30 @@ _LOOKED_AT = 5  # rows
 
 
 def matches(file: TextFile) -> bool:
-    """Whether there is a time and, beside it, a column of numbers that is no gaze and no label."""
+    """Return whether there is a time column and a channel, and the table is neither gaze nor a command log."""
     return file.find(*STAMPS) is not None and bool(_channels(file)) and not _NO_CHANNEL & _names(file)
 
 
 def matches_marked(file: TextFile) -> bool:
-    """Whether there is a marker column as well, in which nothing is marked at first."""
+    """Return whether there is also a marker column that is unmarked in the first row."""
     marker = file.find(*_MARKERS)
     return matches(file) and marker is not None and cell(file.first_rows(1)[0], marker) in _UNMARKED
 
 
 def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
-    """Reads the channels.
+    """Read the channels.
 
     Raises:
-        InputError: no channels, no samples, no times and no rate, or an unknown unit of time.
+        InputError: If there are no channels, no samples, or neither times nor a rate, or the unit of time is unknown.
     """
     return table_signals(_table(file, NAME), request)
 
 
 def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
-    """Reads the events of the marker column.
+    """Read the events of the marker column.
 
     Raises:
-        InputError: no event, no samples, no times and no rate, or an unknown unit of time.
+        InputError: If there is no event, no samples, or neither times nor a rate, or the unit of time is unknown.
     """
     return table_markers(_table(file, MARKED_NAME), request)
 

@@ -1,4 +1,4 @@
-"""The entrance to recordings of EMG and BCI: as labelled decisions, or as raw signals for a decoder."""
+"""Reading of EMG and BCI recordings, as decoded decisions or as raw signals."""
 
 from collections.abc import Callable, Sequence
 from typing import Generic, NamedTuple, TypeVar
@@ -18,7 +18,7 @@ AS_IT_IS = SignalRequest()
 
 
 class SignalFormat(NamedTuple, Generic[_Record]):
-    """A format: its short name, what it is, and how to know it and read all that is in it."""
+    """A format: its name and title, and functions to recognise and read it."""
 
     name: str
     title: str
@@ -26,10 +26,10 @@ class SignalFormat(NamedTuple, Generic[_Record]):
     reader: Callable[[TextFile, SignalRequest], _Record]
 
     def read(self, file: TextFile, request: SignalRequest) -> _Record:
-        """Reads a file.
+        """Read a file in this format.
 
         Raises:
-            InputError: the file lacks what the format needs, or a stream is wanted and it has none to choose from.
+            InputError: If the file lacks a required part, or a stream is selected and the format is not XDF.
         """
         if request.stream is not None and self.name not in (xdf_signals.NAME, xdf_markers.NAME):
             wanted = f"{request.stream_option}={request.stream[:80]}"
@@ -77,11 +77,11 @@ DECISION_FORMATS: tuple[SignalFormat[CommandLog], ...] = (
 
 
 def read_signals(source: str, request: SignalRequest = AS_IT_IS) -> SignalRecord:
-    """Reads a recording of raw samples.
+    """Read a recording of raw samples.
 
     Raises:
-        InputError: the file is missing, of no known format, without samples or times, or its stream or channel is
-            not there; the message lists the choices.
+        InputError: If the file is missing or unrecognised, has no samples or times, or lacks the selected stream or
+            channel; the message lists the choices.
     """
     file = _looked(source, SIGNAL_FORMATS, "a signal")
     record = _chosen(file, request.format, SIGNAL_FORMATS, "a signal").read(file, request)
@@ -89,16 +89,16 @@ def read_signals(source: str, request: SignalRequest = AS_IT_IS) -> SignalRecord
 
 
 def read_decisions(source: str, request: SignalRequest = AS_IT_IS) -> CommandLog:
-    """Reads decoded labels or event markers.
+    """Read decoded labels or event markers.
 
     Raises:
-        InputError: as `read_signals`, or the file holds raw samples alone, which need a decoder.
+        InputError: As `read_signals`, or if the file holds only raw samples, which need a decoder.
     """
     file = _looked(source, DECISION_FORMATS, "decisions")
     if request.format is None and not any(known.matches(file) for known in DECISION_FORMATS):
         held = next((known for known in SIGNAL_FORMATS if known.matches(file)), None)
         if held is not None:
-            raise InputError(f"{source}: holds raw samples ({held.title}) and no decisions; give decoder=lda or ssvep")
+            raise InputError(f"{source}: holds raw samples ({held.title}), not decisions; give decoder=lda or ssvep")
     return _chosen(file, request.format, DECISION_FORMATS, "decisions").read(file, request)
 
 
@@ -117,7 +117,9 @@ def _chosen(
         raise InputError(f"format: {name!r} is not one of {', '.join(known.name for known in formats)}")
     found = named or [known for known in formats if known.matches(file)]
     if not found:
-        raise InputError(f"{file.path}: not a known format of {what} ({_titles(formats)}); it has: {file.titles}")
+        raise InputError(
+            f"{file.path}: unrecognised format of {what}; it has: {file.titles}; formats tried: {_titles(formats)}"
+        )
     return found[0]
 
 

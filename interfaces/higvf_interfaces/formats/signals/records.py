@@ -1,4 +1,4 @@
-"""What every reader of raw signals yields: a header, and the samples in chunks of bounded size."""
+"""Records of all readers of raw signals: a header, and the samples in chunks of bounded size."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
@@ -8,19 +8,19 @@ import numpy as np
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
 
-_SAME_RATE = 0.01  # rates that differ by a smaller share are one
-CHUNK = 512  # samples of a chunk at most: read within a fraction of a control period
+_SAME_RATE = 0.01  # relative difference below which two rates are equal
+CHUNK = 512  # maximum number of samples of a chunk; read in a fraction of a control period
 
 
 class SignalRequest(NamedTuple):
-    """What a person may say of a file that does not say it itself.
+    """Options for reading a recording.
 
     Attributes:
-        format: name of a format; None = by content.
-        stream: words that name one stream by type, name, source or number, joined by `+`; None = the only one.
-        rate: of samples that have no times [Hz]; None = unknown.
-        channels: names of the channels wanted, in this order; empty = all.
-        stream_option: how messages call the option that names the stream.
+        format: name of a format; None to detect it from the content.
+        stream: words joined by `+`, each type, name, source or number of the stream; None for the only stream.
+        rate: sampling rate of a file without times [Hz]; None if unknown.
+        channels: names of the channels, in this order; empty for all.
+        stream_option: name of the option that gives `stream`, for messages.
     """
 
     format: str | None = None
@@ -31,23 +31,23 @@ class SignalRequest(NamedTuple):
 
 
 class SignalChunk(NamedTuple):
-    """Some samples: `times` (n,) strictly increasing [s], `values` (n, c), NaN where missing."""
+    """Consecutive samples: `times` (n,) strictly increasing [s], `values` (n, c), NaN where missing."""
 
     times: Floats
     values: Floats
 
 
 class SignalRecord(NamedTuple):
-    """A recorded multi-channel signal on one clock that starts near 0.
+    """A recorded multi-channel signal with times that start near 0.
 
     Attributes:
-        names: (c,) of the channels, unique.
-        units: (c,) of the channels; empty where the file does not say.
+        names: (c,) unique names of the channels.
+        units: (c,) units of the channels; empty if unknown.
         rate: nominal sampling rate [Hz].
-        epoch: the device's own time at 0 [s].
+        epoch: device time at time 0 [s].
         format: name of the format.
-        notes: what was repaired or assumed; grows while the chunks of a text file are read.
-        chunks: reads the samples from their start, in chunks of at most `CHUNK`.
+        notes: repairs and assumptions; grows while the chunks of a text file are read.
+        chunks: function that reads the samples from the start, in chunks of at most `CHUNK` samples.
     """
 
     names: tuple[str, ...]
@@ -60,10 +60,10 @@ class SignalRecord(NamedTuple):
 
 
 def whole(record: SignalRecord) -> SignalChunk:
-    """All samples of a record at once: times (n,) and values (n, c).
+    """Read all samples of a record: times (n,) and values (n, c).
 
     Raises:
-        InputError: it has none.
+        InputError: If it has none.
     """
     chunks = list(record.chunks())
     if not chunks:
@@ -72,10 +72,10 @@ def whole(record: SignalRecord) -> SignalChunk:
 
 
 def pick_channels(record: SignalRecord, wanted: Sequence[str], place: str) -> SignalRecord:
-    """The record with the channels `wanted` alone, in that order; all where none is wanted.
+    """Return the record restricted to the channels `wanted`, in that order; all channels if empty.
 
     Raises:
-        InputError: there is no such channel; the message lists those there are.
+        InputError: If a channel is missing; the message lists the channels.
     """
     if not wanted:
         return record
@@ -95,13 +95,13 @@ def pick_channels(record: SignalRecord, wanted: Sequence[str], place: str) -> Si
 
 
 def unused_rate(given: float | None, rate: float) -> list[str]:
-    """A note where a person says another rate [Hz] than the file itself, which is believed."""
+    """Return a note if the given rate [Hz] differs from the rate of the file, which takes precedence."""
     other = given is not None and abs(given - rate) > _SAME_RATE * rate
-    return [f"the rate given, {given:g} Hz, is not used: the file has its own, {rate:g} Hz"] if other else []
+    return [f"the given rate, {given:g} Hz, is ignored: the file specifies {rate:g} Hz"] if other else []
 
 
 def unique_names(names: Sequence[str]) -> tuple[str, ...]:
-    """Names made unique: the second `Not Used` becomes `Not Used (2)`; an empty one its number."""
+    """Make names unique: the second `Not Used` becomes `Not Used (2)`, an empty name `channel N`."""
     seen: dict[str, int] = {}
     unique: list[str] = []
     for number, name in enumerate(names, start=1):
@@ -112,7 +112,7 @@ def unique_names(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def sliced(times: Floats, values: Floats) -> Iterator[SignalChunk]:
-    """Samples that lie in memory, in chunks; those out of order or without a finite time are left out."""
+    """Yield samples in chunks; samples out of order or without a finite time are dropped."""
     kept = np.flatnonzero(np.isfinite(times))
     if len(kept):
         kept = kept[np.concatenate([[True], np.diff(np.maximum.accumulate(times[kept])) > 0])]

@@ -1,29 +1,29 @@
-"""Steady sample times from the stamps of a device that sends in bursts: a phase-locked loop, chunk after chunk.
+"""Sample clock: a phase-locked loop that turns bursty time stamps into steady sample times, chunk by chunk.
 
-Stamps of a radio link come in clumps, double and run backwards, while the converter behind it is steady. The loop
+Time stamps of a radio link come in bursts, repeat and run backwards, although the converter samples steadily. The loop
 
     t[k] = (1 - g) (t[k-1] + d[k] / rate) + g stamp[k]
 
-follows the stamps' drift and not their jitter; d is 1, or more where a sample counter shows lost packets. A stamp
-further away than `GAP` is a hole in the recording (or a clock that was set): the loop starts again there, and a hole
-over `MAX_HOLE` is shortened to it.
+follows the drift of the stamps but not their jitter; d is 1, or more if a sample counter shows lost packets. A stamp
+that deviates by more than `GAP` marks a gap in the recording or a clock that was set: the loop restarts there, and a
+gap longer than `MAX_GAP` is shortened to it.
 """
 
 import numpy as np
 
 from higvf_console.core.arrays import Floats
-from higvf_interfaces.formats.records import MAX_HOLE
+from higvf_interfaces.formats.records import MAX_GAP
 
-GAP = 0.5  # stamps that far from the expected time are a hole [s]
-_GAIN = 0.01  # of the loop, per sample
-_LAG = 1024  # samples over which the rate is estimated: stamps in whole milliseconds are common
+GAP = 0.5  # a larger deviation of a stamp from its expected time is a gap [s]
+_GAIN = 0.01  # gain of the loop per sample
+_LAG = 1024  # samples over which the rate is estimated, because stamps are often in whole milliseconds
 
 
 def estimate_rate(stamps: Floats) -> float:
-    """Rate of bursty stamps (n,) [Hz]; NaN where they do not tell.
+    """Estimate the sampling rate [Hz] from bursty time stamps (n,) [s]; NaN if undetermined.
 
-    Spans of bursty stamps are whole numbers of bursts, so their median is off by up to one; the mean of those near it
-    is not. Spans that cross a hole are left out.
+    A span of `_LAG` stamps covers a whole number of bursts, so the median span is off by up to one burst; the mean of
+    the spans near the median is not. Spans across a gap are excluded.
     """
     stamps = stamps[np.isfinite(stamps)]
     lag = min(_LAG, max(1, len(stamps) // 2), len(stamps) - 1)
@@ -38,22 +38,22 @@ def estimate_rate(stamps: Floats) -> float:
 
 
 class SampleClock:
-    """Turns stamps into strictly increasing times that start at 0."""
+    """Turns time stamps into strictly increasing times that start at 0."""
 
     def __init__(self, rate: float) -> None:
-        """A clock of a signal of `rate` [Hz]."""
+        """Start a clock for a signal of `rate` [Hz]."""
         self._period = 1.0 / rate
-        self._origin = np.nan  # what is subtracted from the stamps; moves with every repair
+        self._origin = np.nan  # offset subtracted from the stamps; changes with every repair
         self._last = 0.0
-        self._holes: list[float] = []
+        self._gaps: list[float] = []
         self._set_back = 0
 
     def times(self, stamps: Floats, steps: Floats) -> Floats:
-        """Times (n,) [s] of the next samples, of which there are at most some thousands.
+        """Return the times (n,) [s] of the next samples, at most some thousands.
 
         Args:
-            stamps: (n,) the device's [s]; NaN where it gave none.
-            steps: (n,) sampling periods since the sample before, at least 1.
+            stamps: (n,) device times [s]; NaN where missing.
+            steps: (n,) sampling periods since the previous sample, at least 1.
         """
         times = np.empty(len(stamps))
         start = 0
@@ -62,14 +62,14 @@ class SampleClock:
         return times
 
     def _run(self, stamps: Floats, steps: Floats, times: Floats, start: int) -> int:
-        """Fills `times` up to the next hole; where that is."""
+        """Fill `times` up to the next gap and return the index of the first sample after it."""
         if np.isnan(self._origin):
             self._origin = stamps[start] if np.isfinite(stamps[start]) else 0.0
             self._last = -steps[start] * self._period
         expected = self._last + np.cumsum(steps[start:]) * self._period
         raw = stamps[start:] - self._origin
         raw = np.where(np.isfinite(raw), raw, expected)
-        # The recursion in closed form; a chunk is short enough for the powers of 1 - g.
+        # The recursion in closed form; a chunk is short enough that the powers of 1 - g do not underflow.
         decay = (1 - _GAIN) ** np.arange(1, len(raw) + 1)
         pull = _GAIN * raw + (1 - _GAIN) * steps[start:] * self._period
         smooth = decay * (self._last + np.cumsum(pull / decay))
@@ -85,19 +85,19 @@ class SampleClock:
 
     def _jump(self, raw: float, expected: float) -> None:
         if raw > expected:
-            self._holes.append(raw - expected)
-            self._last += min(raw - self._last, MAX_HOLE)
+            self._gaps.append(raw - expected)
+            self._last += min(raw - self._last, MAX_GAP)
         else:
-            self._set_back += 1  # joined on: time in a recording never runs backwards
+            self._set_back += 1  # joined, because times must increase
             self._last = expected
         self._origin += raw - self._last
 
     def notes(self) -> list[str]:
-        """What was repaired, in words."""
-        said: list[str] = []
-        if self._holes:
-            cut = f", cut to {MAX_HOLE:.0f} s" if max(self._holes) > MAX_HOLE else ""
-            said.append(f"{len(self._holes)} holes, the longest {max(self._holes):.1f} s{cut}")
+        """Return the repairs so far."""
+        repairs: list[str] = []
+        if self._gaps:
+            cut = f", shortened to {MAX_GAP:.0f} s" if max(self._gaps) > MAX_GAP else ""
+            repairs.append(f"{len(self._gaps)} gaps, the longest {max(self._gaps):.1f} s{cut}")
         if self._set_back:
-            said.append(f"the clock was set back {self._set_back} times: joined on")
-        return said
+            repairs.append(f"{self._set_back} steps back of the clock joined")
+        return repairs

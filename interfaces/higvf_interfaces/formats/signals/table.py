@@ -1,4 +1,4 @@
-"""Text tables of samples, read block by block: columns of numbers become chunks of a signal, a column marks events."""
+"""Signals and markers from text tables, read block by block."""
 
 from collections.abc import Callable, Iterator
 from itertools import islice
@@ -22,25 +22,25 @@ from higvf_interfaces.formats.signals.sample_clock import SampleClock, estimate_
 from higvf_interfaces.formats.text import as_label, number, plain
 
 LOWEST_RATE, HIGHEST_RATE = 0.1, 100_000.0  # [Hz]
-_HEAD = 4096  # samples that tell the rate
-_COUNTER = 256  # an OpenBCI Cyton counts its samples modulo this
+_HEAD = 4096  # samples from which the rate is estimated
+_COUNTER = 256  # modulus of the sample counter of an OpenBCI Cyton
 
 
 class SampleTable(NamedTuple):
-    """Where a text file keeps what.
+    """Layout of a text file.
 
     Attributes:
-        path: of the file.
-        format: its name.
-        rows: reads the cells of each row of samples, and notes what it leaves out.
+        path: path of the file.
+        format: name of the format.
+        rows: function that yields the cells of each row and appends a note on dropped rows.
         channels: column of each channel.
-        names: of the channels as the file has them.
-        units: of the channels.
-        time: column of the stamps; None = the table has none.
-        seconds: what a stamp means [s]; NaN where it is none.
-        counter: column of a sample counter that wraps; None = there is none.
-        marker: column that is 0 or empty but at events; None = there is none.
-        rate: as the file says [Hz]; None = it does not.
+        names: names of the channels in the file.
+        units: units of the channels.
+        time: column of the time stamps; None if the table has none.
+        seconds: function that parses a time stamp [s]; NaN if invalid.
+        counter: column of a wrapping sample counter; None if the table has none.
+        marker: column that is 0 or empty except at events; None if the table has none.
+        rate: rate specified in the file [Hz]; None if unknown.
     """
 
     path: Path
@@ -62,13 +62,13 @@ class _Block(NamedTuple):
 
 
 def table_signals(table: SampleTable, request: SignalRequest) -> SignalRecord:
-    """The channels of a table as a signal.
+    """Return the channels of a table as a signal.
 
     Raises:
-        InputError: the table has no channels or samples, or neither it nor the request says when they were taken.
+        InputError: If the table has no channels or samples, or neither the table nor the request gives times or a rate.
     """
     if not table.channels:
-        raise InputError(f"{table.path}: the {table.format} table has no column of a channel")
+        raise InputError(f"{table.path}: the {table.format} table has no channel column")
     notes: list[str] = []
     rate, epoch = _timing(table, request.rate, notes)
 
@@ -82,10 +82,10 @@ def table_signals(table: SampleTable, request: SignalRequest) -> SignalRecord:
 
 
 def table_markers(table: SampleTable, request: SignalRequest) -> CommandLog:
-    """The events of the marker column: one decision where it changes to something that is not 0.
+    """Return the events of the marker column: one decision per change to a value other than 0.
 
     Raises:
-        InputError: there is no marker column or no event in it, or the times are unknown.
+        InputError: If there is no marker column or no event, or the times are unknown.
     """
     notes: list[str] = []
     rate, epoch = _timing(table, request.rate, [])
@@ -103,23 +103,23 @@ def table_markers(table: SampleTable, request: SignalRequest) -> CommandLog:
 
 
 def _timing(table: SampleTable, given: float | None, notes: list[str]) -> tuple[float, float]:
-    """Rate [Hz] and device time of the first sample [s], from the first block."""
+    """Return the rate [Hz] and the device time of the first sample [s], from the first block."""
     head = list(islice(_rows(table, notes), _HEAD))
     if not head:
         raise InputError(f"{table.path}: the {table.format} table has no samples")
     stamps = _stamps(table, head)
-    told = estimate_rate(stamps)
-    rate = (table.rate or told) if np.isfinite(told) else (given or table.rate or told)
+    measured = estimate_rate(stamps)
+    rate = (table.rate or measured) if np.isfinite(measured) else (given or table.rate or measured)
     if not LOWEST_RATE <= rate <= HIGHEST_RATE:
         raise InputError(
-            f"{table.path}: the samples have no times and the file says no rate; give rate=HZ (or period=SECONDS), "
+            f"{table.path}: the file has neither times nor a sampling rate; give rate=HZ (or period=SECONDS), "
             "such as rate=200 for a Myo armband"
         )
     return float(rate), float(stamps[0]) if np.isfinite(stamps[0]) else 0.0
 
 
 def _rows(table: SampleTable, notes: list[str]) -> Iterator[list[str]]:
-    """Cells of the rows; where the file cannot be read to its end, its readable part."""
+    """Yield the cells of the rows; of a file damaged later on, the readable part."""
     readable = False
     try:
         for row in table.rows(notes):
@@ -128,7 +128,7 @@ def _rows(table: SampleTable, notes: list[str]) -> Iterator[list[str]]:
     except InputError as problem:
         if not readable:
             raise
-        notes.append(f"the readable part is used: {problem}")
+        notes.append(f"only the readable part is used: {problem}")
 
 
 def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[str]) -> Iterator[_Block]:
@@ -149,14 +149,14 @@ def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[st
             block = [row for row, kept in zip(block, advancing, strict=True) if kept]
         yield _Block(floats(times[advancing]), block)
     if table.time is None:
-        how = "the rate given" if given else "the rate that the file says"
-        notes.append(f"no times in the file: indexed at {how}, {rate:g} Hz")
+        how = "the given rate" if given else "the rate in the file"
+        notes.append(f"no times in the file: samples spaced by {how}, {rate:g} Hz")
     else:
         notes.extend(unused_rate(given, rate))
     if lost:
-        notes.append(f"{lost} samples were lost by the radio link")
+        notes.append(f"{lost} samples lost by the radio link")
     if doubled:
-        notes.append(f"{doubled} samples out of order left out")
+        notes.append(f"{doubled} samples out of order dropped")
     notes.extend(clock.notes())
 
 
@@ -168,7 +168,7 @@ def _stamps(table: SampleTable, rows: list[list[str]]) -> Floats:
 
 
 def _counted(counter: Floats, before: float) -> tuple[Floats, bool]:
-    """Sampling periods between the samples by a counter modulo 256, and whether it is such a counter at all."""
+    """Return the sampling periods between samples by a counter modulo 256, and whether the column is such a counter."""
     previous = np.concatenate([[before if before >= 0 else counter[0] - 1], counter[:-1]])
     with np.errstate(invalid="ignore"):
         steps = np.mod(counter - previous, _COUNTER)

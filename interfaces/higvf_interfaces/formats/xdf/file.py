@@ -1,8 +1,8 @@
-"""XDF files (Lab Streaming Layer): what streams one holds, and how to choose one.
+"""XDF files (Lab Streaming Layer): survey of the streams, and selection of one.
 
-Stream names are not unique and types lie, so a stream is chosen by name, type, source id or number, and a choice that
-fails lists what there is. The chunks are walked before pyxdf loads any: it trusts the lengths in a file, and a torn or
-wrong one would be believed. Format: github.com/sccn/xdf, "Specifications".
+Stream names are not unique and types are unreliable, so a stream is selected by name, type, source id or number; a
+failed selection lists all streams. The survey walks the chunks before pyxdf loads the file, because pyxdf trusts chunk
+lengths that may be wrong in a damaged file. Format: github.com/sccn/xdf, "Specifications".
 """
 
 import xml.etree.ElementTree as ET
@@ -23,15 +23,15 @@ _LONGEST_HEADER = 10_000_000  # bytes
 
 
 class XdfStream(NamedTuple):
-    """A stream of a file.
+    """A stream in a file.
 
     Attributes:
-        number: in the file.
-        info: what it says of itself; the type may lie.
-        header: in XML.
-        texts: whether its samples are texts.
-        samples: how many there are.
-        closed: whether the recorder ended it; else the recording was cut off.
+        number: number of the stream in the file.
+        info: metadata of the stream; the type is unreliable.
+        header: XML header.
+        texts: whether the samples are text.
+        samples: number of samples.
+        closed: whether the stream has a footer; without one the recording was cut off.
     """
 
     number: int
@@ -43,11 +43,11 @@ class XdfStream(NamedTuple):
 
     @property
     def marks(self) -> bool:
-        """Whether it holds events rather than samples of a signal."""
+        """Whether the stream holds events rather than a sampled signal."""
         return self.texts or self.info.rate == 0
 
     def __str__(self) -> str:
-        """The stream as messages list it."""
+        """Return a summary for messages."""
         name, kind, source_id, channels, rate = self.info
         source = f", source {source_id[:40]}" if source_id else ""
         what = "texts" if self.texts else f"{rate:g} Hz" if rate else "events"
@@ -56,36 +56,36 @@ class XdfStream(NamedTuple):
 
 
 class Survey(NamedTuple):
-    """What a file holds: its streams, and whether it ends in the middle of a chunk."""
+    """The streams of a file, and whether it ends within a chunk."""
 
     streams: tuple[XdfStream, ...]
-    torn: bool
+    truncated: bool
 
 
 def matches(file: TextFile) -> bool:
-    """Whether the file begins with XDF's magic word."""
+    """Return whether the file begins with the magic bytes of XDF."""
     return file.head.startswith(MAGIC)
 
 
 def survey(path: Path) -> Survey:
-    """Walks the chunks of a file without loading it.
+    """List the streams of a file without loading the samples.
 
     Raises:
-        InputError: it is no XDF file, breaks off before its first stream, or claims more samples than it has bytes.
+        InputError: If the file is not XDF, ends before its first stream, or declares more samples than it has bytes.
     """
     streams: dict[int, XdfStream] = {}
     samples: Counter[int] = Counter()
     closed: set[int] = set()
-    torn = False
+    truncated = False
     try:
         size = path.stat().st_size
         with path.open("rb") as file:
             if file.read(len(MAGIC)) != MAGIC:
-                raise InputError(f"{path}: is no XDF file: it does not begin with {MAGIC.decode()}")
+                raise InputError(f"{path}: is not an XDF file: it does not begin with {MAGIC.decode()}")
             while file.tell() < size:
                 chunk = _next_chunk(file, size)
                 if chunk is None:
-                    torn = True
+                    truncated = True
                     break
                 tag, end = chunk
                 number = int.from_bytes(file.read(4), "little") if tag in (_HEADER, _SAMPLES, _FOOTER) else 0
@@ -98,10 +98,10 @@ def survey(path: Path) -> Survey:
                 file.seek(end)
     except OSError as problem:
         raise InputError(f"{path}: cannot be read: {problem}") from problem
-    if torn and not streams:
-        raise InputError(f"{path}: the XDF file cannot be read: it breaks off before its first stream")
+    if truncated and not streams:
+        raise InputError(f"{path}: the XDF file cannot be read: it ends before its first stream")
     counted = (s._replace(samples=samples[number], closed=number in closed) for number, s in streams.items())
-    return Survey(tuple(counted), torn)
+    return Survey(tuple(counted), truncated)
 
 
 def choose(
@@ -112,18 +112,19 @@ def choose(
     what: str,
     option: str = "stream",
 ) -> XdfStream:
-    """The candidate that `wanted` names, or the only one there is.
+    """Select one stream.
 
     Args:
-        path: of the file, for messages.
-        streams: all of the file.
-        wanted: words joined by `+`, each the type, name, source id or number of the stream.
-        candidates: those among which it is.
-        what: how messages call these.
-        option: how they call what gives `wanted`.
+        path: path of the file, for messages.
+        streams: all streams of the file.
+        wanted: words joined by `+`, each the type, name, source id or number of the stream; None selects the only
+            candidate.
+        candidates: streams to select from.
+        what: name of the candidates in messages.
+        option: name of the option that gives `wanted`.
 
     Raises:
-        InputError: none or several fit; the message lists what there is.
+        InputError: If no stream or several match; the message lists all streams.
     """
     words = [word.strip().casefold() for word in (wanted or "").split("+") if word.strip()]
     fit = [stream for stream in candidates if all(word in _handles(stream) for word in words)]
@@ -136,9 +137,9 @@ def choose(
 
 
 def channel_texts(header: ET.Element, key: str, count: int) -> list[str]:
-    """What a stream's header says of each of `count` channels, say its `label`; empty where it does not."""
-    said = [(channel.findtext(key) or "").strip() for channel in header.findall("desc/channels/channel")[:count]]
-    return said + [""] * (count - len(said))
+    """Return an entry of the header, such as `label`, for each of `count` channels; empty where missing."""
+    texts = [(channel.findtext(key) or "").strip() for channel in header.findall("desc/channels/channel")[:count]]
+    return texts + [""] * (count - len(texts))
 
 
 def _handles(stream: XdfStream) -> set[str]:
@@ -147,7 +148,7 @@ def _handles(stream: XdfStream) -> set[str]:
 
 
 def _next_chunk(file: IO[bytes], size: int) -> tuple[int, int] | None:
-    """Tag and end of the chunk that begins here; None where the file ends in it."""
+    """Return tag and end of the next chunk, or None if the file ends within it."""
     length = _length(file)
     if length is None or length < 2 or file.tell() + length > size:
         return None
@@ -164,25 +165,27 @@ def _length(file: IO[bytes]) -> int | None:
 def _header(path: Path, file: IO[bytes], number: int, end: int) -> XdfStream:
     length = end - file.tell()
     if not 0 <= length <= _LONGEST_HEADER:
-        raise InputError(f"{path}: the header of stream {number} is {length} bytes long")
+        raise InputError(f"{path}: the header of stream {number} has an invalid length, {length} bytes")
     try:
         header = ET.fromstring(file.read(length).decode("utf-8", errors="replace"))
-        channels, rate = int(_said(header, "channel_count") or 0), float(_said(header, "nominal_srate") or 0)
+        channels, rate = int(_text(header, "channel_count") or 0), float(_text(header, "nominal_srate") or 0)
     except (ET.ParseError, ValueError) as problem:
         raise InputError(f"{path}: the header of stream {number} is damaged: {problem}") from problem
     if not 0 < channels <= 100_000 or not np.isfinite(rate) or rate < 0:
-        raise InputError(f"{path}: stream {number} claims {channels} channels at {rate:g} Hz")
-    info = StreamInfo(_said(header, "name"), _said(header, "type"), _said(header, "source_id"), channels, rate)
-    return XdfStream(number, info, header, _said(header, "channel_format") == "string")
+        raise InputError(f"{path}: stream {number} declares {channels} channels at {rate:g} Hz: the file is damaged")
+    info = StreamInfo(_text(header, "name"), _text(header, "type"), _text(header, "source_id"), channels, rate)
+    return XdfStream(number, info, header, _text(header, "channel_format") == "string")
 
 
 def _count(path: Path, file: IO[bytes], end: int) -> int:
-    """How many samples the chunk claims; each takes a byte or more."""
+    """Return the number of samples that the chunk declares; each takes at least one byte."""
     samples = _length(file)
     if samples is None or samples > end - file.tell():
-        raise InputError(f"{path}: a chunk claims {samples} samples in {end - file.tell()} bytes: the file is damaged")
+        raise InputError(
+            f"{path}: a chunk declares {samples} samples in {end - file.tell()} bytes: the file is damaged"
+        )
     return samples
 
 
-def _said(header: ET.Element, key: str) -> str:
+def _text(header: ET.Element, key: str) -> str:
     return (header.findtext(key) or "").strip()

@@ -1,8 +1,8 @@
-"""Gaze in XDF files, as LabRecorder writes them from the Lab Streaming Layer. XDF is loaded whole, unlike all others.
+"""Gaze streams of XDF files (LabRecorder, Lab Streaming Layer).
 
-The stream is the only one of type Gaze, or the one that `stream=` chooses. All streams of a file keep step: 0 is the
-earliest sample of any. The channels are found by their labels; a stream without metadata is told by `x=` and `y=` (a
-label or a number from 1). A unit of pixels settles the frame.
+The stream is the only one of type Gaze, or the one that `stream=` selects. All streams of a file share one clock, whose
+time 0 is the earliest sample of any stream. The channels are found by their labels, or selected by `x=` and `y=`
+(labels or numbers from 1). The unit pixels sets the frame to screen. Unlike other formats, XDF is loaded whole.
 """
 
 import re
@@ -32,7 +32,7 @@ NAME = "xdf"
 TITLE = "XDF (LabRecorder) with a gaze stream"
 TYPES = ("gaze", "eyetracking", "eyetracker", "eye tracking")
 _LABELS = (
-    ("norm_pos_x", "norm_pos_y", BOTTOM_LEFT),  # of Pupil Capture's relay
+    ("norm_pos_x", "norm_pos_y", BOTTOM_LEFT),  # Pupil Capture's LSL relay
     ("x", "y", TOP_LEFT),
     ("gaze_x", "gaze_y", TOP_LEFT),
     ("pos_x", "pos_y", TOP_LEFT),
@@ -43,14 +43,14 @@ _LABELS = (
 _PIXELS = ("px", "pixel", "pixels")
 
 
-matches = xdf_file.matches  # whether one of its streams is gaze, the reader tells
+matches = xdf_file.matches  # `stream` checks whether the file has a gaze stream
 
 
 def has_gaze(file: TextFile) -> bool:
-    """Whether one of an XDF file's streams is of a type that says gaze.
+    """Return whether an XDF file has a stream of a gaze type.
 
     Raises:
-        InputError: the file is damaged.
+        InputError: If the file is damaged.
     """
     return any(map(_is_gaze, survey(file.path).streams))
 
@@ -60,10 +60,10 @@ def _is_gaze(stream: XdfStream) -> bool:
 
 
 def stream(file: TextFile, wanted: Wanted) -> GazeStream:
-    """Loads the chosen stream.
+    """Load the selected stream.
 
     Raises:
-        InputError: no XDF, no stream or several that could be meant, channels that cannot be told, or damage.
+        InputError: If the file is not XDF or is damaged, no stream or several match, or the gaze channels are unknown.
     """
     found = survey(file.path)
     meant = found.streams if wanted.stream else [stream for stream in found.streams if _is_gaze(stream)]
@@ -73,14 +73,14 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
     x, y, origin = point_channels(str(file.path), labels, wanted.x, wanted.y)
     confidence = labels.index("confidence") if "confidence" in labels else None
     if chosen.texts:
-        raise InputError(f"{file.path}: stream {chosen.info.name!r} holds texts and no numbers")
+        raise InputError(f"{file.path}: stream {chosen.info.name!r} holds text, not numbers")
     samples = load(file.path, chosen, found.streams)
     values = floats(samples.values)
     start = _first(samples.time) - samples.earliest
-    notes = ["the file is cut off: its readable part is used"] if found.torn else []
+    notes = ["the file is truncated: only its readable part is used"] if found.truncated else []
     if start >= EPOCH_FROM:
         notes.append(
-            f"gaze starts {start:.0f} s behind the earliest stream: perhaps on another clock; shift it by start="
+            f"gaze starts {start:.0f} s after the earliest stream, possibly on another clock; shift it with start="
         )
     return GazeStream(
         format=NAME,
@@ -97,32 +97,32 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
 
 
 def frame_of(unit: str, origin: str) -> str | None:
-    """The frame that a channel's unit and origin tell; None where they do not."""
+    """Infer the frame from a channel's unit and origin; None if unknown."""
     return "screen" if unit in _PIXELS else "scene-unit" if origin == BOTTOM_LEFT else None
 
 
 def described_channels(header: ET.Element, count: int) -> tuple[list[str], list[str]]:
-    """Label and unit of each of `count` channels by a stream's XML header; empty where it does not say."""
+    """Return label and unit of each of `count` channels from a stream's XML header; empty where missing."""
     labels, units = ([text.casefold() for text in channel_texts(header, key, count)] for key in ("label", "unit"))
     return [re.sub(r"[\s-]+", "_", label) for label in labels], units
 
 
 def point_channels(place: str, labels: list[str], x: str | None, y: str | None) -> tuple[int, int, str]:
-    """Which channels are x and y, by the options `x` and `y` or by the labels, and where 0, 0 is.
+    """Return the indices of the channels x and y, by the options or the labels, and the origin.
 
     Raises:
-        InputError: they cannot be told, or one option is given alone; the message begins with `place` and lists the
-            channels.
+        InputError: If the channels are unknown, or only one option is given; the message begins with `place` and lists
+            the channels.
     """
     if (x is None) != (y is None):
         given, missing = ("x", "y") if y is None else ("y", "x")
-        raise InputError(f"{place}: {given}= is given without {missing}=; the channels are: {_listed(labels)}")
+        raise InputError(f"{place}: {given}= is given without {missing}=; channels: {_listed(labels)}")
     if x is not None and y is not None:
         return _place(place, labels, x, "x"), _place(place, labels, y, "y"), TOP_LEFT
     for left, right, origin in _LABELS:
         if left in labels and right in labels:
             return labels.index(left), labels.index(right), origin
-    raise InputError(f"{place}: which channels are gaze? give x= and y= one of: {_listed(labels)}")
+    raise InputError(f"{place}: no channels with known gaze labels; give x= and y=; channels: {_listed(labels)}")
 
 
 def _place(where: str, labels: list[str], text: str, option: str) -> int:
@@ -132,7 +132,7 @@ def _place(where: str, labels: list[str], text: str, option: str) -> int:
     number = key.removesuffix(".0")
     if number.isdecimal() and 1 <= int(number[:6]) <= len(labels):
         return int(number[:6]) - 1
-    raise InputError(f"{where}: {option}={text[:80]} is none of the channels: {_listed(labels)}")
+    raise InputError(f"{where}: {option}={text[:80]} is not a channel; channels: {_listed(labels)}")
 
 
 def _listed(labels: list[str]) -> str:
@@ -140,7 +140,7 @@ def _listed(labels: list[str]) -> str:
 
 
 def _first(time: Floats) -> float:
-    """The first finite time (n,) [s]; 0 where there is none."""
+    """Return the first finite time [s], or 0 without one."""
     return float(next(iter(time[np.isfinite(time)]), 0.0))
 
 

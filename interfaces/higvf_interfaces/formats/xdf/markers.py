@@ -1,4 +1,4 @@
-"""XDF marker streams as decisions: plain labels, spans as "0s" ... "0e", or JSON objects with a label in them."""
+"""Marker streams of XDF files: plain labels, intervals "0s" ... "0e", or JSON objects with a label."""
 
 import itertools
 import json
@@ -22,10 +22,10 @@ matches = xdf_file.matches
 
 
 def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
-    """Reads the chosen marker stream.
+    """Read the selected marker stream.
 
     Raises:
-        InputError: not an XDF file, no or several marker streams fit, or the stream is empty.
+        InputError: If the file is not XDF, no marker stream or several match, or the stream is empty.
     """
     streams = xdf_file.survey(file.path).streams
     marks = [stream for stream in streams if stream.marks]
@@ -47,7 +47,7 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
 
 
 def decision_of(time: float, text: str) -> Decision | None:
-    """What a marker says; one whose confidence is none of 0 to 1 keeps its label and loses that."""
+    """Parse a marker; a confidence outside [0, 1] is dropped and the label kept; None for an empty marker."""
     try:
         content: object = json.loads(text) if text.startswith("{") else None
     except (ValueError, RecursionError):
@@ -62,7 +62,7 @@ def decision_of(time: float, text: str) -> Decision | None:
 
 
 def label_of(sample: object) -> str:
-    """A marker as one text; shown shortened where it is none."""
+    """Return a marker as text."""
     value = cast(Sequence[object], sample)[0] if isinstance(sample, list | np.ndarray) and len(sample) else sample
     if isinstance(value, float | np.floating):
         return as_label(float(value))

@@ -1,26 +1,31 @@
-"""The samples of an XDF file's streams, by pyxdf, which loads them whole and puts their clocks on the recorder's."""
+"""Samples of XDF streams, loaded by pyxdf, which converts all clocks to the recorder's clock."""
 
 import logging
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
-import pyxdf
 
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.core.errors import InputError
+from higvf_console.core.errors import InputError, MissingExtraError
+from higvf_console.core.optional import optional
 from higvf_interfaces.formats.xdf.file import XdfStream
+
+if TYPE_CHECKING:
+    import pyxdf
+else:
+    pyxdf = optional("pyxdf", "devices")
 
 
 class XdfSamples(NamedTuple):
     """A loaded stream.
 
     Attributes:
-        time: (n,) of the recording computer [s].
-        values: n rows of the stream's channels: numbers (n, channels), or texts as lists.
-        earliest: finite time of any stream that was loaded [s]; 0 where there is none.
+        time: (n,) times on the recorder's clock [s].
+        values: numbers (n, channels), or n lists of text.
+        earliest: earliest finite time of all loaded streams [s]; 0 without one.
     """
 
     time: Floats
@@ -29,15 +34,15 @@ class XdfSamples(NamedTuple):
 
 
 def load(path: Path, chosen: XdfStream, beside: Sequence[XdfStream] = ()) -> XdfSamples:
-    """Loads a stream.
+    """Load a stream.
 
     Args:
-        path: of the file.
+        path: path of the file.
         chosen: the stream.
-        beside: others whose times count for the earliest one, so that streams of one file keep step.
+        beside: further streams included in `earliest`, so that all streams of a file share one time 0.
 
     Raises:
-        InputError: pyxdf cannot read the file, or the samples are no numbers where they should be.
+        InputError: If pyxdf cannot read the file, or samples are not numbers as declared.
     """
     numbers = sorted({chosen.number, *(stream.number for stream in beside)})
     try:
@@ -46,7 +51,9 @@ def load(path: Path, chosen: XdfStream, beside: Sequence[XdfStream] = ()) -> Xdf
             times = {int(entry["info"]["stream_id"]): floats(entry["time_stamps"], -1) for entry in loaded}
             (series,) = (e["time_series"] for e in loaded if int(e["info"]["stream_id"]) == chosen.number)
             values = series if chosen.texts else floats(series, -1, chosen.info.channels)
-    except Exception as problem:  # a damaged file makes pyxdf raise whatever there is
+    except MissingExtraError:
+        raise
+    except Exception as problem:  # pyxdf raises arbitrary exceptions on a damaged file
         reason = f"{type(problem).__name__}: {str(problem)[:200]}"
         raise InputError(f"{path}: the XDF file cannot be read: {reason}") from problem
     starts = [float(np.nanmin(time)) for time in times.values() if np.isfinite(time).any()]
@@ -55,13 +62,13 @@ def load(path: Path, chosen: XdfStream, beside: Sequence[XdfStream] = ()) -> Xdf
 
 
 def cut_off(stream: XdfStream, readable: int) -> list[str]:
-    """A note where a stream was not closed properly and has so many readable samples."""
-    return [] if stream.closed else [f"the recording was cut off; its readable part has {readable} samples"]
+    """Return a note if the stream has no footer; `readable` is its number of readable samples."""
+    return [] if stream.closed else [f"the recording was cut off: only its {readable} readable samples are used"]
 
 
 @contextmanager
 def _quiet() -> Generator[None]:
-    """pyxdf logs what it repairs; the readers say in their own notes what matters to the operator."""
+    """Disable the log of pyxdf; the readers report repairs in their notes."""
     logger = logging.getLogger(pyxdf.load_xdf.__module__)
     before, logger.disabled = logger.disabled, True
     try:

@@ -1,4 +1,4 @@
-"""XDF streams of samples (EEG, EMG, ...) as signals."""
+"""Signal streams (EEG, EMG, ...) of XDF files."""
 
 from collections.abc import Iterator
 
@@ -23,10 +23,10 @@ matches = xdf_file.matches
 
 
 def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
-    """Reads the chosen stream of numbers.
+    """Read the selected signal stream.
 
     Raises:
-        InputError: not an XDF file, no or several streams of samples fit, or the stream is empty.
+        InputError: If the file is not XDF, no signal stream or several match, or the stream is too short.
     """
     streams = xdf_file.survey(file.path).streams
     signals = [stream for stream in streams if not stream.marks]

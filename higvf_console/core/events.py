@@ -1,0 +1,29 @@
+"""What happened in a run and a person should read."""
+
+from enum import StrEnum
+from typing import NamedTuple
+
+
+class Severity(StrEnum):
+    """How much an event wants the operator's attention."""
+
+    INFO = "info"
+    GOOD = "good"
+    WARNING = "warning"
+    ALARM = "alarm"
+
+
+class Event(NamedTuple):
+    """Something that happened and that a person should read.
+
+    Attributes:
+        time: session time [s].
+        severity: how loud.
+        kind: machine-readable word, e.g. "extinguished", "target", "path", "infeasible", "refused".
+        text: one sentence.
+    """
+
+    time: float
+    severity: Severity
+    kind: str
+    text: str

@@ -1,0 +1,87 @@
+"""The compiled engine as the library calls it: the one place to change when the engine's own interface changes."""
+
+import sys
+from functools import cache, lru_cache
+from time import perf_counter
+
+from higvf_console.control.compilation.progress import listen
+from higvf_console.control.forms import PRINTED
+from higvf_console.control.parameters import Parameters, SafetyParameters, controlled
+from higvf_console.control.safety import safety_filter
+from higvf_console.control.safety.barriers.certificate import check_sampling
+from higvf_console.control.safety.hazards import GROWTH
+from higvf_console.core.arrays import Bools, Floats, Ints
+from higvf_console.core.errors import ArgumentError
+from higvf_console.library.hazards import FIRE, Hazards
+from higvf_console.sim.warm_up import warm_up
+from higvf_console.world.setup import Setup
+
+COMPILING = "Compiling the engine, once; this takes up to a minute ..."
+
+
+def announce() -> None:
+    """Makes sure that the first kernel which the cache does not hold is reported on standard error, once a process."""
+    listen(_report)
+
+
+def _report(_: str) -> None:
+    _report_once()
+
+
+@cache
+def _report_once() -> None:
+    print(COMPILING, file=sys.stderr, flush=True)
+
+
+def compiled(setup: Setup) -> float:
+    """Compiles the engine, or loads it from the cache; returns how long that took [s]."""
+    started = perf_counter()
+    announce()
+    warm_up(setup.start, setup.world, setup.params)
+    return perf_counter() - started
+
+
+def filtered(positions: Floats, nominal: Floats, hazards: Hazards, params: Parameters) -> tuple[Floats, Ints, Bools]:
+    """The distributed safety filter on checked arguments; clearances are enlarged for controlled points.
+
+    Args:
+        positions: (N, 2) controlled points [m].
+        nominal: (N, 2) [m/s].
+        hazards: what else there is to keep clear of.
+        params: those of the bodies.
+
+    Returns:
+        Velocities (N, 2) [m/s], active constraints (N,) and infeasible (N,).
+
+    Raises:
+        FilterError: with these parameters the barriers do not hold between two control steps.
+    """
+    safety = controlled(params).safety._replace(h_index=params.forms.h_index)
+    table = _checked_table(hazards, safety, params.forms.fire_constraint)
+    announce()
+    return safety_filter.filter_velocities(positions, nominal, table, safety)
+
+
+@lru_cache(maxsize=16)
+def _checked_table(hazards: Hazards, safety: SafetyParameters, fire_constraint: float) -> Floats:
+    """The table of hazards that the filter takes; without growth in [27] as printed."""
+    table = hazards.table.copy()
+    if fire_constraint == PRINTED:
+        table[:, GROWTH] = 0.0
+    check_sampling(table, safety)
+    return table
+
+
+def refuse_motion(hazards: Hazards) -> None:
+    """Refuses hazards that a run cannot hold: those that move, and those that grow and are no fires.
+
+    Raises:
+        ArgumentError: with the number and kind of the hazard.
+    """
+    for number, item in enumerate(hazards.items, 1):
+        if item.velocity != (0.0, 0.0):
+            raise ArgumentError(
+                f"hazard {number}, a {item.kind}, moves; expected, in a run, that obstacles stand still"
+            )
+        if item.growth != 0.0 and item.kind != FIRE:
+            raise ArgumentError(f"hazard {number}, a {item.kind}, grows; expected, in a run, that fires alone grow")
