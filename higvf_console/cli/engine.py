@@ -11,11 +11,11 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from higvf_console.control.compilation.progress import listening
+from higvf_console.library.engine import report_once
 
 if TYPE_CHECKING:
     from higvf_console.world.setup import Setup
 
-COMPILING = "Compiling the engine, once; this takes up to a minute ..."
 SMALLER = "--smaller-stages"  # an option of `higvf compile` for the second process
 
 
@@ -57,7 +57,7 @@ def _compile(setup: "Setup", coupled: bool) -> None:
     from higvf_console.control.compilation.cache import STORE
     from higvf_console.sim.warm_up import stages
 
-    print(COMPILING, file=sys.stderr, flush=True)
+    report_once()
     largest, *smaller = stages(setup.start, setup.world, setup.params, coupled)
     helper = _start_helper(coupled) if STORE.writable() and (os.cpu_count() or 1) > 1 else None
     try:

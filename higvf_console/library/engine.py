@@ -25,11 +25,12 @@ def announce() -> None:
 
 
 def _report(_: str) -> None:
-    _report_once()
+    report_once()
 
 
 @cache
-def _report_once() -> None:
+def report_once() -> None:
+    """Reports the compilation on standard error, the first time."""
     print(COMPILING, file=sys.stderr, flush=True)
 
 

@@ -119,14 +119,17 @@ def test_parameters_are_made_by_name() -> None:
             hc.make_parameters(**wrong)  # pyright: ignore
 
 
-def test_compilation_is_said_once_in_the_words_of_the_command_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_compilation_is_reported_once_in_the_words_of_the_command_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    from higvf_console.control.compilation import progress
     from higvf_console.library import engine
 
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    engine.announce.cache_clear()
-    engine.say_once.cache_clear()
-    engine.announce(engine.TICK)
-    engine.announce(engine.FILTER)
+    monkeypatch.setattr(progress, "_listeners", [])
+    engine.report_once.cache_clear()
+    engine.announce()
+    engine.announce()
+    assert capsys.readouterr().err == ""
+    progress.compiling("one kernel")
+    progress.compiling("another kernel")
     assert capsys.readouterr().err == f"{engine.COMPILING}\n"
