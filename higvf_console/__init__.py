@@ -39,13 +39,8 @@ Where to start reading the code:
 The public names below are imported when they are first used, so that `import higvf_console` is quick.
 """
 
-import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
-
-# The matrices here are small: threads of BLAS gain nothing on them, but wait for each other on a busy machine (p99 of
-# the eigenvalues of 100 robots: 25 ms, with one thread 1 ms). Whoever sets the variable has it so.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 if TYPE_CHECKING:
     from higvf_console.channels.channels import open_interface

@@ -23,7 +23,7 @@ from higvf_console.core.interface import InputSpec, Interface
 from higvf_console.core.state import SimState
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import load_scenario
-from higvf_console.sim.simulation import warm_up
+from higvf_console.sim.warm_up import warm_up
 from higvf_console.ui.console import Console
 from higvf_console.ui.page import guard
 from tests.teams import stroke

@@ -42,6 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         The exit status.
     """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is loaded: its threads wait for each other
     given = parser().parse_args(arguments)
     try:
         return _COMMANDS[given.command](given)
@@ -136,11 +137,15 @@ def _fit(given: argparse.Namespace) -> int:
     return 0
 
 
-def _compile(_: argparse.Namespace) -> int:
+def _compile(given: argparse.Namespace) -> int:
+    from higvf_console.cli.engine import compile_smaller_stages, load_engine
     from higvf_console.scenario.scenario import load_scenario
 
-    seconds = _warm_up(load_scenario("firefighting").setup())
-    print(f"The engine is compiled ({seconds:.1f} s).")
+    setup = load_scenario("firefighting").setup()
+    if given.smaller_stages:
+        compile_smaller_stages(setup, given.centralised)
+        return 0
+    print(f"The engine is compiled ({load_engine(setup, given.centralised):.1f} s).")
     return 0
 
 
@@ -161,11 +166,17 @@ def _check_interface(given: argparse.Namespace) -> int:
     return 0 if all(finding.kept for finding in findings) else 1
 
 
-def _warm_up(setup: "Setup") -> float:
-    """Compiles the engine, or loads it; how long that took [s]."""
-    from higvf_console.library.engine import compiled
+def _warm_up(setup: "Setup") -> None:
+    from higvf_console.cli.engine import load_engine
 
-    return compiled(setup)
+    load_engine(setup)
+
+
+def _warm_up_session(session: "Session") -> None:
+    from higvf_console.cli.engine import load_engine
+    from higvf_console.scenario.sections import FilterKind
+
+    load_engine(session.setup, coupled=session.scenario.filter is FilterKind.CENTRALISED)
 
 
 def _replay(given: argparse.Namespace) -> int:
@@ -219,7 +230,6 @@ def _open_session(given: argparse.Namespace) -> "Session":
     interfaces = _open_interfaces(given, scenario)
     measured = calibrations_of(interfaces)
     recorder = Recorder(given.record, scenario, given.seed, measured) if given.record else None
-    _warm_up(scenario.setup(given.seed))
     markers = MarkerOutlet(given.lsl_out, scenario.name, given.seed) if given.lsl_out is not None else None
     session = Session(scenario, interfaces, given.seed, recorder, markers)
     session.set_speed(given.speed)
@@ -258,6 +268,7 @@ def _run_headless(session: "Session", given: argparse.Namespace) -> int:
     from higvf_console.core.events import Severity
     from higvf_console.runtime.headless import run_headless
 
+    _warm_up_session(session)
     report = json.dumps(run_headless(session, given.duration), indent=2) + "\n"
     session.close()  # closing may fail too, and reports that as an event
     for event in session.snapshot.events:
@@ -280,8 +291,8 @@ def _write(option: str, file: str, text: str) -> None:
 
 def _serve(session: "Session", given: argparse.Namespace) -> int:
     """Serves the console until Ctrl-C, a termination signal, or the end of the duration."""
-    from higvf_console.ui.console import Console
     from higvf_console.ui.page.guard import login_url, new_token, open_server
+    from higvf_console.ui.page.loading import loading
 
     token, stopping = given.token or new_token(), Signal()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -290,7 +301,16 @@ def _serve(session: "Session", given: argparse.Namespace) -> int:
         ends.callback(scheduling.stand_back)
         server = open_server(given.host, given.port, token, session.scenario.title)
         ends.callback(server.stop)
-        console = Console(session, server)
+        print(f"Console: {login_url(server, token)}\nPress Ctrl-C to end it.", flush=True)
+        if not given.no_browser and _has_display():
+            webbrowser.open(login_url(server, token))
+        with loading(server, "Loading the engine ..."):
+            from higvf_console.ui.console import Console
+
+            scheduling.stand_back()
+            _warm_up_session(session)
+            scheduling.go_first()
+            console = Console(session, server)
         console.start()
         ends.callback(console.close)
         loop = Thread(target=session.run, args=(stopping,), name="session")
@@ -298,9 +318,6 @@ def _serve(session: "Session", given: argparse.Namespace) -> int:
         ends.callback(loop.join)
         ends.callback(stopping.set)
         scheduling.stand_back()
-        print(f"Console: {login_url(server, token)}\nPress Ctrl-C to end it.", flush=True)
-        if not given.no_browser and _has_display():
-            webbrowser.open(login_url(server, token))
         while given.duration is None or session.snapshot.time < given.duration:
             sleep(0.1)  # not stopping.wait: an interrupt could leave its lock acquired
     return 0

@@ -1,31 +1,25 @@
 """The HI-GVF controller: one control period of the team, from positions to nominal velocities. Start reading here.
 
-    links, components        communication links and connected components
-    perceive                 observed fire values theta, targets, robot intentions v_t             [10]-[13]
-    recover                  deadlock recovery stages
-    progress, guide          path parameter w and human intention v_h of the influenced robot      [2], [9]
-    share                    shared intentions v_s                                                 [15], [16]
-    keep_formation, blend    formation velocities v_f, blending weights lambda, blended velocity   [14], [17]-[19]
-    go_round                 composite field: circulation round obstacles in one direction         [7], [8]
+    recover             deadlock recovery stages
+    attend              links and components; fire values theta, targets, robot intentions v_t     [10]-[13]
+                        path parameter w                                                           [2]
+    guide               human intention v_h of the influenced robot                                [2], [9]
+    keep_formation      formation velocities v_f                                                   [14]
+    share               shared intentions v_s                                                      [15], [16]
+    blend               blending weights lambda, blended velocity                                  [17]-[19]
+    go_round            composite field: circulation round obstacles in one direction              [7], [8]
 
-The safety filter turns the nominal velocities into commanded velocities.
+The safety filter turns the nominal velocities into commanded velocities. `printed.compute` is the same period with the
+zero-in bumps of [9], [13] and [14] as printed.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.control.forms import PRINTED
 from higvf_console.control.guidance.boundaries import Boundaries, find_boundaries, fire_boundary
 from higvf_console.control.guidance.following import broken_away, destination, following, progress
-from higvf_console.control.guidance.guiding import (
-    agree_circulation,
-    composite_velocity,
-    guiding_vector,
-    has_human,
-    zero_in_product,
-)
+from higvf_console.control.guidance.guiding import agree_circulation, composite_velocity, guiding_vector, has_human
 from higvf_console.control.guidance.paths import WINDOW
 from higvf_console.control.guidance.recovery import forgotten, formation_grip, receptivity, recover
 from higvf_console.control.intention.blending import blended_velocity
@@ -42,43 +36,9 @@ from higvf_console.control.intention.perception import (
 )
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import Parameters
+from higvf_console.control.plan import Plan, Sight, Situation, planned
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.state import NOBODY, Intent, Motion, PathKind, PathStatus, World
-
-
-class Sight(NamedTuple):
-    """Perception of all robots; fields as in `Motion` and `Trace`."""
-
-    fire_value: Floats
-    target: Ints
-    target_value: Floats
-    robot_intention: Floats
-
-
-class Plan(NamedTuple):
-    """Result of one control period before the safety filter; fields as in `Motion` and `Trace`."""
-
-    nominal: Floats
-    intention: Floats
-    target: Ints
-    target_value: Floats
-    circulation: Ints
-    recovery_stage: Ints
-    path_parameter: float
-    path_status: int
-    path_idle: float
-    path_gap: float
-    path_left: float
-    steered: Bools  # (N,) whether a human intention acts in the robot's component
-    fire_value: Floats
-    robot_intention: Floats
-    human_intention: Floats
-    formation: Floats
-    blending: Floats
-    blended: Floats
-    link_start: Ints
-    link_to: Ints
-    component: Ints
 
 
 @kernel
@@ -91,70 +51,64 @@ def compute(motion: Motion, intent: Intent, world: World, params: Parameters) ->
         world: obstacles, fires, links and formation.
         params: all tunable parameters.
     """
+    recovery_stage, flip = recover(motion, intent.influenced if following(motion, intent) else NOBODY, params)
+    at = attend(motion, intent, recovery_stage, world, params)
+    robot = at.sight.robot_intention
+    human = guide(at.leader, at.path_parameter, motion, intent, params)
+    grip = formation_grip(recovery_stage, at.component, at.leader, at.path_idle, params)
+    formation = keep_formation(motion.position, grip, world, at.delivered_start, at.delivered_to, params)
+    psi = receptivity(
+        at.leader, recovery_stage, robot, human, motion.intention, at.delivered_start, at.delivered_to, params
+    )
+    intention = share(at, psi, robot, human, motion, intent, params)
+    blended, blending = blend(intention, formation, at.steered, intent.path.pace, params)
+    boundaries = find_boundaries(motion, world, params.safety.obstacle_clearance)
+    circulation = agree_circulation(
+        blended, motion.position, motion.circulation, at.component, at.leader, flip, boundaries, params.boundaries
+    )
+    velocity = go_round(blended, at, circulation, boundaries, motion, intent, world, params)
+    nominal = limit_speed(velocity, intent, params)
+    for i in range(nominal.shape[0]):
+        if at.held[i]:
+            nominal[i, 0], nominal[i, 1] = 0.0, 0.0
+    stages = forgotten(recovery_stage, circulation, motion.stalled)
+    return planned(at, robot, human, formation, intention, blended, blending, circulation, stages, nominal)
+
+
+@kernel
+def attend(motion: Motion, intent: Intent, recovery_stage: Ints, world: World, params: Parameters) -> Situation:
+    """Perceives the fires, finds the connected components, and updates the progress on the path.
+
+    Args:
+        motion: state of the robots, fires and path progress.
+        intent: active path, influenced robot, priorities.
+        recovery_stage: (N,) deadlock recovery stages in this period.
+        world: obstacles, fires and links.
+        params: all tunable parameters.
+    """
     start, to = links(motion.position, world, params)
     component = components(start, to)
     sight = perceive(motion, intent.priority, world, params)
-    recovery_stage, flip = recover(motion, intent.influenced if following(motion, intent) else NOBODY, params)
     status = broken_away(motion, intent, sight.fire_value, sight.target, component, params)
     stage = recovery_stage[intent.influenced] if recovery_stage.shape[0] > 0 else 0  # a team may have no robots
     w, status, idle, gap, left = progress(motion, intent, status, stage, world, params)
     human = intent.path.kind != PathKind.NONE and status == PathStatus.FOLLOWING
-    leader = intent.influenced if human else NOBODY
-    steered = has_human(component, intent.influenced, human)
-    held = has_human(component, intent.influenced, status == PathStatus.HOLDING)
-    wanted, human_intention = sight.robot_intention, guide(leader, w, motion, intent, params)
     delivered_start, delivered_to = delivered(start, to, motion.tick, params.robots)
-    grip = formation_grip(recovery_stage, component, leader, idle, params)
-    formation = keep_formation(motion.position, grip, world, delivered_start, delivered_to, params)
-    if params.forms.human == PRINTED:
-        _fade(wanted, human_intention, formation, motion, world, params)
-    if intent.paused:
-        intention = motion.intention.copy()
-    else:
-        awake = is_awake(sight.target, steered, held, component)
-        psi = receptivity(
-            leader, recovery_stage, wanted, human_intention, motion.intention, delivered_start, delivered_to, params
-        )
-        intention = share(leader, psi, awake, wanted, human_intention, motion, delivered_start, delivered_to, params)
-    blended, blending = blend(intention, formation, steered, intent.path.pace, params)
-    boundaries = find_boundaries(motion, world, params.safety.obstacle_clearance)
-    circulation = agree_circulation(
-        blended, motion.position, motion.circulation, component, leader, flip, boundaries, params.boundaries
-    )
-    if intent.paused or intent.stopped:
-        nominal = np.zeros(blended.shape)
-    elif params.forms.human == PRINTED:
-        nominal = limit_speed(blended, params)
-    else:
-        goal = destination(intent.path, w)
-        nominal = limit_speed(
-            go_round(blended, sight.target, steered, goal, circulation, boundaries, motion, world, params), params
-        )
-        for i in range(held.shape[0]):
-            if held[i]:
-                nominal[i, 0], nominal[i, 1] = 0.0, 0.0
-    return Plan(
-        nominal=nominal,
-        intention=intention,
-        target=sight.target,
-        target_value=sight.target_value,
-        circulation=circulation,
-        recovery_stage=forgotten(recovery_stage, circulation, motion.stalled),
+    return Situation(
+        link_start=start,
+        link_to=to,
+        delivered_start=delivered_start,
+        delivered_to=delivered_to,
+        component=component,
+        sight=sight,
         path_parameter=w,
         path_status=status,
         path_idle=idle,
         path_gap=gap,
         path_left=left,
-        steered=steered,
-        fire_value=sight.fire_value,
-        robot_intention=wanted,
-        human_intention=human_intention,
-        formation=formation,
-        blending=blending,
-        blended=blended,
-        link_start=start,
-        link_to=to,
-        component=component,
+        leader=intent.influenced if human else NOBODY,
+        steered=has_human(component, intent.influenced, human),
+        held=has_human(component, intent.influenced, status == PathStatus.HOLDING),
     )
 
 
@@ -240,29 +194,29 @@ def is_awake(target: Ints, steered: Bools, held: Bools, component: Ints) -> Bool
 
 @kernel
 def share(
-    leader: int, psi: float, awake: Bools, robot: Floats, human: Floats, motion: Motion, start: Ints, to: Ints,
-    params: Parameters,
-) -> Floats:  # fmt: skip
-    """Shared intentions v_s (N, 2) after one control period, [15], [16].
+    at: Situation, psi: float, robot: Floats, human: Floats, motion: Motion, intent: Intent, params: Parameters
+) -> Floats:
+    """Shared intentions v_s (N, 2) after one control period, [15], [16]; unchanged while the team is paused.
 
     Args:
-        leader: the influenced robot, which receives v_h with weight `psi`; or NOBODY.
+        at: neighbour lists, targets and components; v_s is zero in a component that is not awake, see `is_awake`.
         psi: receptivity of the leader to the human intention.
-        awake: (N,) whether the robot's component is active; v_s is zero where it is not.
         robot: (N, 2) robot intentions v_t.
         human: (N, 2) human intentions v_h.
         motion: holds the present v_s.
-        start: (N + 1,) neighbour lists, see `links`.
-        to: (E,) neighbours.
+        intent: whether the team is paused.
         params: weights, forms and control period.
     """
+    if intent.paused:
+        return motion.intention.copy()
+    awake = is_awake(at.sight.target, at.steered, at.held, at.component)
     intention, before = np.zeros(robot.shape), motion.intention
     for i in range(robot.shape[0]):
         if awake[i]:
             intention[i, 0], intention[i, 1] = shared_intention(
                 i, before[i, 0], before[i, 1], robot[i, 0], robot[i, 1], human[i, 0], human[i, 1],
-                psi if i == leader else 0.0, before, start, to, params.intention, params.forms,
-                params.safety.control_period,
+                psi if i == at.leader else 0.0, before, at.delivered_start, at.delivered_to, params.intention,
+                params.forms, params.safety.control_period,
             )  # fmt: skip
     return intention
 
@@ -296,22 +250,24 @@ def blend(
 
 @kernel
 def go_round(
-    blended: Floats, target: Ints, steered: Bools, goal: tuple[float, float], circulation: Ints,
-    boundaries: Boundaries, motion: Motion, world: World, params: Parameters,
+    blended: Floats, at: Situation, circulation: Ints, boundaries: Boundaries, motion: Motion, intent: Intent,
+    world: World, params: Parameters,
 ) -> Floats:  # fmt: skip
     """Velocities (N, 2) [m/s] after the composite step, [7], [8].
 
     The fire that a robot targets is no obstacle to it, unless the human intention acts on its component: such a robot
-    heads for `goal` [m], and the path may pass the fire.
+    heads for the destination of the path, and the path may pass the fire.
     """
     nominal = np.zeros(blended.shape)
+    path_goal = destination(intent.path, at.path_parameter)
     for i in range(blended.shape[0]):
-        own_boundary, (goal_x, goal_y) = NOBODY, goal
-        if not steered[i]:
-            own_boundary = fire_boundary(target[i], world)
+        own_boundary, (goal_x, goal_y) = NOBODY, path_goal
+        if not at.steered[i]:
+            fire = at.sight.target[i]
+            own_boundary = fire_boundary(fire, world)
             goal_x, goal_y = math.nan, math.nan
-            if target[i] != NOBODY:
-                goal_x, goal_y = world.fire_position[target[i], 0], world.fire_position[target[i], 1]
+            if fire != NOBODY:
+                goal_x, goal_y = world.fire_position[fire, 0], world.fire_position[fire, 1]
         nominal[i, 0], nominal[i, 1] = composite_velocity(
             blended[i, 0], blended[i, 1], motion.position[i, 0], motion.position[i, 1], i, circulation, own_boundary,
             goal_x, goal_y, boundaries, world, params.boundaries, params.forms,
@@ -320,27 +276,14 @@ def go_round(
 
 
 @kernel
-def limit_speed(velocity: Floats, params: Parameters) -> Floats:
-    """Scales velocities (N, 2) [m/s] down to the speed limit."""
+def limit_speed(velocity: Floats, intent: Intent, params: Parameters) -> Floats:
+    """Scales velocities (N, 2) [m/s] down to the speed limit, and to zero while the team is paused or stopped."""
     nominal = np.zeros(velocity.shape)
+    if intent.paused or intent.stopped:
+        return nominal
     for i in range(velocity.shape[0]):
         vx, vy = velocity[i, 0], velocity[i, 1]
         speed = math.sqrt(vx * vx + vy * vy)
         share = params.safety.speed_limit / speed if speed > params.safety.speed_limit else 1.0
         nominal[i, 0], nominal[i, 1] = share * vx, share * vy
     return nominal
-
-
-@kernel
-def _fade(robot: Floats, human: Floats, formation: Floats, motion: Motion, world: World, params: Parameters) -> None:
-    """Multiplies intentions and formation velocities by the product of the zero-in bumps, in place.
-
-    Equations [9], [13] and [14] as printed.
-    """
-    for i in range(robot.shape[0]):
-        x, y = motion.position[i, 0], motion.position[i, 1]
-        product = zero_in_product(x, y, motion, world, params.boundaries, params.forms)
-        for axis in range(2):
-            robot[i, axis] *= product
-            human[i, axis] *= product
-            formation[i, axis] *= product

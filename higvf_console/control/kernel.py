@@ -1,53 +1,66 @@
-"""The one decorator around Numba: `@kernel` compiles an equation to machine code, once, on disk.
+"""The one decorator around Numba: `@kernel` compiles an equation to machine code when it is first called.
 
-Numba renews its cache when a function's own file changes, not when a callee's does; so the cache folder is named after
-the digest of all sources that can hold a kernel. `error_model="numpy"` keeps one robot's 0/0 from raising for the whole
-team; there is no `parallel` and no `fastmath`, so that results agree bit for bit across processes.
+Kernels call each other, and Python calls any of them. Numba itself is imported at the first call, so that modules with
+equations are quick to import and change nothing. `compilation.dispatcher` tells how kernels are compiled, and
+`compilation.cache` where they are kept.
 """
 
-import hashlib
 import os
-import shutil
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any, TypeVar, cast
+from functools import cached_property, update_wrapper
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+if TYPE_CHECKING:
+    from higvf_console.control.compilation.dispatcher import Dispatchers
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-_KEPT_FOR = 14 * 86400.0  # [s]; caches of builds that nobody has run for so long are removed
-
-
-def _cache_folder() -> Path:
-    house = Path(__file__).parents[1]
-    digest = hashlib.sha256()
-    sources = [house / "core" / "arrays.py", house / "core" / "state.py", *house.glob("control/**/*.py")]
-    sources += [source for source in house.glob("sim/**/*.py") if "@kernel" in source.read_text(encoding="utf-8")]
-    for source in sorted(sources):
-        digest.update(source.read_bytes())
-    root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "higvf")
-    folder = root / digest.hexdigest()[:16]
-    folder.mkdir(parents=True, exist_ok=True)
-    folder.touch()
-    now = folder.stat().st_mtime
-    for old in root.iterdir():
-        if now - old.stat().st_mtime > _KEPT_FOR:
-            shutil.rmtree(old, ignore_errors=True)
-    return folder
-
-
-os.environ["NUMBA_CACHE_DIR"] = str(_cache_folder())
-
-import numba  # noqa: E402 (the cache folder must be named before)
-from numba.core.config import reload_config  # noqa: E402
-
-reload_config()
 
 
 def kernel(function: _Function) -> _Function:
-    """Compiles `function` on its first call, releases the GIL inside it, and keeps the machine code on disk."""
-    return cast(_Function, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    """Compiles `function` when it is first called; releases the GIL inside it, and keeps the machine code on disk.
+
+    It stays plain Python where NUMBA_DISABLE_JIT=1, for a debugger or for coverage.
+    """
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        return function
+    return cast(_Function, Kernel(function))
 
 
 def closed(function: Callable[..., Any]) -> None:
-    """Forbids any further compilation of a kernel: a wrong type is then an error at once, not a stall of seconds."""
-    if hasattr(function, "disable_compile"):  # absent under NUMBA_DISABLE_JIT=1
-        function.disable_compile()  # pyright: ignore[reportFunctionMemberAccess]
+    """Forbids to compile a kernel for further types: a wrong one is then an error at once, not a stall of seconds."""
+    if isinstance(function, Kernel):
+        function.dispatchers.entry.disable_compile()
+
+
+class Kernel:
+    """A function that is compiled when it is needed: by a call from Python, or by a kernel that calls it."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        """Imports and compiles nothing yet."""
+        update_wrapper(self, function)
+        self.py_func = function
+        self._call: Callable[..., Any] = self._first_call
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """The compiled function's result."""
+        return self._call(*arguments, **named)
+
+    def __reduce__(self) -> str:
+        """Pickled by name, as functions are."""
+        return self.py_func.__qualname__
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What Numba takes this object for where a kernel calls it."""
+        return self.dispatchers.linked._numba_type_  # pyright: ignore[reportPrivateUsage] (Numba's protocol)
+
+    @cached_property
+    def dispatchers(self) -> "Dispatchers":
+        """Numba's objects for this function."""
+        from higvf_console.control.compilation.dispatcher import dispatchers  # noqa: PLC0415 (loads the compiler)
+
+        return dispatchers(self.py_func)
+
+    def _first_call(self, *arguments: Any, **named: Any) -> Any:
+        self._call = self.dispatchers.entry
+        return self._call(*arguments, **named)

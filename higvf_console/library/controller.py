@@ -11,7 +11,7 @@ from higvf_console.library.filtering import controlled_points, given_headings
 from higvf_console.library.records import given_path, given_state
 from higvf_console.library.stepping import given_setup
 from higvf_console.operator.path_commands import follow
-from higvf_console.runtime.compiling import TICK, announce
+from higvf_console.runtime.compiling import announce
 from higvf_console.sim import simulation
 from higvf_console.world.setup import Setup
 
@@ -91,7 +91,7 @@ class Controller:
         state = state._replace(intent=state.intent._replace(influenced=leader, paused=holds))
         if path is not None or not isinstance(positions, SimState):
             state = _led(state, NO_PATH if path is None else given_path(path))
-        announce(TICK)
+        announce()
         self._state, self._trace = simulation.advance(state, self.setup.world, self._params)
         return self._state.motion.velocity.copy()
 

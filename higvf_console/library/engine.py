@@ -11,16 +11,16 @@ from higvf_console.control.safety.hazards import GROWTH
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.errors import ArgumentError
 from higvf_console.library.hazards import FIRE, Hazards
-from higvf_console.runtime.compiling import FILTER, TICK, announce
-from higvf_console.sim import simulation
+from higvf_console.runtime.compiling import announce
+from higvf_console.sim.warm_up import warm_up
 from higvf_console.world.setup import Setup
 
 
 def compiled(setup: Setup) -> float:
     """Compiles the engine, or loads it from the cache; returns how long that took [s]."""
     started = perf_counter()
-    announce(TICK)
-    simulation.warm_up(setup.start, setup.world, setup.params)
+    announce()
+    warm_up(setup.start, setup.world, setup.params)
     return perf_counter() - started
 
 
@@ -41,7 +41,7 @@ def filtered(positions: Floats, nominal: Floats, hazards: Hazards, params: Param
     """
     safety = controlled(params).safety._replace(h_index=params.forms.h_index)
     table = _checked_table(hazards, safety, params.forms.fire_constraint)
-    announce(FILTER)
+    announce()
     return safety_filter.filter_velocities(positions, nominal, table, safety)
 
 

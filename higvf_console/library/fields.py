@@ -10,7 +10,7 @@ from higvf_console.core.errors import ArgumentError
 from higvf_console.core.state import SimState
 from higvf_console.library.records import given_state
 from higvf_console.library.stepping import given_setup
-from higvf_console.runtime.compiling import FIELD, announce
+from higvf_console.runtime.compiling import announce
 from higvf_console.world.setup import Setup
 
 _KINDS = {kind.name.lower(): kind for kind in FieldKind}
@@ -38,5 +38,5 @@ def vector_field(points: ArrayLike, setup: Setup, state: SimState | None = None,
     where = given_floats("points", points, ("G", 2), most=FARTHEST)
     if not len(now.motion.position):
         raise ArgumentError("setup has no robots; expected at least one, whose field this is")
-    announce(FIELD)
+    announce()
     return field_at(which, where, now, place.world, place.params) if len(where) else np.zeros((0, 2))

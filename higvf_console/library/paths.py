@@ -16,7 +16,7 @@ from higvf_console.core.state import Path, PathKind
 from higvf_console.library.records import given_parameters, given_path
 from higvf_console.library.setups import make_setup
 from higvf_console.operator.path_commands import ENDINGS, FASTEST, SLOWEST, shaped
-from higvf_console.runtime.compiling import FIELD, PATH, announce
+from higvf_console.runtime.compiling import announce
 
 _SMOOTHEST = 100.0  # [m]
 
@@ -132,7 +132,7 @@ def path_points(path: Path, arc_lengths: ArrayLike | None = None) -> Floats:
         if given.length == math.inf:
             raise ArgumentError("arc_lengths is None; expected arc lengths [m], for a line has no end")
         arc_lengths = np.linspace(0.0, given.length, paths.SEGMENTS + 1)
-    announce(PATH)
+    announce()
     return paths.path_points(given, given_floats("arc_lengths", arc_lengths, ("N",), most=FARTHEST))
 
 
@@ -159,7 +159,7 @@ def guiding_vectors(path: Path, points: ArrayLike, parameters: Parameters | None
     if not len(where):
         return floats([], 0, 2)
     setup = make_setup(where[:1], parameters=params, path=given)
-    announce(FIELD)
+    announce()
     field = field_at(FieldKind.PATH, where, setup.start, setup.world, setup.params)
     return field / np.hypot(*field.T)[:, None]
 

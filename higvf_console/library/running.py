@@ -14,7 +14,7 @@ from higvf_console.library.paths import circle_path, guiding_vectors, path_point
 from higvf_console.library.scenarios import make_scenario
 from higvf_console.library.setups import make_setup
 from higvf_console.library.stepping import given_setup
-from higvf_console.runtime.compiling import TICK, announce
+from higvf_console.runtime.compiling import announce
 from higvf_console.runtime.headless import run_headless
 from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.run import Tick
@@ -54,7 +54,7 @@ def run(
     """
     what = given_scenario(scenario)
     number = whole("seed", seed, 0)
-    announce(TICK)
+    announce()
     recorder = None if record is None else Recorder(Path(instance("record", record, str, Path)), what, number)
     session = Session(what, interfaces, number, recorder)
     try:

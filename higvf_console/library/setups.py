@@ -20,7 +20,7 @@ from higvf_console.library.filtering import controlled_points, given_headings
 from higvf_console.library.hazards import FIRE, Hazard, Hazards, given_arena, given_hazards
 from higvf_console.library.records import given_parameters, given_path
 from higvf_console.operator.path_commands import follow
-from higvf_console.runtime.compiling import PATH, announce
+from higvf_console.runtime.compiling import announce
 from higvf_console.world import setup as world_setup
 from higvf_console.world.layout import Fire, Layout
 from higvf_console.world.obstacles import Obstacles
@@ -120,7 +120,7 @@ def make_setup(
         motion=start.motion._replace(heading=angles), intent=start.intent._replace(influenced=leader)
     )
     if chosen is not None:
-        announce(PATH)
+        announce()
         start = follow(start, chosen)
     return setup._replace(start=start)
 

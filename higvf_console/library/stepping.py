@@ -20,7 +20,7 @@ from higvf_console.core.viewport import Arena
 from higvf_console.library.records import given_parameters, given_state, given_world
 from higvf_console.operator import reducer
 from higvf_console.operator.outcome import Outcome
-from higvf_console.runtime.compiling import ROLL, TICK, announce
+from higvf_console.runtime.compiling import announce
 from higvf_console.sim import simulation
 from higvf_console.sim.simulation import Rollout
 from higvf_console.world.layout import Layout
@@ -48,7 +48,7 @@ def advance(state: SimState, world: World, params: Parameters) -> tuple[SimState
     """
     place, tunables = given_world(world), given_parameters(params, "params")
     now = given_state(state, place)
-    announce(TICK)
+    announce()
     return simulation.advance(now, place, tunables)
 
 
@@ -69,7 +69,7 @@ def roll(state: SimState, world: World, params: Parameters, ticks: int) -> tuple
     """
     place, tunables = given_world(world), given_parameters(params, "params")
     now, count = given_state(state, place), whole("ticks", ticks, 0, _MOST_TICKS)
-    announce(ROLL)
+    announce()
     return simulation.roll(now, place, tunables, count)
 
 

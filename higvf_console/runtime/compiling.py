@@ -1,31 +1,23 @@
-"""Compilation tells of itself: one line on standard error before the first kernel that is not in the cache."""
+"""Reports on standard error, once a process, that the engine is being compiled because the cache does not hold it."""
 
-import os
 import sys
 from functools import cache
-from pathlib import Path
 
-from higvf_console.sim import simulation
+from higvf_console.control.compilation.progress import listen
 
 COMPILING = "Compiling the engine, once; this takes up to a minute ..."
-TICK, ROLL, FILTER = "simulation.tick", "simulation._roll", "safety_filter.filter_velocities"
-FIELD, PATH = "field._field", "paths.nearest"
+
+
+def announce() -> None:
+    """Makes sure that the first kernel which the cache does not hold is reported."""
+    listen(_report)
+
+
+def _report(_: str) -> None:
+    report_once()
 
 
 @cache
-def announce(name: str) -> None:
-    """Says on standard error, once a process, that a kernel is about to be compiled; not where it is in the cache.
-
-    Args:
-        name: module and function of the kernel.
-    """
-    folder = os.environ.get("NUMBA_CACHE_DIR")
-    compiles = hasattr(simulation.tick, "signatures")  # not under NUMBA_DISABLE_JIT=1
-    if compiles and (folder is None or not any(Path(folder).rglob(f"{name}-*.nbi"))):
-        say_once()
-
-
-@cache
-def say_once() -> None:
-    """Says that the engine is being compiled, once a process."""
+def report_once() -> None:
+    """Reports the compilation, the first time."""
     print(COMPILING, file=sys.stderr, flush=True)

@@ -32,7 +32,7 @@ from higvf_console.core.interface import current_channel, renamed_channel
 from higvf_console.core.reading.node import Node
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.state import Motion
-from higvf_console.runtime.compiling import TICK, announce
+from higvf_console.runtime.compiling import announce
 from higvf_console.runtime.interrupts import held_back
 from higvf_console.runtime.run import Run, Tick, TrajectoryDigest
 from higvf_console.scenario.scenario import Scenario, parse_scenario
@@ -314,7 +314,7 @@ def replay(recording: Recording, each: Callable[[Tick], object] | None = None) -
         ArgumentTypeError: no recording.
     """
     instance("recording", recording, Recording)
-    announce(TICK)
+    announce()
     run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter, recording.scenario)
     digest = TrajectoryDigest()
     expected = {mark.ticks: mark.digest for mark in recording.marks}

@@ -11,7 +11,6 @@ from typing import NamedTuple, TypeAlias
 
 from higvf_console.analysis.explain import Moved
 from higvf_console.control.parameters import Parameters
-from higvf_console.control.safety.coupled_filter import CoupledFilter
 from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, Undo
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.events import Event, Severity
@@ -141,6 +140,8 @@ def _advance_by(filter_kind: FilterKind, setup: Setup) -> Advance:
     world, params = setup.world, setup.params
     if filter_kind is FilterKind.DISTRIBUTED:
         return lambda state: simulation.advance(state, world, params)
+    from higvf_console.control.safety.coupled_filter import CoupledFilter  # noqa: PLC0415 (loads OSQP)
+
     coupled = CoupledFilter()
     return lambda state: simulation.advance_coupled(state, world, params, coupled)
 

@@ -37,7 +37,7 @@ from higvf_console.core.interface import Interface, OperatorContext, PointerSink
 from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.baseline_thread import keep_baseline
-from higvf_console.runtime.compiling import TICK, announce
+from higvf_console.runtime.compiling import announce
 from higvf_console.runtime.failsafe import failure_event, halted
 from higvf_console.runtime.history import rows_before
 from higvf_console.runtime.inputs import opening_warnings
@@ -100,7 +100,7 @@ class Session:
         """
         instance("scenario", scenario, Scenario)
         self.seed = whole("seed", seed, 0)
-        announce(TICK)
+        announce()
         self.baseline: Baseline | None = None
         self.viewport: Viewport | None = None
         self.commands: list[AppliedCommand] = []

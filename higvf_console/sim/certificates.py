@@ -12,10 +12,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.csgraph import laplacian as sparse_laplacian
-from scipy.sparse.linalg import eigsh
 
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import map_radius
@@ -101,6 +97,11 @@ def intention_bound(motion: Motion, params: Parameters) -> float:
 
 def connectivity(links: Ints, robots: int) -> float:
     """lambda_2, the second smallest eigenvalue of the Laplacian of `links` (E, 2); a lone robot has none: inf."""
+    from scipy.sparse import coo_array, csc_array  # noqa: PLC0415 (slow to import)
+    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
+    from scipy.sparse.csgraph import laplacian as sparse_laplacian  # noqa: PLC0415
+    from scipy.sparse.linalg import eigsh  # noqa: PLC0415
+
     if robots < 2:
         return math.inf
     if len(links) == robots * (robots - 1) // 2:

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from higvf_console.control.controller import Plan
 from higvf_console.control.guidance.obstacles import part_at
 from higvf_console.control.intention.neighbours import within
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import Parameters, SafetyParameters
+from higvf_console.control.plan import Plan
 from higvf_console.control.safety.safety_filter import blocked
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.core.state import NOBODY, Motion, World

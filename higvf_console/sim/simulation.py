@@ -3,21 +3,21 @@
     advance   one tick, with its trace: live and headless runs
     roll      k ticks in one call: baselines, previews, studies; bit for bit the same states
 
-Both run `tick`, the one fused kernel.
+Both are `run_ticks`, the one fused kernel.
 """
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from higvf_console.control.controller import Plan, compute
+from higvf_console.control import printed
+from higvf_console.control.controller import compute
 from higvf_console.control.forms import PRINTED
-from higvf_console.control.guidance.field import FieldKind, field_at
 from higvf_console.control.guidance.obstacles import world_at
-from higvf_console.control.kernel import closed, kernel
+from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import PackedParameters, Parameters, SafetyParameters, packed
-from higvf_console.control.safety.coupled_filter import CoupledFilter
+from higvf_console.control.plan import Plan
 from higvf_console.control.safety.hazards import hazard_table
 from higvf_console.control.safety.safety_filter import filter_velocities
 from higvf_console.core.arrays import Bools, Floats, Ints, bools, floats, ints
@@ -37,6 +37,9 @@ from higvf_console.sim.disturbances import as_measured
 from higvf_console.sim.fires import burn, crews, growth_rates
 from higvf_console.sim.metrics import clearances, stalls
 from higvf_console.sim.unicycle import body_centres, headings_after
+
+if TYPE_CHECKING:
+    from higvf_console.control.safety.coupled_filter import CoupledFilter
 
 
 class Rollout(NamedTuple):
@@ -99,11 +102,13 @@ def initial_state(position: Floats, fire_radius: Floats, world: World, heading: 
 
 def advance(state: SimState, world: World, params: Parameters) -> tuple[SimState, Trace]:
     """The state one control period later, and why."""
-    motion, trace = tick(state.motion, state.intent, world, packed(params))
+    motion, trace = run_ticks(state.motion, state.intent, world, packed(params), 1, _NO_HISTORY)
     return SimState(motion, state.intent, state.pointer_state), trace
 
 
-def advance_coupled(state: SimState, world: World, params: Parameters, safety: CoupledFilter) -> tuple[SimState, Trace]:
+def advance_coupled(
+    state: SimState, world: World, params: Parameters, safety: "CoupledFilter"
+) -> tuple[SimState, Trace]:
     """As `advance`, with the centralised filter in place of the distributed one; it has no fast `roll`."""
     plan, crew, rate, seen = decide(state.motion, state.intent, world, packed(params))
     filtered = safety.filter_velocities(
@@ -115,8 +120,26 @@ def advance_coupled(state: SimState, world: World, params: Parameters, safety: C
 
 def roll(state: SimState, world: World, params: Parameters, ticks: int) -> tuple[SimState, Rollout]:
     """The state `ticks` control periods later, nothing commanded on the way, and the history."""
-    motion, history = _roll(state.motion, state.intent, world, packed(params), ticks)
+    history = _empty_history(ticks, len(state.motion.position), len(state.motion.fire_radius))
+    if ticks == 0:
+        return state, history
+    motion, _ = run_ticks(state.motion, state.intent, world, packed(params), ticks, history)
     return SimState(motion, state.intent, state.pointer_state), history
+
+
+def _empty_history(ticks: int, robots: int, fires: int) -> Rollout:
+    return Rollout(
+        position=np.empty((ticks, robots, 2)),
+        loss_area=np.empty((ticks, fires)),
+        clearance=np.empty(ticks),
+        burning=np.empty((ticks, fires), np.bool_),
+        deadlocked=np.empty(ticks, np.bool_),
+        infeasible=np.empty(ticks, np.bool_),
+        path_status=np.empty(ticks, np.int64),
+    )
+
+
+_NO_HISTORY = _empty_history(0, 0, 0)
 
 
 @kernel
@@ -140,7 +163,11 @@ def decide(motion: Motion, intent: Intent, world: World, params: PackedParameter
     seen = motion
     if params[0].robots.position_noise > 0.0:
         seen = as_measured(motion, params[0].robots)
-    plan = compute(seen, intent, world_at(world, motion.tick, params[0].safety.control_period), params[0])
+    now = world_at(world, motion.tick, params[0].safety.control_period)
+    if params[0].forms.human == PRINTED:
+        plan = printed.compute(seen, intent, now, params[0])
+    else:
+        plan = compute(seen, intent, now, params[0])
     crew = crews(motion, plan.steered, world, params[0])
     return plan, crew, growth_rates(motion, crew, world), seen.position
 
@@ -253,34 +280,32 @@ def _pairs(start: Ints, to: Ints) -> Ints:
 
 
 @kernel
-def _roll(motion: Motion, intent: Intent, world: World, params: PackedParameters, ticks: int) -> tuple[Motion, Rollout]:
-    position = np.empty((ticks, motion.position.shape[0], 2))
-    loss = np.empty((ticks, motion.fire_radius.shape[0]))
-    clearance = np.empty(ticks)
-    burning = np.empty((ticks, motion.fire_radius.shape[0]), np.bool_)
-    deadlocked, infeasible = np.empty(ticks, np.bool_), np.empty(ticks, np.bool_)
-    status = np.empty(ticks, np.int64)
+def run_ticks(
+    motion: Motion, intent: Intent, world: World, params: PackedParameters, ticks: int, history: Rollout
+) -> tuple[Motion, Trace]:
+    """The motion after `ticks` > 0 periods, and the trace of the last; the first periods are noted in `history`.
+
+    One entry for single steps and for rolls: the whole controller is compiled once, and both are bit for bit the same.
+    """
     for k in range(ticks):
         motion, trace = tick(motion, intent, world, params)
-        position[k] = motion.position
-        loss[k] = math.pi * motion.fire_radius**2
-        clearance[k] = trace.clearance.min() if trace.clearance.shape[0] > 0 else math.inf
-        burning[k] = motion.fire_burning
-        deadlocked[k], infeasible[k] = trace.deadlocked.any(), trace.infeasible.any()
-        status[k] = motion.path_status
-    return motion, Rollout(position, loss, clearance, burning, deadlocked, infeasible, status)
+        if k < history.clearance.shape[0]:
+            _note(k, motion, trace, history)
+    return motion, trace
 
 
-def warm_up(state: SimState, world: World, params: Parameters) -> None:
-    """Compiles everything that a run can call, then forbids compilation: no tick can stall on it."""
-    plan, crew, rate, _ = decide(state.motion, state.intent, world, packed(params))
-    robots = len(state.motion.position)
-    settle(
-        state.motion, state.intent, plan, crew, rate, plan.nominal, np.zeros(robots, np.int64),
-        np.zeros(robots, np.bool_), world, packed(params),
-    )  # fmt: skip
-    advance(state, world, params)
-    roll(state, world, params, 1)
-    field_at(FieldKind.BLENDED, np.zeros((1, 2)), state, world, params)
-    for function in (decide, settle, tick, _roll):
-        closed(function)
+@kernel
+def _note(k: int, motion: Motion, trace: Trace, history: Rollout) -> None:
+    """Writes tick k into the history."""
+    for i in range(motion.position.shape[0]):
+        history.position[k, i, 0], history.position[k, i, 1] = motion.position[i, 0], motion.position[i, 1]
+    for j in range(motion.fire_radius.shape[0]):
+        history.loss_area[k, j] = math.pi * motion.fire_radius[j] ** 2
+        history.burning[k, j] = motion.fire_burning[j]
+    least, deadlocked, infeasible = math.inf, False, False
+    for i in range(trace.clearance.shape[0]):
+        if trace.clearance[i] < least or math.isnan(trace.clearance[i]):
+            least = trace.clearance[i]
+        deadlocked, infeasible = deadlocked or trace.deadlocked[i], infeasible or trace.infeasible[i]
+    history.clearance[k], history.deadlocked[k], history.infeasible[k] = least, deadlocked, infeasible
+    history.path_status[k] = motion.path_status

@@ -5,9 +5,6 @@ from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import map_radius
@@ -21,6 +18,7 @@ from higvf_console.core.viewport import Arena
 from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
 from higvf_console.sim.disturbances import noise_limit
 from higvf_console.world.layout import Layout
+from higvf_console.world.neighbour_search import kd_tree
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.polygons import obstacles_of, segment_distance, signed_distance
 
@@ -70,7 +68,7 @@ def _clearance(kind: str, clearance: float, params: Parameters) -> str:
 
 
 def _check_pairs(position: Floats, least: float, clearance: str, place: str) -> None:
-    pairs = KDTree(position).query_pairs(least, output_type="ndarray")
+    pairs = kd_tree(position).query_pairs(least, output_type="ndarray")
     gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
     if (gap < least - ROUNDING).any():
         nearest = int(np.argmin(gap))
@@ -141,8 +139,11 @@ def start_network(position: Floats, links: tuple[tuple[int, int], ...] | None, a
     edges = (
         ints(links, -1, 2)
         if links is not None
-        else KDTree(position).query_pairs(activation_distance, output_type="ndarray")
+        else kd_tree(position).query_pairs(activation_distance, output_type="ndarray")
     )
+    from scipy.sparse import coo_array  # noqa: PLC0415 (slow to import)
+    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
+
     graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(robots, robots))
     degree = np.bincount(edges.ravel(), minlength=robots).max()
     return Network(int(degree), int(connected_components(graph, directed=False)[0]))
@@ -164,7 +165,7 @@ def intention_radius(
     edges = (
         ints(links, -1, 2)
         if links is not None
-        else KDTree(position).query_pairs(activation_distance, output_type="ndarray")
+        else kd_tree(position).query_pairs(activation_distance, output_type="ndarray")
     )
     return map_radius(laplacian(ints(edges, -1, 2), robots), influenced, params.intention)
 

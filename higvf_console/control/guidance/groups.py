@@ -9,9 +9,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import label as label_regions
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components, dijkstra
 
 from higvf_console.control.guidance.boundaries import capsule_corners, convex_hull
 from higvf_console.core.arrays import Bools, Floats, Ints, floats, ints
@@ -81,6 +78,9 @@ def _labels(parts: Floats, least: float) -> Ints:
 
 
 def _joined(count: int, near: Bools) -> Ints:
+    from scipy.sparse import coo_array  # noqa: PLC0415 (slow to import)
+    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
+
     return ints(connected_components(coo_array(near), directed=False)[1]) if count else ints([])
 
 
@@ -146,6 +146,8 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
         (4,) x, y of the first node and cell width [m], number of columns.
         (rows * columns, 3) unit vector out and distance to the parts [m] of each node, row by row.
     """
+    from scipy.ndimage import label  # noqa: PLC0415
+
     low, high = hull.min(axis=0), hull.max(axis=0)
     cell = max(_LEAST_CELL, float((high - low).max()) / _CELLS)
     columns, rows = (math.ceil(extent / cell) + 3 for extent in high - low)
@@ -155,7 +157,7 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
     room = (_to_spines(nodes, parts[:, :2], parts[:, 2:4]) - parts[None, :, 4]).min(axis=1)
     free = (room >= clearance).reshape(rows, columns)
     region = np.zeros(free.shape, np.int64)
-    label_regions(free, output=region)
+    label(free, output=region)
     region = region.ravel()
     open_regions = np.unique(region[free.ravel() & (depth <= 0.0)])
     if not (np.isin(region, open_regions) & free.ravel() & (depth > 0.0)).any():
@@ -176,6 +178,9 @@ def _depth(hull: Floats, points: Floats) -> Floats:
 
 def _travel(room: Floats, out: Bools, clearance: float, cell: float, rows: int, columns: int) -> Floats:
     """Cost (n,) of the cheapest way from each node to the outside of the hull [m]."""
+    from scipy.sparse import coo_array  # noqa: PLC0415
+    from scipy.sparse.csgraph import dijkstra  # noqa: PLC0415
+
     index = np.arange(rows * columns).reshape(rows, columns)
     cost = np.where(room >= clearance, 1.0, 1.0 + _CROWDED * (1.0 - np.maximum(room, 0.0) / clearance))
     starts, stops, lengths = [], [], []

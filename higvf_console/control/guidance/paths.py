@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.interpolate import CubicSpline, make_splprep
 
 from higvf_console.control.kernel import kernel
 from higvf_console.core.arrays import Floats, floats
@@ -47,6 +46,8 @@ def ellipse_path(x: float, y: float, a: float, b: float, angle: float = 0.0, dir
     Raises:
         PathError: a half axis is not positive.
     """
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import)
+
     if not (a > 0.0 and b > 0.0):
         raise PathError(f"an ellipse's half axes must be positive, not {a} m and {b} m")
     turn = np.linspace(0.0, 2.0 * math.pi, 4 * SEGMENTS + 1)
@@ -69,6 +70,8 @@ def sketch_path(points: Floats, smoothing: float, closed: bool | None = None, di
     Raises:
         PathError: the stroke is not finite, has fewer than 3 distinct points, or is shorter than `SHORTEST_PATH`.
     """
+    from scipy.interpolate import make_splprep  # noqa: PLC0415
+
     stroke = distinct(points)
     if len(stroke) < 3:
         raise PathError(f"a stroke needs at least 3 distinct points; this one has {len(stroke)}")
@@ -132,6 +135,8 @@ def path_points(path: Path, arc: Floats) -> Floats:
 
 def _by_arc_length(curve: Callable[[Floats], Floats], end: float, closed: bool, direction: float) -> Path:
     """The C2 spline with segments of equal arc length through a curve (m,) -> (m, 2) over [0, end]."""
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415
+
     fine = np.linspace(0.0, end, 10 * SEGMENTS + 1)
     dense = np.asarray(curve(fine))
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(dense, axis=0).T))])

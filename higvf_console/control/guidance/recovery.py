@@ -18,7 +18,6 @@ import math
 
 import numpy as np
 
-from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import shared_intention
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import Parameters
@@ -41,8 +40,6 @@ def recover(motion: Motion, leader: int, params: Parameters) -> tuple[Ints, Bool
     `leader`, also does so while it moves without progress on its path: a boundary may turn it back repeatedly.
     """
     recovery_stage, flip = motion.recovery_stage.copy(), np.zeros(motion.recovery_stage.shape[0], np.bool_)
-    if params.forms.human == PRINTED:
-        return recovery_stage, flip
     period = params.safety.control_period
     slow = params.stall.stall_fraction * params.blending.cruise_speed
     for i in range(recovery_stage.shape[0]):
@@ -68,8 +65,6 @@ def formation_grip(recovery_stage: Ints, component: Ints, leader: int, idle: flo
         params: holds the progress timeout [s].
     """
     grip = np.ones(recovery_stage.shape[0])
-    if params.forms.human == PRINTED:
-        return grip
     loose = np.zeros(recovery_stage.shape[0], np.bool_)  # by component
     for i in range(recovery_stage.shape[0]):
         loose[component[i]] = loose[component[i]] or recovery_stage[i] > 0

@@ -24,7 +24,8 @@ from higvf_console.operator.reducer import apply_command
 from higvf_console.runtime.previewer import Previewer
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import load_scenario, parse_scenario
-from higvf_console.sim.simulation import roll, warm_up
+from higvf_console.sim.simulation import roll
+from higvf_console.sim.warm_up import warm_up
 from higvf_console.world.setup import Setup
 
 ROBOTS = 10

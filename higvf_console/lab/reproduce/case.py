@@ -1,11 +1,12 @@
 """Data of a case of the paper and of its findings: measurements, tables, pictures and runs."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from higvf_console.lab.reproduce.runs import Run, Runs
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class Measurement(NamedTuple):
@@ -45,7 +46,7 @@ class Picture(NamedTuple):
 
     name: str
     caption: str
-    draw: Callable[[], Figure]
+    draw: "Callable[[], Figure]"
 
 
 class Findings(NamedTuple):

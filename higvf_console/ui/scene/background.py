@@ -1,14 +1,19 @@
 """An overhead image under everything else, faint enough that what is drawn over it stays legible."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import cv2
 import numpy as np
 
+from higvf_console.core.optional import optional
 from higvf_console.core.viewport import Arena
 from higvf_console.ui.scene.parts import Canvas, Layer, Picture
 from higvf_console.world.editing.overhead import Pixels
 from higvf_console.world.masks import MaskPlace
+
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "console")
 
 _OPACITY = 0.35
 _MOST_SIDE = 1600  # pixels that are sent

@@ -1,13 +1,20 @@
 """Where the operator looks, in the arena: the heat map of gaze, and the button that gaze presses with its progress."""
 
-import cv2
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.optional import optional
 from higvf_console.core.reports import AttentionReport, DwellReport
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.parts import Canvas, Layer
+
+if TYPE_CHECKING:
+    import cv2
+else:
+    cv2 = optional("cv2", "console")
 
 _FAINT = 0.04  # share of the peak below which the ground is clear
 _OPACITY = 0.8  # of the peak

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Floats, floats
@@ -14,6 +13,7 @@ from higvf_console.core.state import Motion
 from higvf_console.world.editing.entities import EntityRef, how_many, name_of, numbers_of
 from higvf_console.world.editing.safe_places import body_fits, diagonal, held_words, nearest_fit
 from higvf_console.world.layout import Fire, Layout, Links
+from higvf_console.world.neighbour_search import kd_tree
 from higvf_console.world.obstacles import Course, Courses, Obstacles
 from higvf_console.world.polygons import (
     MOST_EDGES,
@@ -139,7 +139,7 @@ def links_now(layout: Layout, motion: Motion) -> Links:
     if layout.links is not None:
         return layout.links
     reach = min(layout.params.formation.communication_range, 1e9)
-    pairs = KDTree(motion.position).query_pairs(reach, output_type="ndarray")
+    pairs = kd_tree(motion.position).query_pairs(reach, output_type="ndarray")
     return tuple((int(i), int(j)) for i, j in np.sort(pairs, axis=1))
 
 

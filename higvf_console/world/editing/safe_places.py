@@ -6,13 +6,13 @@ from itertools import chain
 from typing import TypeAlias
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Bools, Floats, floats
 from higvf_console.core.state import Motion
 from higvf_console.world.editing.room import obstacle_room
 from higvf_console.world.layout import Layout
+from higvf_console.world.neighbour_search import kd_tree
 from higvf_console.world.placement import wall_gaps
 
 Fits: TypeAlias = Callable[[Floats], Bools]  # which of the points (K, 2) [m] would do
@@ -56,7 +56,7 @@ def robot_fits(robot: int, layout: Layout, motion: Motion) -> Fits:
     """Where the controlled point of a robot may be, the others staying where they are."""
     others = np.delete(motion.position, robot, axis=0)
     least = controlled(layout.params).safety.robot_clearance + _HAIR
-    tree = KDTree(others) if len(others) else None
+    tree = kd_tree(others) if len(others) else None
     clear = clear_of(layout, motion, _HAIR)
 
     def fits(points: Floats) -> Bools:
@@ -91,7 +91,7 @@ def body_fits(middle: Floats, gap: Callable[[Floats], Floats], extent: float, la
         motion: where the robots are.
     """
     least = controlled(layout.params).safety.obstacle_clearance + _HAIR
-    tree = KDTree(motion.position)
+    tree = kd_tree(motion.position)
 
     def fits(points: Floats) -> Bools:
         near = tree.query_ball_point(points, extent + least)
@@ -117,7 +117,7 @@ def resettled(layout: Layout, motion: Motion) -> Motion | None:
 def crowded(layout: Layout, motion: Motion) -> list[int]:
     """Robots that stand too near to an obstacle, a burning fire, a wall or a robot."""
     least = controlled(layout.params).safety.robot_clearance
-    pairs = KDTree(motion.position).query_pairs(least - _HAIR, output_type="ndarray")
+    pairs = kd_tree(motion.position).query_pairs(least - _HAIR, output_type="ndarray")
     near = ~clear_of(layout, motion, -_HAIR)(motion.position)
     near[pairs.ravel()] = True
     return np.flatnonzero(near).tolist()

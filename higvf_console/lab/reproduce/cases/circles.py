@@ -2,10 +2,9 @@
 
 import math
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from higvf_console.core.arrays import Bools, Floats
 from higvf_console.lab.reproduce import measures
@@ -14,6 +13,10 @@ from higvf_console.lab.reproduce.figures import maps
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, map_figure, new_figure, robot_ink
 from higvf_console.lab.reproduce.figures.charts import over_time
 from higvf_console.lab.reproduce.runs import Run, Runs, RunSpec
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 BAND = 5.0  # distance within which a robot is on the path [m]
 FORMATION_SHARE = 0.25  # largest RMS error of the formation distances, as a share of their mean
@@ -230,8 +233,8 @@ def _picture(run: Run, name: str, words: str) -> Picture:
 
 
 def draw_following(
-    run: Run, times: Sequence[float] | None = None, also: Callable[[Axes], None] | None = None
-) -> Figure:
+    run: Run, times: Sequence[float] | None = None, also: "Callable[[Axes], None] | None" = None
+) -> "Figure":
     """Draws the map of a run with desired paths, tracks and the formation at some times.
 
     Args:
@@ -254,8 +257,8 @@ def draw_following(
     return figure
 
 
-def _draw_change(run: Run, switched: Sequence[float]) -> Figure:
-    def mark(axes: Axes) -> None:
+def _draw_change(run: Run, switched: Sequence[float]) -> "Figure":
+    def mark(axes: "Axes") -> None:
         for time in switched:
             k = run.index_at(time)
             robot = int(run.influenced[k])
@@ -266,7 +269,7 @@ def _draw_change(run: Run, switched: Sequence[float]) -> Figure:
     return draw_following(run, [*switched, *[time + 3.0 for time in switched]], mark)
 
 
-def _draw_errors(run: Run, switched: Sequence[float]) -> Figure:
+def _draw_errors(run: Run, switched: Sequence[float]) -> "Figure":
     figure = new_figure(PAGE, 2.2)
     axes = figure.subplots()
     path = run.paths[0].path

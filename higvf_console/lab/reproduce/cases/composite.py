@@ -1,8 +1,8 @@
 """The composite vector field: path field and circulating field, weighted by the bumps, and their sum."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from higvf_console.control.guidance.bump import zero_in
 from higvf_console.control.guidance.field import FieldKind, field_at
@@ -16,6 +16,10 @@ from higvf_console.lab.reproduce.figures.maps import draw_obstacles, draw_path
 from higvf_console.lab.reproduce.runs import Runs
 from higvf_console.scenario.scenario import parse_scenario
 from higvf_console.world.setup import Setup
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _CROSSED = f"""
 version: 1
@@ -104,7 +108,7 @@ def _inside_q(panels: _Panels, setup: Setup) -> Bools:
     return np.hypot(*(panels.points - circle[:2]).T) <= circle[2] + setup.params.boundaries.repulsive_margin
 
 
-def _draw_composite(setup: Setup) -> Figure:
+def _draw_composite(setup: Setup) -> "Figure":
     panels = _Panels(setup, 30)
     figure = new_figure(PAGE, 7.2)
     grid = figure.add_gridspec(3, 4)
@@ -128,7 +132,7 @@ def _draw_composite(setup: Setup) -> Figure:
     return figure
 
 
-def _draw_engine(setup: Setup) -> Figure:
+def _draw_engine(setup: Setup) -> "Figure":
     panels = _Panels(setup, 36)
     figure = new_figure(PAGE * 0.75, 3.6)
     axes = figure.subplots()
@@ -137,7 +141,7 @@ def _draw_engine(setup: Setup) -> Figure:
     return figure
 
 
-def _dress_panel(axes: Axes, setup: Setup, title: str) -> None:
+def _dress_panel(axes: "Axes", setup: Setup, title: str) -> None:
     dress_map(axes, setup.arena, 50.0)
     axes.set_title(title)
     draw_path(axes, setup.start.intent.path)

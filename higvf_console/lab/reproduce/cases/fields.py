@@ -1,10 +1,9 @@
 """Vector fields without simulation: guiding field, bump functions, boundaries."""
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from higvf_console.control.forms import PRINTED, Forms
 from higvf_console.control.guidance.bump import zero_in
@@ -21,6 +20,10 @@ from higvf_console.lab.reproduce.figures.maps import boundary, capsule, draw_obs
 from higvf_console.lab.reproduce.runs import Runs
 from higvf_console.scenario.scenario import parse_scenario
 from higvf_console.world.setup import Setup
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 PARAMETERS = Parameters()
 CORRECTED, PIXELS = Forms(), Forms(bump=PRINTED)
@@ -99,7 +102,7 @@ def _end_radius(radius: float) -> float:
     return math.hypot(x, y)
 
 
-def _draw_gvf() -> Figure:
+def _draw_gvf() -> "Figure":
     figure = new_figure(4.2, 4.1)
     axes = figure.subplots()
     dress_map(axes, ARENA)
@@ -162,7 +165,7 @@ def _printed(distance: float) -> float:
     return zero_in(distance, OBSTACLE_RADIUS, PARAMETERS.boundaries, PIXELS)
 
 
-def _draw_bumps() -> Figure:
+def _draw_bumps() -> "Figure":
     boundaries = PARAMETERS.boundaries
     figure = new_figure(PAGE, 2.5)
     panels = figure.subplots(1, 2, sharey=True)
@@ -231,7 +234,7 @@ def run_boundaries(_: Runs) -> Findings:
     )
 
 
-def _draw_boundaries(setup: Setup) -> Figure:
+def _draw_boundaries(setup: Setup) -> "Figure":
     figure = new_figure(PAGE, 4.1)
     axes = figure.subplots()
     dress_map(axes, setup.arena, 50.0)
@@ -247,7 +250,7 @@ def _draw_boundaries(setup: Setup) -> Figure:
     return figure
 
 
-def draw_obstacle_boundaries(axes: Axes, world: World, params: Parameters) -> None:
+def draw_obstacle_boundaries(axes: "Axes", world: World, params: Parameters) -> None:
     """Draws R and Q of every circle and bar."""
     spines = [(x, y, x, y, radius) for x, y, radius in world.circles.tolist()] + world.bars.tolist()
     for ax, ay, bx, by, radius in spines:

@@ -1,7 +1,8 @@
 """Firefighting in the world of Table I: without a human, with a changed priority, with a hidden fire found."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.figure import Figure
 
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, Table, within
@@ -10,6 +11,9 @@ from higvf_console.lab.reproduce.figures.canvas import PAGE, map_figure, new_fig
 from higvf_console.lab.reproduce.figures.charts import loss_bars
 from higvf_console.lab.reproduce.paper import COLUMNS, Column
 from higvf_console.lab.reproduce.runs import Run, Runs, RunSpec
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SCENARIO = "table2"
 SPECS = {
@@ -113,7 +117,7 @@ def _loss_table(run: Run, column: Column) -> Table:
     return Table("Loss area [m²]", ("", "reproduction", "paper", "difference"), tuple(rows))
 
 
-def draw_firefighting(run: Run) -> Figure:
+def draw_firefighting(run: Run) -> "Figure":
     """Draws the map of a firefighting run, with the formation at each time at which a fire went out."""
     figure, axes = map_figure(maps.frame_of(run), PAGE)
     maps.draw_fires(axes, run, measures.order(run))
@@ -128,7 +132,7 @@ def draw_firefighting(run: Run) -> Figure:
     return figure
 
 
-def _draw_loss(run: Run, column: Column) -> Figure:
+def _draw_loss(run: Run, column: Column) -> "Figure":
     figure = new_figure(PAGE * 0.72, 2.2)
     axes = figure.subplots()
     loss_bars(axes, run.report["loss_area_m2"], column.loss_area, "")

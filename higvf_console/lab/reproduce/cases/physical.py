@@ -1,10 +1,9 @@
 """Simulations of the two physical experiments; positions are the project's own, since the paper gives none."""
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from higvf_console.control.guidance.paths import WINDOW
 from higvf_console.core.state import PathStatus
@@ -14,6 +13,10 @@ from higvf_console.lab.reproduce.figures import maps
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, map_figure, new_figure
 from higvf_console.lab.reproduce.figures.charts import over_time
 from higvf_console.lab.reproduce.runs import Run, Runs, RunSpec
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 PATROL = RunSpec("physical-1")
 GAZE = RunSpec("barrier-gaze", demo=True)
@@ -107,7 +110,7 @@ def _time_back(run: Run, end: int) -> float:
     return float(run.time[end + on_path[0]] - run.time[end]) if len(on_path) else math.inf
 
 
-def _draw_patrol(run: Run, away: list[tuple[int, int]]) -> Figure:
+def _draw_patrol(run: Run, away: list[tuple[int, int]]) -> "Figure":
     figure, axes = map_figure(maps.frame_of(run), PAGE)
     maps.draw_fires(axes, run, measures.order(run))
     maps.draw_obstacles(axes, run.setup.world)
@@ -131,7 +134,7 @@ def _draw_patrol(run: Run, away: list[tuple[int, int]]) -> Figure:
     return figure
 
 
-def _draw_parameter(run: Run, away: list[tuple[int, int]]) -> Figure:
+def _draw_parameter(run: Run, away: list[tuple[int, int]]) -> "Figure":
     figure = new_figure(PAGE, 2.0)
     axes = figure.subplots()
     over_time(axes, run.time, run.path_parameter, INK.ours)
@@ -141,7 +144,7 @@ def _draw_parameter(run: Run, away: list[tuple[int, int]]) -> Figure:
     return figure
 
 
-def _shade(axes: Axes, run: Run, intervals: list[tuple[int, int]], label: str) -> None:
+def _shade(axes: "Axes", run: Run, intervals: list[tuple[int, int]], label: str) -> None:
     for number, (first, last) in enumerate(intervals):
         axes.axvspan(
             float(run.time[first]),
@@ -213,7 +216,7 @@ def _words(run: Run) -> str:
     return "-".join(map(str, measures.order(run)))
 
 
-def _draw_gaze(run: Run, paused: list[tuple[int, int]]) -> Figure:
+def _draw_gaze(run: Run, paused: list[tuple[int, int]]) -> "Figure":
     figure, axes = map_figure(maps.frame_of(run), PAGE * 0.85)
     maps.draw_fires(axes, run, measures.order(run))
     maps.draw_obstacles(axes, run.setup.world)

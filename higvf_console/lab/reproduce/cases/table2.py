@@ -1,9 +1,7 @@
 """Table II beside the paper, with the uncertainty of the fit."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from higvf_console.lab.fit.table2 import FIRE_LIMIT, REDUCTION_LIMIT, TOTAL_LIMIT, kept_fit
 from higvf_console.lab.reproduce import measures
@@ -12,6 +10,9 @@ from higvf_console.lab.reproduce.cases.firefighting import SPECS
 from higvf_console.lab.reproduce.figures.charts import table_2_bars
 from higvf_console.lab.reproduce.paper import COLUMNS
 from higvf_console.lab.reproduce.runs import Run, Runs
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FIRE_BAND, TOTAL_BAND, REDUCTION_BAND = (100.0 * limit for limit in (FIRE_LIMIT, TOTAL_LIMIT, REDUCTION_LIMIT))
 
@@ -165,7 +166,7 @@ def _table(ours: Comparison) -> Table:
     return Table("Table II", tuple(head), tuple(rows))
 
 
-def _draw(ours: Comparison) -> Figure:
+def _draw(ours: Comparison) -> "Figure":
     return table_2_bars(
         {
             COLUMNS[name].title: (column["loss_area_m2"], COLUMNS[name].loss_area)

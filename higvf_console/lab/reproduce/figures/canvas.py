@@ -3,15 +3,22 @@
 import io
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
 
+from higvf_console.core.optional import optional
 from higvf_console.core.viewport import Arena
+
+if TYPE_CHECKING:
+    import matplotlib as mpl
+    from matplotlib import figure as figures
+    from matplotlib import ticker
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+else:
+    mpl, figures = optional("matplotlib", "report"), optional("matplotlib.figure", "report")
+    ticker = optional("matplotlib.ticker", "report")
 
 
 class Inks(NamedTuple):
@@ -79,12 +86,12 @@ def style() -> Generator[None]:
         yield
 
 
-def new_figure(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float) -> "Figure":
     """An empty figure of `width` x `height` [in] without a window."""
-    return Figure(figsize=(width, height))
+    return figures.Figure(figsize=(width, height))
 
 
-def map_figure(frame: Arena, width: float = PAGE) -> tuple[Figure, Axes]:
+def map_figure(frame: Arena, width: float = PAGE) -> "tuple[Figure, Axes]":
     """A figure with one map and its legend.
 
     Args:
@@ -98,13 +105,13 @@ def map_figure(frame: Arena, width: float = PAGE) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def dress_map(axes: Axes, arena: Arena, step: float = 100.0) -> None:
+def dress_map(axes: "Axes", arena: Arena, step: float = 100.0) -> None:
     """Formats map axes: equal aspect, metres on both axes, a light grid with lines every `step` [m]."""
     axes.set_aspect("equal")
     axes.set_xlim(arena.x_min, arena.x_max)
     axes.set_ylim(arena.y_min, arena.y_max)
-    axes.xaxis.set_major_locator(MultipleLocator(step))
-    axes.yaxis.set_major_locator(MultipleLocator(step))
+    axes.xaxis.set_major_locator(ticker.MultipleLocator(step))
+    axes.yaxis.set_major_locator(ticker.MultipleLocator(step))
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.grid(visible=True)
@@ -119,7 +126,7 @@ def robot_ink(robot: int) -> str:
     return ROBOTS[robot % len(ROBOTS)]
 
 
-def rendered(draw: Callable[[], Figure], *endings: str) -> dict[str, bytes]:
+def rendered(draw: "Callable[[], Figure]", *endings: str) -> dict[str, bytes]:
     """Contents of the files of a figure, by suffix ("svg", "png"); the same figure gives the same bytes."""
     files: dict[str, bytes] = {}
     with style():

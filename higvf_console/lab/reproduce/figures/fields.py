@@ -1,10 +1,14 @@
 """Vector fields on a grid, drawn as arrows."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.viewport import Arena
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def grid_points(arena: Arena, columns: int) -> Floats:
@@ -16,7 +20,7 @@ def grid_points(arena: Arena, columns: int) -> Floats:
     return floats(np.stack(np.meshgrid(x, y), axis=-1), -1, 2)
 
 
-def draw_arrows(axes: Axes, points: Floats, vectors: Floats, cell: float, ink: str | list[str]) -> None:
+def draw_arrows(axes: "Axes", points: Floats, vectors: Floats, cell: float, ink: str | list[str]) -> None:
     """Draws vectors (G, 2) as arrows; a unit vector is 0.8 cells long, and vectors below 0.02 are omitted."""
     seen = np.hypot(vectors[:, 0], vectors[:, 1]) > 0.02
     colours = ink if isinstance(ink, str) else [colour for colour, shown in zip(ink, seen, strict=True) if shown]

@@ -2,20 +2,25 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.patches import Circle, PathPatch, Polygon
-from matplotlib.path import Path as Outline
-from matplotlib.patheffects import withStroke
 
 from higvf_console.control.guidance.paths import path_points
 from higvf_console.core.arrays import Floats
+from higvf_console.core.optional import optional
 from higvf_console.core.state import Path, PathKind, World
 from higvf_console.core.viewport import Arena
 from higvf_console.lab.reproduce.figures.canvas import INK, nice_step, robot_ink
 from higvf_console.lab.reproduce.runs import Run
+
+if TYPE_CHECKING:
+    from matplotlib import patches, patheffects
+    from matplotlib import path as mpl_path
+    from matplotlib.axes import Axes
+else:
+    patches, mpl_path = optional("matplotlib.patches", "report"), optional("matplotlib.path", "report")
+    patheffects = optional("matplotlib.patheffects", "report")
 
 _CORNER = 24  # points of each end of a capsule
 _ROOMY = 38.0  # radius of a fire that has room for its label [m]
@@ -39,17 +44,17 @@ def frame_of(run: Run, margin: float = 40.0) -> Arena:
     return Arena(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
 
 
-def draw_obstacles(axes: Axes, world: World) -> None:
+def draw_obstacles(axes: "Axes", world: World) -> None:
     """Draws circles, bars and irregular obstacles."""
     look: dict[str, Any] = {
         "facecolor": INK.obstacle, "edgecolor": INK.obstacle_edge, "linewidth": 0.6, "zorder": 2,
     }  # fmt: skip
     for x, y, radius in world.circles.tolist():
-        axes.add_patch(Circle((x, y), radius, **look))
+        axes.add_patch(patches.Circle((x, y), radius, **look))
     for bar in world.bars[world.bars[:, 4] > 0.0]:
-        axes.add_patch(Polygon(capsule(*bar.tolist()), **look))
+        axes.add_patch(patches.Polygon(capsule(*bar.tolist()), **look))
     for corners in outlines(world):
-        axes.add_patch(Polygon(corners, **look))
+        axes.add_patch(patches.Polygon(corners, **look))
 
 
 def outlines(world: World) -> list[Floats]:
@@ -72,14 +77,14 @@ def capsule(ax: float, ay: float, bx: float, by: float, radius: float) -> Floats
     return np.vstack([cap + np.array([bx, by]), np.array([ax, ay]) - cap])
 
 
-def draw_path(axes: Axes, path: Path, label: str | None = None) -> None:
+def draw_path(axes: "Axes", path: Path, label: str | None = None) -> None:
     """Draws a desired path."""
     length = path.length if path.kind != PathKind.LINE else 3000.0
     points = path_points(path, np.linspace(0.0, length, 400))
     axes.plot(*points.T, color=INK.path, linewidth=3.0, alpha=0.55, zorder=1.5, solid_capstyle="round", label=label)
 
 
-def draw_tracks(axes: Axes, run: Run, first: int = 0, last: int | None = None) -> None:
+def draw_tracks(axes: "Axes", run: Run, first: int = 0, last: int | None = None) -> None:
     """Draws the track of each robot, with an open mark at its start and a filled mark at its end."""
     stop = len(run.time) if last is None else last + 1
     for robot in range(run.position.shape[1]):
@@ -89,7 +94,7 @@ def draw_tracks(axes: Axes, run: Run, first: int = 0, last: int | None = None) -
         axes.plot(*track[-1], "o", color=ink, markersize=4.5, zorder=6)
 
 
-def draw_formations(axes: Axes, run: Run, times: Sequence[float]) -> None:
+def draw_formations(axes: "Axes", run: Run, times: Sequence[float]) -> None:
     """Draws the robots and their links at some times [s]."""
     for time in times:
         k = run.index_at(time)
@@ -99,25 +104,27 @@ def draw_formations(axes: Axes, run: Run, times: Sequence[float]) -> None:
             axes.plot(*run.position[k, robot], ".", color=robot_ink(robot), markersize=3.5, zorder=5)
 
 
-def draw_fires(axes: Axes, run: Run, order: Sequence[int]) -> None:
+def draw_fires(axes: "Axes", run: Run, order: Sequence[int]) -> None:
     """Draws fires at their largest radius, the initial radius dotted, with number and rank in the order."""
     final, start = run.fire_radius[-1], run.fire_radius[0]
     for fire, (x, y) in enumerate(run.setup.world.fire_position.tolist()):
         radius = float(final[fire])
-        axes.add_patch(Circle((x, y), radius, facecolor=INK.fire, alpha=0.16, edgecolor="none", zorder=1))
-        axes.add_patch(Circle((x, y), radius, fill=False, edgecolor=INK.fire, linewidth=0.8, zorder=2.5))
+        axes.add_patch(patches.Circle((x, y), radius, facecolor=INK.fire, alpha=0.16, edgecolor="none", zorder=1))
+        axes.add_patch(patches.Circle((x, y), radius, fill=False, edgecolor=INK.fire, linewidth=0.8, zorder=2.5))
         axes.add_patch(
-            Circle((x, y), start[fire], fill=False, edgecolor=INK.fire, linewidth=0.7, linestyle=":", zorder=2.5)
+            patches.Circle(
+                (x, y), start[fire], fill=False, edgecolor=INK.fire, linewidth=0.7, linestyle=":", zorder=2.5
+            )
         )
         place = _ordinal(order.index(fire + 1) + 1) if fire + 1 in order else "burning"
         at = (x, y) if radius >= _ROOMY else _beside(axes, run, np.array([x, y]), radius)
         axes.text(
             *at, f"fire {fire + 1}\n{place}", ha="center", va="center", fontsize=7, color="#8a3d00", zorder=7,
-            linespacing=1.1, path_effects=[withStroke(linewidth=2.2, foreground="white", alpha=0.85)],
+            linespacing=1.1, path_effects=[patheffects.withStroke(linewidth=2.2, foreground="white", alpha=0.85)],
         )  # fmt: skip
 
 
-def _beside(axes: Axes, run: Run, centre: Floats, radius: float) -> tuple[float, float]:
+def _beside(axes: "Axes", run: Run, centre: Floats, radius: float) -> tuple[float, float]:
     """Position of the label of a small fire: beside it, as far as possible from all tracks."""
     width = axes.get_xlim()[1] - axes.get_xlim()[0]
     angles = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
@@ -139,7 +146,7 @@ def time_marks(run: Run, most: int = 8, start: float = 0.0) -> list[float]:
     return [t for t in np.arange(math.ceil(start / step) * step, end - 0.3 * step, step).tolist() if t > 0.0]
 
 
-def draw_times(axes: Axes, run: Run, times: Sequence[float]) -> None:
+def draw_times(axes: "Axes", run: Run, times: Sequence[float]) -> None:
     """Writes times beside the team, each where it is farthest from tracks, fires and other labels."""
     busy = np.vstack([run.position[::10].reshape(-1, 2), *_occupied(run)])
     low, high = np.array([axes.get_xlim()[0], axes.get_ylim()[0]]), np.array([axes.get_xlim()[1], axes.get_ylim()[1]])
@@ -182,7 +189,7 @@ def _occupied(run: Run) -> list[Floats]:
     ]
 
 
-def legend_below(axes: Axes, columns: int = 6) -> None:
+def legend_below(axes: "Axes", columns: int = 6) -> None:
     """Draws the legend below the map, with each entry once."""
     handles, labels = axes.get_legend_handles_labels()
     once = dict(zip(labels, handles, strict=True))
@@ -191,9 +198,11 @@ def legend_below(axes: Axes, columns: int = 6) -> None:
     )
 
 
-def boundary(axes: Axes, outline: Floats, colour: str, label: str | None = None) -> None:
+def boundary(axes: "Axes", outline: Floats, colour: str, label: str | None = None) -> None:
     """Draws a closed dashed boundary (n, 2) [m]."""
-    closed = Outline(np.vstack([outline, outline[:1]]))
+    closed = mpl_path.Path(np.vstack([outline, outline[:1]]))
     axes.add_patch(
-        PathPatch(closed, fill=False, edgecolor=colour, linewidth=1.1, linestyle=(0, (4, 2)), zorder=3, label=label)
+        patches.PathPatch(
+            closed, fill=False, edgecolor=colour, linewidth=1.1, linestyle=(0, (4, 2)), zorder=3, label=label
+        )
     )

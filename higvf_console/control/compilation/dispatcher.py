@@ -1,0 +1,83 @@
+"""How a kernel is compiled: callers take its code in unoptimised, and only what Python calls becomes machine code.
+
+Numba by itself optimises every function together with all that it calls, and makes machine code and a wrapper for it.
+But a kernel that only kernels call never runs alone: its code is linked into its callers and optimised there once more.
+So a kernel has two dispatchers:
+
+    linked   what other kernels call: type inference and lowering, and nothing else
+    entry    what Python calls: the whole tree is linked, optimised once, and kept in the cache
+
+`error_model="numpy"` keeps one robot's 0/0 from raising for the whole team; there is no `parallel` and no `fastmath`,
+so that results agree bit for bit across processes.
+"""
+# pyright: reportPrivateUsage=false, reportUntypedBaseClass=false (Numba has no public way to do this)
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
+from numba.core.registry import CPUDispatcher
+
+from higvf_console.control.compilation.cache import KernelCache
+
+_OPTIONS = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+_OPTIMISATION = 2  # LLVM's level; Numba's 3 takes longer and makes the engine no faster
+
+
+class Dispatchers(NamedTuple):
+    """Numba's two views of one kernel."""
+
+    linked: CPUDispatcher
+    entry: CPUDispatcher
+
+
+def dispatchers(function: Callable[..., Any]) -> Dispatchers:
+    """For one function; nothing is compiled yet."""
+    linked = _Linked(function, targetoptions={**_OPTIONS, "no_cpython_wrapper": True}, pipeline_class=_LinkedCompiler)
+    entry = CPUDispatcher(function, targetoptions=_OPTIONS, pipeline_class=_EntryCompiler)
+    entry._cache = KernelCache(function)
+    return Dispatchers(linked, entry)
+
+
+class _Linked(CPUDispatcher):
+    def add_overload(self, cres: CompileResult) -> None:
+        """Makes a signature known to callers; there is no machine code that Python could call."""
+        key = object()  # by which callers find it
+        self.targetctx.insert_user_function(key, cres.fndesc, [cres.library])
+        self.overloads[tuple(cres.signature.args)] = cres._replace(entry_point=key)
+
+
+class _LinkedLibrary(JITCodeLibrary):
+    """A kernel's code and that of all it calls, as it was lowered."""
+
+    def _optimize_final_module(self) -> None:
+        """Nothing: the entry does it."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+
+class _EntryLibrary(JITCodeLibrary):
+    def _optimize_final_module(self) -> None:
+        cheap = {"opt": 0, "cost": "cheap", "loop_vectorize": False, "slp_vectorize": False}
+        for options in (cheap, {"opt": _OPTIMISATION}):  # as Numba does it, but for the level
+            passes, builder = self._codegen._module_pass_manager(**options)
+            passes.run(self._final_module, builder)
+
+
+class _LinkedCompiler(CompilerBase):
+    library_class: type[JITCodeLibrary] = _LinkedLibrary
+    machine_code = False
+
+    def define_pipelines(self) -> list[Any]:
+        self.state.library = self.library_class(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
+        self.state.library.enable_object_caching()
+        self.state.flags.no_compile = not self.machine_code
+        return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+
+
+class _EntryCompiler(_LinkedCompiler):
+    library_class = _EntryLibrary
+    machine_code = True
