@@ -176,4 +176,4 @@ def test_the_command_tells_each_rule_and_its_exit_status(
     assert main(["check-interface", "console", "--seconds", "1"]) == 1
     assert "FAILED close may be called twice: OSError: already closed" in capsys.readouterr().out
     assert main(["check-interface", "console", "--input", "gaze=a.tsv"]) == 2
-    assert "is not for the interface 'console'" in capsys.readouterr().err
+    assert "the input is for the interface 'gaze', not 'console'" in capsys.readouterr().err
