@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -124,10 +125,7 @@ def test_a_report_that_cannot_be_written_is_one_error(tmp_path: Path, capsys: py
 
 
 def test_a_missing_matplotlib_is_named_with_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
-
-    def find_nothing(_: str) -> None: ...
-
-    monkeypatch.setattr(command, "find_spec", find_nothing)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(HigvfError, match=r"higvf-console\[report\]"):
         command.reproduce(["gvf"], None, None)
 
