@@ -1,4 +1,4 @@
-"""Obstacles of one's own: capsules, polygons, walls for whole runs; the safety filter alone also takes moving ones."""
+"""Obstacles of one's own: capsules, polygons, walls, moving ones; the safety filter alone also takes growing ones."""
 
 import higvf_console as hc
 
@@ -14,12 +14,16 @@ setup = hc.make_setup([[100, 330], [60, 300], [60, 360]], hazards, path=path)
 end, history = hc.roll(setup.start, setup.world, setup.params, ticks=1500)
 print(f"Robot 1 is at {end.motion.position[0].round(0).tolist()}; clearance left: {history.clearance.min():.2f} m.")
 
-# A truck that drives at a standing robot, and a spill that grows: the robot gives way to the one and to the other.
-truck = hc.Hazards().capsule((50, 10), (80, 10), half_width=8, velocity=(-15, 0))
-spill = hc.Hazards().circle((-33, 0), radius=20, growth=5.0)
-for name, hazard in (("truck", truck), ("spill", spill)):
-    pushed = hc.filter_velocities([[30.0 if name == "truck" else 0.0, 0.0]], [[0.0, 0.0]], hazard)
-    print(f"A robot that wants to stand beside the {name} moves at {pushed.velocity[0].round(2).tolist()} m/s.")
+# In a run, circles and capsules may move: this truck crosses the path, and robots give way to it.
+truck = hc.Hazards().capsule((350, 480), (350, 510), half_width=8, velocity=(0, -15))
+setup = hc.make_setup([[100, 330], [60, 300], [60, 360]], truck, path=path)
+end, history = hc.roll(setup.start, setup.world, setup.params, ticks=1000)
+print(f"With a truck robot 1 is at {end.motion.position[0].round(0).tolist()}; left: {history.clearance.min():.2f} m.")
+
+# The filter alone also takes what grows, such as a spill. One that grows 5 m/s pushes a standing robot away.
+spill = hc.Hazards().circle((0, 0), radius=20, growth=5.0)
+pushed = hc.filter_velocities([[32.5, 0.0]], [[0.0, 0.0]], spill)
+print(f"A robot that wants to stand beside the spill moves at {pushed.velocity[0].round(2).tolist()} m/s.")
 
 # What cannot be is refused in one line.
 try:

@@ -17,6 +17,6 @@ for seed in range(20):
     times.append(report["duration_s"])
     print(
         f"{seed:5} {report['duration_s']:14.1f} {report['loss_area_total_m2']:12.0f} "
-        f"{report['min_clearance_m']:19.2f} {report['deadlock_s']:15.2f}"
+        f"{report['min_clearance_margin_m']:19.2f} {report['deadlock_s']:15.2f}"
     )
 print(f"median {np.median(times):.1f} s")

@@ -9,8 +9,7 @@ from higvf_console.control.safety import safety_filter
 from higvf_console.control.safety.barriers.certificate import check_sampling
 from higvf_console.control.safety.hazards import GROWTH
 from higvf_console.core.arrays import Bools, Floats, Ints
-from higvf_console.core.errors import ArgumentError
-from higvf_console.library.hazards import FIRE, Hazards
+from higvf_console.library.hazards import Hazards
 from higvf_console.runtime.compiling import announce
 from higvf_console.sim.warm_up import warm_up
 from higvf_console.world.setup import Setup
@@ -53,18 +52,3 @@ def _checked_table(hazards: Hazards, safety: SafetyParameters, fire_constraint: 
         table[:, GROWTH] = 0.0
     check_sampling(table, safety)
     return table
-
-
-def refuse_motion(hazards: Hazards) -> None:
-    """Refuses hazards that a run cannot hold: those that move, and those that grow and are no fires.
-
-    Raises:
-        ArgumentError: with the number and kind of the hazard.
-    """
-    for number, item in enumerate(hazards.items, 1):
-        if item.velocity != (0.0, 0.0):
-            raise ArgumentError(
-                f"hazard {number}, a {item.kind}, moves; expected, in a run, that obstacles stand still"
-            )
-        if item.growth != 0.0 and item.kind != FIRE:
-            raise ArgumentError(f"hazard {number}, a {item.kind}, grows; expected, in a run, that fires alone grow")

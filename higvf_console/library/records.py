@@ -5,13 +5,16 @@ itself, or as a copy with the arrays that had to be converted.
 """
 
 import math
+from collections import deque
 from collections.abc import Mapping
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any, TypeVar, cast
 
 import numpy as np
 
 from higvf_console.control.forms import CORRECTED, PRINTED
+from higvf_console.control.guidance.obstacles import LOOP, ONWARD, STOP
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.arguments import instance, number, whole
 from higvf_console.core.arrays import FARTHEST, Shape, given_bools, given_floats, given_ints
@@ -21,6 +24,7 @@ from higvf_console.core.state import NOBODY, Intent, Motion, Path, PathEnding, P
 
 _Record = TypeVar("_Record", bound=tuple[Any, ...])
 _SPLINE = 4  # nodes along each side that a cubic B-spline takes
+_KNOWN = deque[tuple[World, World]](maxlen=8)  # worlds as they were given, and as they passed
 _MOST = 2**53  # whole numbers that a float can tell apart
 
 
@@ -97,17 +101,29 @@ def given_path(path: object, name: str = "path") -> Path:
 def given_world(world: object, name: str = "world") -> World:
     """A world whose arrays have the shapes and indices that `core.state.World` tells.
 
+    The last few worlds that passed are not checked again: a world's arrays are never written.
+
     Raises:
         ArgumentTypeError: no `World`, or an array of another kind.
         ArgumentError: another shape, or an index out of range.
     """
-    w = instance(name, world, World)
+    given = instance(name, world, World)
+    for known, passed in tuple(_KNOWN):
+        if known is given:
+            return passed
+    passed = _given_world(given, name)
+    _KNOWN.append((given, passed))
+    return passed
+
+
+def _given_world(w: World, name: str) -> World:
     fires, robots = _length(w.fire_position), _length(w.formation)
     floats = _floats(name, w, {
         "capsules": ("K", 5), "walls": ("W", 3), "fire_position": ("M", 2), "fire_growth": (fires,),
         "formation": ("N", 2), "boundary": ("G", 9), "hull": ("H", 2), "pocket": ("C", 3),
+        "capsule_velocity": (_length(w.capsules), 2), "mover": ("V", 8), "course": ("C", 3),
     })  # fmt: skip
-    groups, parts = _length(w.boundary), _length(w.capsules)
+    groups, parts, movers = _length(w.boundary), _length(w.capsules), len(floats["mover"])
     links = given_ints(f"{name}.link_to", w.link_to, ("E",), 0, robots - 1)
     start = given_ints(f"{name}.link_start", w.link_start, ("N",), 0, len(links))
     if len(start):
@@ -115,16 +131,20 @@ def given_world(world: object, name: str = "world") -> World:
         _rises(f"{name}.link_start", start, len(links))
     elif len(links):
         raise ArgumentError(f"{name}.link_start is empty; expected the rows of the {len(links)} entries of link_to")
-    ends = (len(floats["hull"]), parts, len(floats["pocket"]))
+    course_start = given_ints(f"{name}.course_start", w.course_start, (movers + 1,), 0, len(floats["course"]))
+    _rises(f"{name}.course_start", course_start, len(floats["course"]))
+    _courses(name, floats["mover"], floats["course"], course_start, parts)
+    still = parts - movers
+    ends = (len(floats["hull"]), still, len(floats["pocket"]))
     table = given_ints(f"{name}.boundary_start", w.boundary_start, (3, groups + 1), 0, max(ends))
     for row, end in zip(table, ends, strict=True):
         _rises(f"{name}.boundary_start", row, end)
     _whole_grids(name, floats["boundary"], table[2])
     return _like(
-        w, **floats, link_start=start, link_to=links, boundary_start=table,
+        w, **floats, link_start=start, link_to=links, boundary_start=table, course_start=course_start,
         fire_needs=given_ints(f"{name}.fire_needs", w.fire_needs, (fires,), 1, _MOST),
         circle_count=whole(f"{name}.circle_count", w.circle_count, 0, parts),
-        part=given_ints(f"{name}.part", w.part, (parts,), 0, parts - 1),
+        part=given_ints(f"{name}.part", w.part, (still,), 0, parts - 1),
     )  # fmt: skip
 
 
@@ -162,9 +182,9 @@ def given_state(state: object, world: World, name: str = "state") -> SimState:
 
 def _given_motion(motion: Motion, world: World, name: str) -> Motion:
     robots, fires = len(world.formation), len(world.fire_position)
-    boundaries = len(world.boundary) + fires
+    boundaries = len(world.boundary) + fires + len(world.mover)
     plane, row = (robots, 2), (robots,)
-    why = f"the world has {robots} robots, {fires} fires and {len(world.boundary)} groups of obstacles"
+    why = f"the world has {robots} robots, {fires} fires and {boundaries - fires} groups of obstacles and moving ones"
     floats = _floats(name, motion, {
         "position": plane, "heading": row, "velocity": plane, "intention": plane, "target_value": row, "stalled": row,
         "fire_radius": (fires,), "fire_progress": (fires,),
@@ -223,6 +243,20 @@ def _whole_grids(name: str, boundary: Any, start: Any) -> None:
     whole_rows = (columns == np.floor(columns)) & (columns >= _SPLINE) & (nodes >= _SPLINE * columns) & (cell > 0.0)
     if (nodes[~grid] != 0).any() or not (whole_rows[grid] & (nodes[grid] % columns[grid] == 0)).all():
         raise ArgumentError(f"{name}.pocket does not hold the whole rows of nodes that {name}.boundary tells of")
+
+
+def _courses(name: str, mover: Any, course: Any, start: Any, parts: int) -> None:
+    """Refuses moving obstacles that are no part, and courses that do not lead on."""
+    part, ending = mover[:, 0], mover[:, 7]
+    if not (np.isin(part, np.arange(parts)).all() and len(np.unique(part)) == len(part)):
+        raise ArgumentError(
+            f"{name}.mover moves parts {part.tolist()[:8]}; expected different ones from 0 to {parts - 1}"
+        )
+    if not np.isin(ending, (STOP, LOOP, ONWARD)).all():
+        raise ArgumentError(f"{name}.mover has endings {ending.tolist()[:8]}; expected {STOP}, {LOOP} or {ONWARD}")
+    for first, last in pairwise(start.tolist()):
+        if last - first < 2 or course[first, 2] != 0.0 or not (np.diff(course[first:last, 2]) > 0.0).all():
+            raise ArgumentError(f"{name}.course does not rise from arc length 0 over at least two points of each mover")
 
 
 def _above(name: str, value: object) -> float:

@@ -9,21 +9,20 @@ from numpy.typing import ArrayLike
 
 from higvf_console.control.forms import Forms, forms_named
 from higvf_console.control.parameters import Parameters
-from higvf_console.core.arguments import brief, sequence, whole
+from higvf_console.core.arguments import instance, sequence, whole
 from higvf_console.core.arrays import FARTHEST, Floats, floats, given_floats, given_ints
-from higvf_console.core.errors import ArgumentError, ArgumentTypeError, ScenarioError
+from higvf_console.core.errors import ArgumentError, ScenarioError
 from higvf_console.core.quantity import with_values
 from higvf_console.core.state import Path, PathKind
 from higvf_console.core.viewport import Arena
-from higvf_console.library import engine
 from higvf_console.library.filtering import controlled_points, given_headings
-from higvf_console.library.hazards import FIRE, Hazard, Hazards, given_arena, given_hazards
+from higvf_console.library.hazards import CAPSULE, CIRCLE, FIRE, Hazard, Hazards, given_arena, given_hazards
 from higvf_console.library.records import given_parameters, given_path
 from higvf_console.operator.path_commands import follow
 from higvf_console.runtime.compiling import announce
 from higvf_console.world import setup as world_setup
 from higvf_console.world.layout import Fire, Layout
-from higvf_console.world.obstacles import Obstacles
+from higvf_console.world.obstacles import SPEED, Courses, Obstacles, course_straight
 from higvf_console.world.placement import (
     check_barriers,
     check_formation,
@@ -54,8 +53,7 @@ def make_parameters(forms: str | Forms = "corrected", **groups: Mapping[str, flo
     for group, values in groups.items():
         if group not in known:
             raise ArgumentError(f"parameters.{group}: unknown group; known groups: {', '.join(known)}")
-        if not isinstance(values, Mapping):
-            raise ArgumentTypeError(f"parameters.{group} is {brief(values)}; expected a dict of numbers by name")
+        instance(f"parameters.{group}", values, Mapping)
         try:
             params = params._replace(**{group: with_values(getattr(params, group), values, f"parameters.{group}")})
         except ScenarioError as problem:
@@ -100,7 +98,6 @@ def make_setup(
     params = Parameters() if parameters is None else given_parameters(parameters)
     centres = given_floats("positions", positions, ("N", 2), most=FARTHEST)
     robots, dangers = len(centres), given_hazards(hazards)
-    engine.refuse_motion(dangers)
     angles = given_headings(headings, robots)
     points = floats(controlled_points(centres, angles, params))
     shape = points if formation is None else given_floats("formation", formation, (robots, 2), most=FARTHEST)
@@ -141,12 +138,32 @@ def _layout(
     return Layout(
         arena=arena,
         walls=dangers.arena is not None,
-        obstacles=Obstacles(dangers.circles, dangers.bars, dangers.polygons),
+        obstacles=_obstacles(dangers),
         fires=tuple(Fire(f.start, f.radius, f.growth, need) for f, need in zip(fires, needs, strict=True)),
         formation=shape,
         links=links,
         params=params,
     )
+
+
+def _obstacles(dangers: Hazards) -> Obstacles:
+    """The obstacles of a run, of which those with a velocity move straight on."""
+    for number, item in enumerate(dangers.items, 1):
+        if item.growth != 0.0 and item.kind != FIRE:
+            raise ArgumentError(f"hazard {number}, a {item.kind}, grows; expected, in a run, that fires alone grow")
+        if math.hypot(*item.velocity) > SPEED.high:
+            speed = math.hypot(*item.velocity)
+            raise ArgumentError(
+                f"hazard {number}, a {item.kind}, moves at {speed:g} m/s; expected {SPEED.high:g} at most"
+            )
+    return Obstacles(
+        dangers.circles, dangers.bars, dangers.polygons, _courses(dangers, CIRCLE), _courses(dangers, CAPSULE)
+    )
+
+
+def _courses(dangers: Hazards, kind: str) -> Courses:
+    found = [item.velocity for item in dangers.items if item.kind == kind]
+    return tuple(course_straight(vx, vy) if (vx, vy) != (0.0, 0.0) else None for vx, vy in found)
 
 
 def _check(points: Floats, layout: Layout) -> None:

@@ -50,7 +50,7 @@ def _locked(array: Floats) -> Floats:
 # By name: other forms of the same whole numbers.
 FORMS: dict[str, Callable[[Floats], object]] = {
     "lists": lambda array: array.tolist(),
-    "tuples": lambda array: tuple(map(tuple, array.tolist())),
+    "tuples": lambda array: tuple((x, y) for x, y in array.tolist()),
     "integers": lambda array: array.astype(np.int32),
     "float32": lambda array: array.astype(np.float32),
     "big endian": lambda array: array.astype(">f8"),

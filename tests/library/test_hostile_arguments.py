@@ -17,6 +17,7 @@ STROKE = np.array([[100.0, 350.0], [400.0, 300.0], [800.0, 350.0]])
 SETUP = hc.make_setup(TEAM, hc.Hazards().circle((300, 330), 20).fire((500, 250), 20).inside((0, 0, 1200, 700)))
 START, WORLD, PARAMS = SETUP.start, SETUP.world, SETUP.params
 PATH = hc.circle_path((400, 300), 100)
+_NONE: Any = "none"  # where None stands for a default
 
 
 def _with_motion(**fields: object) -> hc.SimState:
@@ -143,7 +144,8 @@ def test_an_intent_that_names_what_does_not_exist_is_refused_by_field(field: str
     ("field", "value"),
     [
         ("capsules", np.zeros((1, 4))), ("capsules", [[0.0, 0.0, 0.0, np.nan, 5.0]]), ("circle_count", 5),
-        ("walls", None),
+        ("walls", None), ("capsule_velocity", np.zeros((2, 2))), ("mover", np.zeros((1, 8))), ("course_start", [0, 1]),
+        ("course_start", []), ("course", np.zeros((2, 3))),
         ("fire_position", np.zeros((2, 2))), ("fire_growth", [1.0, 1.0]), ("fire_needs", [1.5]), ("fire_needs", [0]),
         ("link_start", [0, 1]), ("link_start", [0, 0, 0, 2]), ("link_to", [0, 1]), ("boundary", np.zeros((0, 9))),
         ("boundary", np.zeros((1, 8))), ("boundary_start", np.zeros((3, 3), int)), ("hull", np.zeros((2, 2))),
@@ -171,12 +173,12 @@ def test_records_of_another_type_are_refused(what: Any) -> None:
         lambda: hc.apply_command(START, commands.Pause(), what),
         lambda: hc.Controller(what),
         lambda: hc.vector_field(TEAM, what),
-        lambda: hc.filter_velocities(TEAM, TEAM, what or "none"),
-        lambda: hc.filter_velocities(TEAM, TEAM, None, what or "none"),
+        lambda: hc.filter_velocities(TEAM, TEAM, what or _NONE),
+        lambda: hc.filter_velocities(TEAM, TEAM, None, what or _NONE),
         lambda: hc.guiding_vectors(what, TEAM),
         lambda: hc.path_points(what),
         lambda: hc.make_scenario(what),
-        lambda: hc.make_setup(TEAM, path=what or "none"),
+        lambda: hc.make_setup(TEAM, path=what or _NONE),
         lambda: hc.run(what) if not isinstance(what, str) else hc.run(3),  # pyright: ignore[reportArgumentType]
         lambda: hc.run_headless(what),
         lambda: hc.Session(what, []),

@@ -70,6 +70,18 @@ def test_a_scenario_of_a_setup_starts_bit_for_bit_from_it_and_is_read_from_its_t
     assert last[-1].state.motion.position.tobytes() == by_hand.motion.position.tobytes()
 
 
+def test_an_obstacle_moves_through_a_run_with_its_velocity_and_robots_give_way() -> None:
+    hazards = hc.Hazards().circle((300, 0), 15, velocity=(-20, 0)).capsule((0, 400), (40, 400), 6)
+    setup = hc.make_setup([[0, 3], [0, 60]], hazards.fire((0, 900), 5))
+    _, history = hc.roll(setup.start, setup.world, setup.params, 700)
+    place = np.array([300.0, 0.0]) + np.outer(np.arange(1, 701) * 0.02, (-20.0, 0.0))
+    gaps = np.linalg.norm(history.position - place[:, None], axis=2) - 15.0 - 12.0
+    assert -0.1 < gaps.min() < 20.0
+    assert history.clearance.min() > -0.1
+    still = hc.make_setup([[0, 3], [0, 60]])
+    assert hc.advance(still.start, still.world, still.params)[0].motion.position.tolist() == [[0, 3], [0, 60]]
+
+
 @pytest.mark.parametrize("robots", [0, 1])
 def test_a_team_of_none_or_one_is_advanced_and_its_fires_grow(robots: int) -> None:
     setup = hc.make_setup(TEAM[:robots], hc.Hazards().fire((0, 0), 10))
@@ -111,7 +123,7 @@ def test_parameters_are_made_by_name() -> None:
     assert hc.make_parameters(safety={"speed_limit": 50}).safety.speed_limit == 50.0
     assert hc.make_parameters("printed").forms.speed == 1.0
     for wrong, line in (
-        ({"safty": {}}, "unknown group"), ({"safety": {"speed": 5}}, "unknown key"), ({"safety": 5}, "expected a dict"),
+        ({"safty": {}}, "unknown group"), ({"safety": {"speed": 5}}, "unknown key"), ({"safety": 5}, "expected Mapping"),
         ({"safety": {"speed_limit": -5}}, "-5 is not a number from"), ({"forms": "old"}, "choose corrected"),
     ):  # fmt: skip
         with pytest.raises(hc.ArgumentError, match=line):
