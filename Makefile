@@ -36,9 +36,9 @@ docs: setup
 # the compiled engine. Not measured: tests that need a browser, and benchmarks, fit and reproduction (lab).
 coverage: setup
 	rm -f .coverage .coverage.*
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest tests/control tests/operator \
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest tests/control \
 	  -k 'not speed_limit_is_part_of_the_problem and not nothing_is_violated_where_the_coupled'
-	$(BIN)/coverage run -m pytest -m 'not browser' --ignore tests/control --ignore tests/operator --ignore tests/lab
+	$(BIN)/coverage run -m pytest -m 'not browser' --ignore tests/control --ignore tests/lab
 	$(BIN)/coverage combine --quiet
 	$(BIN)/coverage report --skip-covered --sort cover
 

@@ -77,7 +77,7 @@ def test_every_command_is_listed_with_its_fields(command: type) -> None:
 
 def test_every_subcommand_is_listed_with_its_options() -> None:
     page = text("command-line")
-    subcommands = re.findall(r"^    ([a-z][a-z-]+) ", parser().format_help(), re.MULTILINE)
+    subcommands = re.findall(r"^ {4}([a-z][a-z-]+)(?: |$)", parser().format_help(), re.MULTILINE)
     assert {"run", "replay", "check-interface"} <= set(subcommands)
     assert all(f"## higvf {name}\n" in page for name in subcommands)
     assert "| `--seed N` |" in page
