@@ -55,7 +55,7 @@ MISTAKES = {
     ),
     "too fast": (
         "path_m: [[1, 2]], speed_m_per_s: 101",
-        "circles[1].speed_m_per_s: 101 is out of range; give a number from 0 to 100 m/s",
+        "circles[1].speed_m_per_s: 101 is not a number from 0 to 100 m/s",
     ),
     "no points": ("path_m: [], speed_m_per_s: 5", "circles[1].path_m: 0 points are too few; give at least 1"),
     "nowhere": (
