@@ -10,7 +10,8 @@ So a kernel has two dispatchers:
 `error_model="numpy"` keeps one robot's 0/0 from raising for the whole team; there is no `parallel` and no `fastmath`,
 so that results agree bit for bit across processes.
 """
-# pyright: reportPrivateUsage=false, reportUntypedBaseClass=false (Numba has no public way to do this)
+# Numba has no public way to do this.
+# pyright: reportPrivateUsage=false
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -31,14 +32,14 @@ _OPTIMISATION = 2  # LLVM's level; Numba's 3 takes longer and makes the engine n
 class Dispatchers(NamedTuple):
     """Numba's two views of one kernel."""
 
-    linked: CPUDispatcher
-    entry: CPUDispatcher
+    linked: Any
+    entry: Any
 
 
 def dispatchers(function: Callable[..., Any]) -> Dispatchers:
     """For one function; nothing is compiled yet."""
     linked = _Linked(function, targetoptions={**_OPTIONS, "no_cpython_wrapper": True}, pipeline_class=_LinkedCompiler)
-    entry = CPUDispatcher(function, targetoptions=_OPTIONS, pipeline_class=_EntryCompiler)
+    entry: Any = CPUDispatcher(function, targetoptions=_OPTIONS, pipeline_class=_EntryCompiler)
     entry._cache = KernelCache(function)
     return Dispatchers(linked, entry)
 
