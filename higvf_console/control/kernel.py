@@ -52,7 +52,7 @@ class Kernel:
     @property
     def _numba_type_(self) -> Any:
         """What Numba takes this object for where a kernel calls it."""
-        return self.dispatchers.linked._numba_type_  # pyright: ignore[reportPrivateUsage] (Numba's protocol)
+        return self.dispatchers.linked._numba_type_
 
     @cached_property
     def dispatchers(self) -> "Dispatchers":

@@ -287,11 +287,14 @@ def run_ticks(
 
     One entry for single steps and for rolls: the whole controller is compiled once, and both are bit for bit the same.
     """
-    for k in range(ticks):
+    k = 0
+    while True:
         motion, trace = tick(motion, intent, world, params)
         if k < history.clearance.shape[0]:
             _note(k, motion, trace, history)
-    return motion, trace
+        k += 1
+        if k >= ticks:
+            return motion, trace
 
 
 @kernel

@@ -3,7 +3,8 @@
 Numba's own cache is renewed when a function's own file changes, not when a callee's does, and a damaged file ends it in
 a traceback. Here the folder's name is the digest of all sources that can hold a kernel, and `Store` survives damage.
 """
-# pyright: reportPrivateUsage=false (Numba has no public way to keep compiled functions)
+# Numba has no public way to do this.
+# pyright: reportPrivateUsage=false, reportIncompatibleMethodOverride=false
 
 import hashlib
 import os

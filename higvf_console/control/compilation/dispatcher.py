@@ -10,11 +10,14 @@ So a kernel has two dispatchers:
 `error_model="numpy"` keeps one robot's 0/0 from raising for the whole team; there is no `parallel` and no `fastmath`,
 so that results agree bit for bit across processes.
 """
-# pyright: reportPrivateUsage=false, reportUntypedBaseClass=false (Numba has no public way to do this)
+# Numba has no public way to do this.
+# pyright: reportPrivateUsage=false
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from llvmlite.binding import parse_assembly
+from numba.core import types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
 from numba.core.registry import CPUDispatcher
@@ -22,25 +25,31 @@ from numba.core.registry import CPUDispatcher
 from higvf_console.control.compilation.cache import KernelCache
 
 _OPTIONS = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+_WRAPPER = "cpython"  # in the names of the functions that Python can call
 _OPTIMISATION = 2  # LLVM's level; Numba's 3 takes longer and makes the engine no faster
 
 
 class Dispatchers(NamedTuple):
     """Numba's two views of one kernel."""
 
-    linked: CPUDispatcher
-    entry: CPUDispatcher
+    linked: Any
+    entry: Any
 
 
 def dispatchers(function: Callable[..., Any]) -> Dispatchers:
     """For one function; nothing is compiled yet."""
     linked = _Linked(function, targetoptions={**_OPTIONS, "no_cpython_wrapper": True}, pipeline_class=_LinkedCompiler)
-    entry = CPUDispatcher(function, targetoptions=_OPTIONS, pipeline_class=_EntryCompiler)
+    entry: Any = CPUDispatcher(function, targetoptions=_OPTIONS, pipeline_class=_EntryCompiler)
     entry._cache = KernelCache(function)
     return Dispatchers(linked, entry)
 
 
 class _Linked(CPUDispatcher):
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Finds or compiles what a caller needs: one version for constants and variables, where Numba makes two."""
+        plain = tuple(types.unliteral(kind) for kind in args)
+        return super().get_call_template(plain, {name: types.unliteral(kind) for name, kind in kws.items()})
+
     def add_overload(self, cres: CompileResult) -> None:
         """Makes a signature known to callers; there is no machine code that Python could call."""
         key = object()  # by which callers find it
@@ -48,7 +57,13 @@ class _Linked(CPUDispatcher):
         self.overloads[tuple(cres.signature.args)] = cres._replace(entry_point=key)
 
 
-class _LinkedLibrary(JITCodeLibrary):
+class _PlainLibrary(JITCodeLibrary):
+    def _optimize_functions(self, ll_module: Any) -> None:
+        """Leaves the passes over single functions out: those over the whole module, once, do the same."""
+        ll_module.data_layout = self._codegen._data_layout
+
+
+class _LinkedLibrary(_PlainLibrary):
     """A kernel's code and that of all it calls, as it was lowered."""
 
     def _optimize_final_module(self) -> None:
@@ -59,12 +74,18 @@ class _LinkedLibrary(JITCodeLibrary):
         self._finalized = True
 
 
-class _EntryLibrary(JITCodeLibrary):
+class _EntryLibrary(_PlainLibrary):
     def _optimize_final_module(self) -> None:
         cheap = {"opt": 0, "cost": "cheap", "loop_vectorize": False, "slp_vectorize": False}
         for options in (cheap, {"opt": _OPTIMISATION}):  # as Numba does it, but for the level
             passes, builder = self._codegen._module_pass_manager(**options)
             passes.run(self._final_module, builder)
+
+    def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
+        """The machine code for the cache, without the intermediate code that only callers would need."""
+        wrappers = [f.name for f in self._final_module.functions if not f.is_declaration and _WRAPPER in f.name]
+        names = parse_assembly("\n".join(f'define void @"{name}"() {{ ret void }}' for name in wrappers))
+        return self.name, "object", (self._get_compiled_object(), names.as_bitcode())
 
 
 class _LinkedCompiler(CompilerBase):
