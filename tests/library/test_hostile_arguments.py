@@ -256,7 +256,7 @@ OF_A_POINT: dict[str, Callable[[Any], object]] = {
 }
 
 
-@pytest.mark.parametrize("value", [None, "ab", [1.0], [[1.0, 2.0]], [np.nan, 0.0], [0.0, 1e9], object(), []], ids=repr)
+@pytest.mark.parametrize("value", [None, "ab", [1.0], [[1.0, 2.0]], [np.nan, 0.0], [0.0, 1e9], {}, []], ids=repr)
 @pytest.mark.parametrize("function", OF_A_POINT)
 def test_a_point_that_is_none_is_refused(function: str, value: object) -> None:
     assert "expected" in refused(lambda: OF_A_POINT[function](value))
