@@ -35,7 +35,7 @@ def parser() -> argparse.ArgumentParser:
     _add_inspect(commands)
     compiling = commands.add_parser("compile", help="compile the engine now, so that the first run starts at once")
     compiling.add_argument("--centralised", action="store_true", help="also the centralised safety filter")
-    compiling.add_argument("--smaller-stages", action="store_true", help=argparse.SUPPRESS)
+    compiling.add_argument("--lower-filter", action="store_true", help=argparse.SUPPRESS)
     compiling.set_defaults(command="compile")
     _add_check_interface(commands)
     return whole

@@ -9,10 +9,14 @@ from higvf_console.control.guidance.boundaries import capsule_corners, convex_hu
 from higvf_console.control.guidance.field import FieldKind, field_at
 from higvf_console.control.guidance.paths import EVERYWHERE, circle_path, nearest, point_at, start_parameter
 from higvf_console.control.kernel import closed
-from higvf_console.control.parameters import Parameters
+from higvf_console.control.parameters import Parameters, SafetyParameters, packed
+from higvf_console.control.safety.hazards import COLUMNS
+from higvf_console.control.safety.safety_filter import filter_velocities
 from higvf_console.core.state import SimState, World
 from higvf_console.sim.simulation import advance, advance_coupled, decide, run_ticks, settle
 from higvf_console.sim.unicycle import body_centres
+
+_FILTER_ARGUMENTS = (np.zeros((1, 2)), np.zeros((1, 2)), np.zeros((0, COLUMNS)), SafetyParameters())
 
 
 class Stage(NamedTuple):
@@ -52,6 +56,23 @@ def warm_up(state: SimState, world: World, params: Parameters, coupled: bool = F
         stage.run()
 
 
+def lower_controller(state: SimState, world: World, params: Parameters) -> None:
+    """Lowers one half of the control period; the filter's is taken from the cache if another process left it there."""
+    from higvf_console.control.compilation import handover  # noqa: PLC0415 (loads the compiler)
+
+    handover.hand_over(filter_velocities)
+    handover.lower(decide, state.motion, state.intent, world, packed(params))
+
+
+def lower_safety_filter() -> None:
+    """Lowers the other half, and leaves it in the cache."""
+    from higvf_console.control.compilation import handover  # noqa: PLC0415
+
+    handover.name_apart()
+    handover.hand_over(filter_velocities)
+    handover.lower(filter_velocities, *_FILTER_ARGUMENTS)
+
+
 def _control_period(state: SimState, world: World, params: Parameters) -> None:
     advance(state, world, params)
     closed(run_ticks)
@@ -61,6 +82,7 @@ def _centralised(state: SimState, world: World, params: Parameters) -> None:
     from higvf_console.control.safety.coupled_filter import CoupledFilter  # noqa: PLC0415 (loads OSQP)
 
     advance_coupled(state, world, params, CoupledFilter())
+    filter_velocities(*_FILTER_ARGUMENTS)  # where the program has no solution
     closed(decide)
     closed(settle)
 

@@ -11,7 +11,7 @@ import pytest
 
 import higvf_console
 from higvf_console.channels import channels
-from higvf_console.cli import main as main_module
+from higvf_console.cli import run as run_module
 from higvf_console.cli.arguments import parser
 from higvf_console.cli.main import main
 from higvf_console.core.interface import InputSpec, Interface
@@ -208,7 +208,7 @@ def test_a_console_opens_its_own_channel_unless_another_takes_the_pointer(
 
     monkeypatch.setattr(channels, "open_interface", fake)
     given = parser().parse_args(["run", "empty", *arguments])
-    interfaces = main_module._open_interfaces(given, load_scenario("empty"))  # pyright: ignore[reportPrivateUsage]
+    interfaces = run_module._open_interfaces(given, load_scenario("empty"))  # pyright: ignore[reportPrivateUsage]
     assert [interface.name for interface in interfaces] == opened
 
 

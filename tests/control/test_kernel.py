@@ -172,3 +172,21 @@ def test_processes_that_compile_at_once_do_not_disturb_each_other(tmp_path: Path
     assert [process.communicate() for process in running] == [("0.5 1.0\n", "")] * 2
     (folder,) = (tmp_path / "higvf").iterdir()
     assert sorted(file.name.split("-")[0] for file in folder.iterdir()) == ["half", "quarter"]
+
+
+def test_a_kernel_that_another_process_has_lowered_is_linked_into_its_caller(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from higvf_console.control.compilation import handover
+
+    first = as_new(half)
+    handover.hand_over(first)
+    handover.lower(first, 1.0)
+    assert [file.name.split(".")[-1] for file in folder.iterdir()] == ["lowered"]
+
+    second = as_new(half)
+    handover.hand_over(second)
+    monkeypatch.setattr(sys.modules[__name__], "half", second)
+    assert as_new(quarter)(8.0) == 2.0
+    assert sum(second.dispatchers.linked.stats.cache_hits.values()) == 1
+    assert as_new(quarter)(16.0) == 4.0

@@ -47,6 +47,8 @@ STORE = Store(cache_folder)  # of this process; touches the disk when the first 
 class KernelCache(_Cache):
     """The compiled signatures of one function, as Numba's dispatcher asks for them."""
 
+    suffix = ".kernel"
+
     def __init__(self, function: Callable[..., Any]) -> None:
         """Touches nothing yet."""
         self._function = function
@@ -64,16 +66,22 @@ class KernelCache(_Cache):
         payload = STORE.read(name) if self._enabled else None
         if payload is not None:
             try:
-                return CompileResult._rebuild(target_context, *pickle.loads(payload))
+                return self._rebuilt(target_context, pickle.loads(payload))
             except Exception as error:  # whatever another build left there
                 STORE.discard(name, f"{type(error).__name__}: {error}")
-        compiling(self._function.__name__)
+        self._report()
         return None
 
     def save_overload(self, sig: Any, data: CompileResult) -> None:
         """Keeps the machine code for a signature."""
         if self._enabled and not data.library.has_dynamic_globals:
             STORE.write(self._file_name(sig, data.codegen), dumps(data._reduce()))
+
+    def _rebuilt(self, target_context: Any, reduced: Any) -> CompileResult:
+        return CompileResult._rebuild(target_context, *reduced)
+
+    def _report(self) -> None:
+        compiling(self._function.__name__)
 
     def enable(self) -> None:
         """Reads and writes from now on."""
@@ -92,7 +100,7 @@ class KernelCache(_Cache):
         where = (self._function.__module__, self._function.__qualname__, code.co_code, _digest_of(code.co_filename))
         versions = (numba.__version__, np.__version__, platform.python_version())
         key = repr((where, versions, codegen.magic_tuple(), str(sig)))
-        return f"{self._function.__name__}-{hashlib.sha256(key.encode()).hexdigest()[:24]}.kernel"
+        return f"{self._function.__name__}-{hashlib.sha256(key.encode()).hexdigest()[:24]}{self.suffix}"
 
 
 @lru_cache(maxsize=256)

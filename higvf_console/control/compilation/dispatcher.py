@@ -52,7 +52,7 @@ class _Linked(CPUDispatcher):
 
     def add_overload(self, cres: CompileResult) -> None:
         """Makes a signature known to callers; there is no machine code that Python could call."""
-        key = object()  # by which callers find it
+        key = object() if cres.entry_point is None else cres.entry_point  # by which callers find it
         self.targetctx.insert_user_function(key, cres.fndesc, [cres.library])
         self.overloads[tuple(cres.signature.args)] = cres._replace(entry_point=key)
 
@@ -63,8 +63,13 @@ class _PlainLibrary(JITCodeLibrary):
         ll_module.data_layout = self._codegen._data_layout
 
 
-class _LinkedLibrary(_PlainLibrary):
+class LinkedLibrary(_PlainLibrary):
     """A kernel's code and that of all it calls, as it was lowered."""
+
+    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
+        """The code for another process, see `handover`."""
+        self._ensure_finalized()
+        return self.name, "bitcode", self._final_module.as_bitcode()
 
     def _optimize_final_module(self) -> None:
         """Nothing: the entry does it."""
@@ -89,7 +94,7 @@ class _EntryLibrary(_PlainLibrary):
 
 
 class _LinkedCompiler(CompilerBase):
-    library_class: type[JITCodeLibrary] = _LinkedLibrary
+    library_class: type[JITCodeLibrary] = LinkedLibrary
     machine_code = False
 
     def define_pipelines(self) -> list[Any]:

@@ -1,0 +1,22 @@
+"""What commands print and write."""
+
+import sys
+from pathlib import Path
+
+from higvf_console.core.errors import HigvfError
+
+
+def log(text: str) -> None:
+    """Prints a line on standard error."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def write(option: str, file: str, text: str) -> None:
+    """Writes the output of an option to a file; - is standard output."""
+    if file == "-":
+        sys.stdout.write(text)
+        return
+    try:
+        Path(file).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise HigvfError(f"{option} {file}: {error.strerror}") from error

@@ -1,0 +1,166 @@
+"""`higvf run`: a scenario with its operator's channels, headless or behind the console in a browser."""
+# ruff: noqa: PLC0415 (a headless run loads no browser, and the link is printed before the engine is loaded)
+
+import argparse
+import json
+import os
+import signal
+import sys
+import webbrowser
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from functools import partial
+from threading import Event as Signal
+from threading import Thread
+from time import sleep
+from typing import TYPE_CHECKING, Any
+
+from higvf_console.cli.output import log, write
+from higvf_console.core.errors import HigvfError
+from higvf_console.core.optional import require
+from higvf_console.runtime import scheduling
+
+if TYPE_CHECKING:
+    from higvf_console.runtime.recording import Recorder
+    from higvf_console.runtime.session import Session
+    from higvf_console.scenario.scenario import Scenario
+    from higvf_console.world.setup import Setup
+
+_REPORTED = ("refused", "clipped", "failure", "channel", "recording")  # kinds of events that a headless run prints
+
+
+def run(given: argparse.Namespace) -> int:
+    """Runs a scenario to its end, or until Ctrl-C; returns the exit status."""
+    from higvf_console.control.forms import forms_named
+    from higvf_console.runtime.session import FASTEST, SLOWEST
+    from higvf_console.scenario.scenario import load_scenario
+
+    if given.report is not None and not given.headless:
+        raise HigvfError("--report needs a headless run: add --headless")
+    for module in () if given.headless else ("viser", "cv2", "mapbox_earcut"):
+        require(module, "console", "the console")
+    if not SLOWEST <= given.speed <= FASTEST:
+        raise HigvfError(f"--speed {given.speed:g}: choose {SLOWEST:g} to {FASTEST:g}")
+    scenario = load_scenario(given.scenario)
+    if given.forms is not None:
+        scenario = scenario.with_forms(forms_named(given.forms))
+    setup = scenario.setup(given.seed)  # before the link, since the start may not be safe with this seed
+    interfaces = _open_interfaces(given, scenario)
+    recorder = _open_recorder(given, scenario, interfaces)
+    with ExitStack() as closing:
+        start = partial(_start_session, given, scenario, setup, interfaces, recorder, closing)
+        return _run_headless(start, given) if given.headless else _serve(start, scenario.title, given)
+
+
+def _open_recorder(given: argparse.Namespace, scenario: "Scenario", interfaces: list[Any]) -> "Recorder | None":
+    from higvf_console.channels.input_reports import calibrations_of
+    from higvf_console.runtime.recording import Recorder
+
+    measured = calibrations_of(interfaces)
+    return Recorder(given.record, scenario, given.seed, measured) if given.record else None
+
+
+def _start_session(
+    given: argparse.Namespace,
+    scenario: "Scenario",
+    setup: "Setup",
+    interfaces: list[Any],
+    recorder: "Recorder | None",
+    closing: ExitStack,
+) -> "Session":
+    """Loads the engine and opens the session, which is closed with `closing`."""
+    from higvf_console.channels.marker_outlet import MarkerOutlet
+    from higvf_console.cli.engine import load_engine
+    from higvf_console.runtime.session import Session
+    from higvf_console.scenario.sections import FilterKind
+
+    load_engine(setup, coupled=scenario.filter is FilterKind.CENTRALISED)
+    markers = MarkerOutlet(given.lsl_out, scenario.name, given.seed) if given.lsl_out is not None else None
+    session = Session(scenario, interfaces, given.seed, recorder, markers)
+    closing.callback(session.close)
+    session.set_speed(given.speed)
+    for event in session.snapshot.events:  # nothing has run yet: the warnings of scenario and inputs
+        log(f"Warning: {event.text}")
+    return session
+
+
+def _open_interfaces(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
+    """The inputs that were asked for; a console has one that takes what its pages give."""
+    from higvf_console.channels.channels import open_interface
+    from higvf_console.core.command import CONSOLE
+    from higvf_console.core.interface import capabilities_of
+    from higvf_console.runtime.inputs import input_spec
+
+    interfaces = [open_interface(spec) for spec in _input_specs(given, scenario)]
+    if not given.headless and not any(capabilities_of(interface).takes_pointer for interface in interfaces):
+        interfaces.insert(0, open_interface(input_spec(CONSOLE, scenario)))
+    return interfaces
+
+
+def _input_specs(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
+    from higvf_console.core.interface import InputSpec
+    from higvf_console.runtime.inputs import demo_specs, input_spec, renamed_specs
+
+    for warning in renamed_specs(given.input):
+        log(f"Warning: {warning}")
+    specs = [input_spec(text, scenario) for text in given.input]
+    if given.demo:
+        specs += demo_specs(scenario)
+    if given.script is not None:
+        settings, robots = scenario.inputs.get("script", {}), len(scenario.robots.points)
+        specs.append(InputSpec("script", given.script, {}, settings, scenario.arena, robots))
+    return specs
+
+
+def _run_headless(start: "Callable[[], Session]", given: argparse.Namespace) -> int:
+    from higvf_console.core.events import Severity
+    from higvf_console.runtime.headless import run_headless
+
+    session = start()
+    report = json.dumps(run_headless(session, given.duration), indent=2) + "\n"
+    session.close()  # closing may fail too, and reports that as an event
+    for event in session.snapshot.events:
+        if event.kind in _REPORTED and event.severity in (Severity.WARNING, Severity.ALARM):
+            log(f"{event.time:.2f} s: {event.text}")
+    write("--report", given.report or "-", report)
+    return 0
+
+
+def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace) -> int:
+    """Serves the console until Ctrl-C, a termination signal, or the end of the duration; the link comes first."""
+    from higvf_console.ui.page.guard import login_url, new_token, open_server
+    from higvf_console.ui.page.loading import loading
+
+    token, stopping = given.token or new_token(), Signal()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with suppress(KeyboardInterrupt), ExitStack() as ends:  # callbacks run from last to first
+        scheduling.go_first()
+        ends.callback(scheduling.stand_back)
+        server = open_server(given.host, given.port, token, title)
+        ends.callback(server.stop)
+        print(f"Console: {login_url(server, token)}\nPress Ctrl-C to end it.", flush=True)
+        if not given.no_browser and _has_display():
+            webbrowser.open(login_url(server, token))
+        with loading(server, "Loading the engine ..."):
+            from higvf_console.ui.console import Console
+
+            scheduling.stand_back()
+            session = start()
+            scheduling.go_first()
+            console = Console(session, server)
+        console.start()
+        ends.callback(console.close)
+        loop = Thread(target=session.run, args=(stopping,), name="session")
+        loop.start()
+        ends.callback(loop.join)
+        ends.callback(stopping.set)
+        scheduling.stand_back()
+        while given.duration is None or session.snapshot.time < given.duration:
+            sleep(0.1)  # not stopping.wait: an interrupt could leave its lock acquired
+    return 0
+
+
+def _has_display() -> bool:
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
