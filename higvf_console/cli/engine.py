@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from higvf_console.control.compilation.progress import listening
 from higvf_console.core.arrays import ints
-from higvf_console.library.engine import report_once
+from higvf_console.runtime.compiling import report_once
 
 if TYPE_CHECKING:
     from higvf_console.sim.warm_up import Stage
