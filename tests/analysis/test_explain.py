@@ -237,8 +237,7 @@ def test_a_fire_beyond_the_perception_range_is_out_of_range_not_hidden() -> None
 
 def test_the_edges_of_a_polygon_are_called_by_its_number() -> None:
     squares = [floats([[x, 250], [x + 50, 250], [x + 50, 350], [x, 350]]) for x in (400.0, 600.0)]
-    bare = team([(100.0, 300.0)], [(900.0, 300.0, 30.0)], bars=[(500.0, 20.0, 550.0, 20.0, 5.0)], polygons=squares)
-    setup = bare._replace(polygons=tuple(squares))
+    setup = team([(100.0, 300.0)], [(900.0, 300.0, 30.0)], bars=[(500.0, 20.0, 550.0, 20.0, 5.0)], polygons=squares)
     (fire,) = sights(0, Run(setup).last, setup)
     assert sorted(hider_names(fire, setup)) == ["polygon 1", "polygon 2"]
 

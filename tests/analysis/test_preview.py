@@ -162,7 +162,7 @@ def test_inside_an_irregular_obstacle_the_distance_is_negative_and_an_extinguish
     corners = [(300.0, 300.0), (500.0, 300.0), (500.0, 500.0), (300.0, 500.0)]
     square = floats(corners)
     bars = [(*corners[i - 1], *corners[i], 0.0) for i in range(4)]
-    setup = team(fires=[(800.0, 350.0, 20.0)], bars=bars, polygons=[square])._replace(polygons=(square,))
+    setup = team(fires=[(800.0, 350.0, 20.0)], bars=bars, polygons=[square])
     points = floats([(400, 400), (800, 350), (280, 400)])
     assert surface_distance(points, setup.start.motion, setup).tolist() == [-100.0, -20.0, 20.0]
     out = setup.start.motion._replace(fire_burning=np.array([False]))

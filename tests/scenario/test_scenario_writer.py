@@ -52,11 +52,14 @@ def same_bytes(first: Any, second: Any) -> None:
 
 
 def assert_same_start(run: Run, again: Setup) -> None:
-    """World (of what burns), gains, positions and fires, bit for bit; unicycles up to rounding."""
+    """World (of what burns), gains, positions and fires, bit for bit; courses and unicycles up to rounding."""
     burning = run.state.motion.fire_burning
     world = run.setup.world
     fires = {name: getattr(world, name)[burning] for name in ("fire_position", "fire_growth", "fire_needs")}
-    same_bytes(world._replace(**fires), again.world)
+    courses = {name: getattr(again.world, name) for name in ("mover", "course")}
+    for name, course in courses.items():
+        np.testing.assert_allclose(course, getattr(world, name), rtol=1e-12, atol=1e-9)
+    same_bytes(world._replace(**fires, **courses), again.world)
     params = run.setup.params
     assert again.params._replace(robots=again.params.robots._replace(seed=params.robots.seed)) == params
     motion, start = run.state.motion, again.start.motion

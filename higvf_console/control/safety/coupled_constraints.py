@@ -8,10 +8,10 @@ import numpy as np
 
 from higvf_console.control.intention.neighbours import within
 from higvf_console.control.kernel import kernel
-from higvf_console.control.safety.barriers.linear_constraint import attainable, unattainable
+from higvf_console.control.safety.barriers.linear_constraint import attainable
 from higvf_console.control.safety.barriers.robot_pair import pair_constraint, sensing_radius
 from higvf_console.control.safety.barriers.surroundings import Surroundings
-from higvf_console.control.safety.hazards import hazard_constraint, within_distance
+from higvf_console.control.safety.hazards import hazard_constraint, hazard_outruns, within_distance
 from higvf_console.control.safety.nearest_point import Constraints, empty_constraints
 from higvf_console.core.arrays import Bools, Ints
 
@@ -47,11 +47,11 @@ def constraint_list(around: Surroundings, skin: float) -> Ints:
 def listed_constraints(listing: Ints, around: Surroundings) -> tuple[Constraints, Bools]:
     """The coupled constraints of a list as they are now: a.u_i <= b, and a.(u_i - u_j) <= 2 b for pairs, [22].
 
-    And (N,) which robots have one that asks for more than v_max in retreat, and is relaxed to that.
+    And (N,) to which robots a hazard comes faster than they can retreat.
     """
     constraints = empty_constraints(around.position.shape[0], listing.shape[0])
     position, safety, limit = around.position, around.safety, around.safety.speed_limit
-    relaxed = np.zeros(position.shape[0], np.bool_)
+    outrun = np.zeros(position.shape[0], np.bool_)
     for r in range(listing.shape[0]):
         kind, i, k = listing[r, 0], listing[r, 1], listing[r, 2]
         x, y = position[i, 0], position[i, 1]
@@ -59,14 +59,13 @@ def listed_constraints(listing: Ints, around: Surroundings) -> tuple[Constraints
         if kind == _PAIR:
             constraints.ends[r, 1] = k
             ax, ay, b = pair_constraint(x, y, position[k, 0], position[k, 1], True, safety)
-            relaxed[k] = relaxed[k] or unattainable(b, limit)
             bound = 2.0 * attainable(b, limit)
         else:
             ax, ay, b = hazard_constraint(x, y, around.hazards, k, safety)
             bound = attainable(b, limit)
-        relaxed[i] = relaxed[i] or unattainable(b, limit)
+            outrun[i] = outrun[i] or (b < -limit and hazard_outruns(x, y, around.hazards, k, safety))
         constraints.linear[r, 0], constraints.linear[r, 1], constraints.linear[r, 2] = ax, ay, bound
-    return constraints, relaxed
+    return constraints, outrun
 
 
 @kernel

@@ -56,34 +56,34 @@ class CoupledFilter:
         if found is None:
             self.fallbacks += 1
             return filter_velocities(position, nominal, hazards, safety)
-        return found.velocity, found.active_constraints, found.relaxed
+        return found.velocity, found.active_constraints, found.outrun
 
     def _solved(self, around: Surroundings, nominal: Floats) -> "_Found | None":
         """The exact optimum, or None where there is none or it could not be found."""
         if self._program is None or not self._program.covers(around):
             self._program = _Program(around)
-        constraints, relaxed = listed_constraints(self._program.listing, around)
+        constraints, outrun = listed_constraints(self._program.listing, around)
         limit = around.safety.speed_limit
         wanted = _limited(nominal, limit)
         if _all_met(wanted, constraints):
-            return _Found(wanted, np.zeros(len(nominal), np.int64), relaxed)
+            return _Found(wanted, np.zeros(len(nominal), np.int64), outrun)
         guess = self._program.solve(wanted, constraints, limit, _ROUGH)
         if guess is None:
             return None
         likely = (guess.weight > _LIKELY * limit) | (_residuals(guess.velocity, constraints) > -_LIKELY * limit)
         exact = polish(wanted, constraints, likely, limit)
         if exact.status == OPTIMAL:
-            return _Found(exact.velocity, _active(exact.weight > 0.0, constraints, len(nominal)), relaxed)
+            return _Found(exact.velocity, _active(exact.weight > 0.0, constraints, len(nominal)), outrun)
         fine = self._program.solve(wanted, constraints, limit, _FINE)
         if fine is None or _optimality_error(wanted, fine, constraints, limit) > _ACCEPTED * limit:
             return None
-        return _Found(fine.velocity, _active(fine.weight > _ACCEPTED * limit, constraints, len(nominal)), relaxed)
+        return _Found(fine.velocity, _active(fine.weight > _ACCEPTED * limit, constraints, len(nominal)), outrun)
 
 
 class _Found(NamedTuple):
     velocity: Floats  # (N, 2) [m/s]
     active_constraints: Ints  # (N,)
-    relaxed: Bools  # (N,) a hazard comes faster than the robot can retreat
+    outrun: Bools  # (N,) a hazard comes faster than the robot can retreat
 
 
 class _Guess(NamedTuple):

@@ -19,7 +19,11 @@ from higvf_console.control.guidance.obstacles import capsule_table, spine_point
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.arena import wall_constraint
-from higvf_console.control.safety.barriers.capsule import capsule_activation_distance, capsule_constraint
+from higvf_console.control.safety.barriers.capsule import (
+    capsule_activation_distance,
+    capsule_constraint,
+    capsule_outruns,
+)
 from higvf_console.control.safety.barriers.linear_constraint import class_k
 from higvf_console.core.arrays import Bools, Floats, bools, floats
 from higvf_console.core.state import World
@@ -113,6 +117,15 @@ def hazard_constraint(
     if safety.h_index == PRINTED and kind == OBSTACLE:
         return ax, ay, _misindexed(x, y, hazards, safety)
     return ax, ay, b
+
+
+@kernel
+def hazard_outruns(x: float, y: float, hazards: Floats, k: int, safety: SafetyParameters) -> bool:
+    """Whether hazard k comes to a robot at (x, y) [m] faster than any robot can retreat; a wall never does."""
+    return hazards[k, KIND] != WALL and capsule_outruns(
+        x, y, hazards[k, AX], hazards[k, AY], hazards[k, BX], hazards[k, BY], float(hazards[k, RADIUS]),
+        hazards[k, VX], hazards[k, VY], float(hazards[k, GROWTH]), safety,
+    )  # fmt: skip
 
 
 @kernel

@@ -45,7 +45,7 @@ def filter_velocities(
     outcome = Outcome(np.zeros((count, 2)), np.zeros(count, np.int64), np.zeros(count, np.bool_))
     limited = np.zeros((count, 2))
     stuck = np.zeros(count, np.bool_)
-    relaxed = np.zeros(count, np.bool_)
+    outrun = np.zeros(count, np.bool_)
     usable = np.zeros(count, np.bool_)
     most = most_constraints(around)
     constraints = np.empty((most, 3))
@@ -54,7 +54,7 @@ def filter_velocities(
     any_stuck = False
     for i in range(count):
         vx, vy = clipped(nominal[i, 0], nominal[i, 1], safety.speed_limit)
-        used, relaxed[i] = constraints_of(i, around, constraints, cause)
+        used, outrun[i] = constraints_of(i, around, constraints, cause)
         ux, uy, feasible = project(vx, vy, constraints, used, safety.speed_limit, kept)
         usable[i] = math.isfinite(ux + uy + position[i, 0] + position[i, 1])
         if not usable[i]:
@@ -68,7 +68,7 @@ def filter_velocities(
         any_stuck = any_stuck or stuck[i]
     if any_stuck:
         rescue(stuck, usable, limited, around, outcome)
-    return outcome.velocity, outcome.active_constraints, outcome.infeasible | relaxed
+    return outcome.velocity, outcome.active_constraints, outcome.infeasible | outrun
 
 
 @kernel

@@ -170,9 +170,12 @@ def test_a_robot_that_a_fire_outruns_is_flagged_in_the_same_tick_and_flees(coupl
             assert velocity[0] == pytest.approx([5.0, 0.0])
 
 
-def test_robots_in_one_place_are_flagged_for_no_velocity_parts_them_fast_enough() -> None:
-    _, _, infeasible = filtered(scene([[0.0, 0.0], [0.0, 0.0], [90.0, 0.0]], np.zeros((3, 2))))
-    assert infeasible.tolist() == [True, True, False]
+@pytest.mark.parametrize("coupled", [False, True])
+def test_a_robot_inside_what_stands_still_leaves_as_fast_as_it_can_and_is_not_flagged(coupled: bool) -> None:
+    given = scene([[10.0, 0.0]], [[-5.0, 0.0]], circles=[[0.0, 0.0, 20.0]])
+    velocity, _, infeasible = (CoupledFilter().filter_velocities if coupled else filter_velocities)(*given.arguments())
+    assert velocity[0] == pytest.approx([LIMIT, 0.0])
+    assert infeasible.tolist() == [False]
 
 
 def test_both_filters_give_a_lone_robot_the_same_velocity_among_moving_obstacles() -> None:
@@ -221,7 +224,8 @@ def test_robots_yield_to_obstacles_that_cross_them_at_every_speed_below_their_ow
 
 def test_extinguished_fires_are_no_hazards() -> None:
     position, radius, growth = floats([[30.0, 0.0], [0.0, 0.0]]), floats([20.0, 20.0]), floats([1.0, 1.0])
-    nothing, burning = (np.zeros((0, 5)), np.zeros((0, 3))), bools([False, True])
+    nothing = np.zeros((0, 5)), np.zeros((0, 2)), np.zeros((0, 3))
+    burning = bools([False, True])
     table = hazard_table(*nothing, position, radius, growth, burning)
     assert table.tolist() == hazards_of([], [], [], [[0.0, 0.0, 20.0, 1.0]]).tolist()
 

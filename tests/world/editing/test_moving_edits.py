@@ -119,7 +119,7 @@ def test_a_robot_cannot_be_put_where_a_moving_obstacle_is_now() -> None:
     result = after(MoveEntity("robot", 0, floats([300.0, 360.0])))
     gap = np.hypot(*(result.state.motion.position[0] - middle(setup, CIRCLE, TICK))) - 20.0
     assert gap >= 12.0 - 1e-5
-    assert "held at the nearest safe entity" in result.text
+    assert "held at the nearest safe place" in result.text
 
 
 def test_circulation_round_moving_obstacles_is_kept_by_an_edit_of_something_else_and_not_of_them() -> None:

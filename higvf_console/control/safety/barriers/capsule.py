@@ -8,7 +8,9 @@ import math
 from higvf_console.control.guidance.obstacles import spine_point
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import SafetyParameters
-from higvf_console.control.safety.barriers.linear_constraint import activation_distance, keep_out
+from higvf_console.control.safety.barriers.linear_constraint import activation_distance, class_k, keep_out
+
+_ROUNDING = 1e-6  # share of v_max by which a hazard must be faster to count
 
 
 @kernel
@@ -49,6 +51,38 @@ def capsule_activation_distance(radius: float, vx: float, vy: float, growth: flo
     clearance = radius + safety.obstacle_clearance
     fastest = safety.speed_limit + math.sqrt(vx * vx + vy * vy)
     return activation_distance(clearance, 0.5 * safety.obstacle_gain, _growth(clearance, growth, safety), fastest)
+
+
+@kernel
+def capsule_outruns(
+    x: float, y: float, ax: float, ay: float, bx: float, by: float, radius: float, vx: float, vy: float, growth: float,
+    safety: SafetyParameters,
+) -> bool:  # fmt: skip
+    """Whether no velocity within v_max keeps h from falling below 0, or from falling further where it is below.
+
+    How fast a violation must be left is not asked: out of a hazard that stands still any robot comes in time.
+
+    Args:
+        x: the robot [m].
+        y: the robot [m].
+        ax: one end of the spine [m].
+        ay: one end of the spine [m].
+        bx: the other end [m].
+        by: the other end [m].
+        radius: of the capsule [m].
+        vx: velocity of the capsule over the coming control period [m/s].
+        vy: velocity of the capsule [m/s].
+        growth: growth of the radius over it [m/s].
+        safety: clearance, rate, speed limit and control period.
+    """
+    near_x, near_y = spine_point(x, y, ax, ay, bx, by)
+    dx, dy = x - near_x, y - near_y
+    distance = math.sqrt(dx * dx + dy * dy)
+    clearance = radius + safety.obstacle_clearance
+    closing = _growth(clearance, growth, safety) + dx * vx + dy * vy
+    margin = class_k(max(distance * distance / (clearance * clearance) - 1.0, 0.0))
+    left = 0.5 * safety.obstacle_gain * clearance * clearance * margin - closing
+    return left < -safety.speed_limit * (1.0 + _ROUNDING) * distance
 
 
 @kernel

@@ -9,7 +9,6 @@ import math
 from higvf_console.control.kernel import kernel
 
 COINCIDENT = 1e-9  # [m]; nearer than this there is no direction to move away in
-_ROUNDING = 1e-6  # share of v_max by which a bound must be lower than -v_max to count
 
 
 @kernel
@@ -44,12 +43,6 @@ def keep_out(dx: float, dy: float, clearance: float, rate: float, closing: float
 def attainable(b: float, speed_limit: float) -> float:
     """The bound of a constraint, but no lower than -v_max: that much retreat is always possible [m/s]."""
     return max(b, -speed_limit)
-
-
-@kernel
-def unattainable(b: float, speed_limit: float) -> bool:
-    """Whether no velocity within v_max meets the constraint, so that `attainable` relaxes it."""
-    return b < -speed_limit * (1.0 + _ROUNDING)
 
 
 @kernel

@@ -7,7 +7,7 @@ import numpy as np
 from higvf_console.control.intention.neighbours import within
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import SafetyParameters
-from higvf_console.control.safety.barriers.linear_constraint import attainable, unattainable
+from higvf_console.control.safety.barriers.linear_constraint import attainable
 from higvf_console.control.safety.barriers.robot_pair import pair_constraint, sensing_radius
 from higvf_console.control.safety.hazards import (
     GROWTH,
@@ -18,6 +18,7 @@ from higvf_console.control.safety.hazards import (
     WALL,
     hazard_activation_distance,
     hazard_constraint,
+    hazard_outruns,
     within_distance,
 )
 from higvf_console.core.arrays import Floats, Ints
@@ -93,16 +94,15 @@ def constraints_of(i: int, around: Surroundings, constraints: Floats, cause: Int
         cause: (C, 2) receives the neighbour that shares the constraint, and the hazard; NOBODY_ELSE for none.
 
     Returns:
-        How many constraints there are; and whether one asks for more than v_max in retreat, and is relaxed to that.
+        How many constraints there are; and whether a hazard comes faster than the robot can retreat.
     """
     x, y = around.position[i, 0], around.position[i, 1]
-    limit, count, relaxed = around.safety.speed_limit, 0, False
+    limit, count, outrun = around.safety.speed_limit, 0, False
     for entry in range(around.start[i], around.start[i + 1]):
         j = around.to[entry]
         ax, ay, b = pair_constraint(x, y, around.position[j, 0], around.position[j, 1], i < j, around.safety)
         constraints[count, 0], constraints[count, 1], constraints[count, 2] = ax, ay, attainable(b, limit)
         cause[count, ROBOT], cause[count, HAZARD] = j, NOBODY_ELSE
-        relaxed = relaxed or unattainable(b, limit)
         count += 1
     for k in range(around.hazards.shape[0]):
         if not within_distance(x, y, around.hazards, k, around.activation[k]):
@@ -112,6 +112,6 @@ def constraints_of(i: int, around: Surroundings, constraints: Floats, cause: Int
             continue
         constraints[count, 0], constraints[count, 1], constraints[count, 2] = ax, ay, attainable(b, limit)
         cause[count, ROBOT], cause[count, HAZARD] = NOBODY_ELSE, k
-        relaxed = relaxed or unattainable(b, limit)
+        outrun = outrun or (b < -limit and hazard_outruns(x, y, around.hazards, k, around.safety))
         count += 1
-    return count, relaxed
+    return count, outrun
