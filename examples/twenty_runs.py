@@ -15,8 +15,9 @@ for seed in range(20):
     start = corner + np.array([[0, 0], [0, 60], [50, 30]]) + random.uniform(-5, 5, (3, 2))
     report = hc.run(hc.make_setup(start, hazards, parameters), duration=60.0)
     times.append(report["duration_s"])
+    left = report["min_clearance_margin_m"]  # None where no robot came near anything
     print(
         f"{seed:5} {report['duration_s']:14.1f} {report['loss_area_total_m2']:12.0f} "
-        f"{report['min_clearance_margin_m']:19.2f} {report['deadlock_s']:15.2f}"
+        f"{'-' if left is None else f'{left:.2f}':>19} {report['deadlock_s']:15.2f}"
     )
 print(f"median {np.median(times):.1f} s")
