@@ -5,8 +5,8 @@ its value (`Node.number`, `Node.integer`, ...). So the reference cannot differ f
 """
 
 import re
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Generator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 from unittest.mock import patch
@@ -47,7 +47,7 @@ def scenario_keys() -> dict[str, Key]:
 
 
 @contextmanager
-def _observed(found: dict[str, Key]) -> Iterator[None]:
+def _observed(found: dict[str, Key]) -> Generator[None]:
     """While it lasts, the reader's requests are noted in `found`."""
     methods = {name: getattr(Node, name) for name in ("section", *_KINDS)}
 
@@ -71,8 +71,9 @@ def _observed(found: dict[str, Key]) -> Iterator[None]:
 
         return take
 
-    replaced = {"section": section, **{name: observer(name) for name in _KINDS}}
-    with patch.multiple(Node, **replaced):
+    with ExitStack() as patches:
+        for name in methods:
+            patches.enter_context(patch.object(Node, name, section if name == "section" else observer(name)))
         yield
 
 

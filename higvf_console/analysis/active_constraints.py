@@ -49,7 +49,8 @@ def active_constraints(robot: int, moved: Moved, setup: Setup) -> list[ActiveCon
     used, _ = constraints_of(robot, around, constraints, cause)
     slack = constraints[:used, 2] - constraints[:used, :2] @ moved.after.velocity[robot]
     tightest = np.argsort(slack, kind="stable")[: moved.trace.active_constraints[robot]]
-    return [_named(robot, *cause[row].tolist(), around, moved.before.motion, setup) for row in tightest]
+    pairs = [(int(cause[k, 0]), int(cause[k, 1])) for k in tightest]
+    return [_named(robot, other, hazard, around, moved.before.motion, setup) for other, hazard in pairs]
 
 
 def seen_positions(moved: Moved, setup: Setup) -> Floats:

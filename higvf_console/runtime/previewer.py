@@ -42,12 +42,13 @@ class Previewer:
     Attributes:
         latest: the newest preview; None while nothing is about to be done. Replaced as a whole, never written.
         count: previews made so far.
+        failed: whether the preview is off because it failed; the reason is in the log.
     """
 
     def __init__(self, session: Session, choice: Callable[[], Choice] = Choice) -> None:
         """Starts with nothing foreseen; `choice` is asked for each preview."""
         self.latest: Preview | None = None
-        self.count = 0
+        self.count, self.failed = 0, False
         self._session, self._choice = session, choice
         self._known: tuple[Any, ...] = ()
         self._chosen: Choice | None = None
@@ -81,8 +82,8 @@ class Previewer:
             try:
                 self.look()
             except Exception:
-                _log.exception("nothing can be foreseen any more")
-                self.latest = None
+                _log.exception("the preview failed and is off")
+                self.latest, self.failed = None, True
                 return
 
     def look(self) -> None:

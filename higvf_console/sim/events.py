@@ -46,20 +46,23 @@ def too_near(trace: Trace) -> Bools:
 _ROUNDING = 1e-6  # by which h of a robot that the filter holds right at a clearance may be below 0
 _TROUBLE = {
     "infeasible": "has no safe velocity: it takes the least violation",
-    "clearance": "is nearer to something than its clearance",
+    "clearance": "violates its clearance",
 }
-_RUNGS = {
-    OTHER_DIRECTION: (Severity.INFO, "is held by its barriers: the team tries the other side"),
-    MORE_HUMAN: (Severity.INFO, "is still held: the human intention weighs more, where that turns it"),
+_STAGES = {
+    OTHER_DIRECTION: (Severity.INFO, "is held by its barriers: the team tries the other circulation direction"),
+    MORE_HUMAN: (
+        Severity.INFO,
+        "is still held: the human intention gets more weight where that changes the direction of motion",
+    ),
     ASK: (Severity.WARNING, "is held by its barriers: a new stroke can free it"),
 }
 
 
 def _escalated(was: np.ndarray, now: np.ndarray, time: float) -> list[Event]:
     return [
-        Event(time, _RUNGS[recovery_stage][0], "deadlock", f"Robot {i + 1} {_RUNGS[recovery_stage][1]}.")
+        Event(time, _STAGES[recovery_stage][0], "deadlock", f"Robot {i + 1} {_STAGES[recovery_stage][1]}.")
         for i, recovery_stage in enumerate(now.tolist())
-        if recovery_stage > was[i] and recovery_stage in _RUNGS
+        if recovery_stage > was[i] and recovery_stage in _STAGES
     ]
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import viser
 
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import NO_PATH, Path
 from higvf_console.operator.path_commands import in_hand
 from higvf_console.runtime.history import History
@@ -40,7 +41,7 @@ from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.panels.why import WhyPanel
 from higvf_console.ui.panels.widgets.html import SPACER, style_html
 from higvf_console.ui.scene.scene import Scene
-from higvf_console.ui.ui_state import UiState, UiStore, begin_scenario, follow_path, keep_choice
+from higvf_console.ui.ui_state import UiState, UiStore, add_alarms, begin_scenario, follow_path, keep_choice
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
@@ -226,6 +227,8 @@ class Console:
             if part not in self._failures:
                 self._failures.add(part)
                 _log.exception("%s cannot be shown", part)
+                text = f"{part} cannot be shown any more; the values in it are old. The reason is in the server's log."
+                self.ui.change(add_alarms((Event(self._session.snapshot.time, Severity.ALARM, "view", text),)))
 
     def close(self) -> None:
         """Stops both threads; the server stays."""

@@ -126,4 +126,4 @@ def test_a_stopped_robot_that_a_fire_grows_to_is_told_once_and_a_paused_one_yiel
             before, last = state, trace
             state, trace = advance(state, setup.world, setup.params)
             texts += [e.text for e in events_between(before, state, last, trace, setup.params) if e.kind == "clearance"]
-    assert told == {True: ["Robot 1 is nearer to something than its clearance."], False: []}
+    assert told == {True: ["Robot 1 violates its clearance."], False: []}

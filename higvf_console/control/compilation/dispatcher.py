@@ -11,7 +11,7 @@ So a kernel has two dispatchers:
 so that results agree bit for bit across processes.
 """
 # Numba has no public way to do this.
-# pyright: reportPrivateUsage=false
+# pyright: reportPrivateUsage=false, reportIncompatibleMethodOverride=false
 
 from collections.abc import Callable
 from typing import Any, NamedTuple

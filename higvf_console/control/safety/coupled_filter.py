@@ -133,7 +133,8 @@ class _Program:
         changed = now != then
         changed[now[:, KIND] == FIRE, RADIUS] = False
         moves = now[:, [VX, VY]].any(axis=1) | then[:, [VX, VY]].any(axis=1)
-        changed[np.ix_(moves, [AX, AY, BX, BY, VX, VY])] = False
+        for column in (AX, AY, BX, BY, VX, VY):
+            changed[moves, column] = False
         if changed.any():
             return False
         shifted = np.hypot(now[:, AX] - then[:, AX], now[:, AY] - then[:, AY])

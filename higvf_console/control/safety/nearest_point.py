@@ -60,7 +60,7 @@ class Solution(NamedTuple):
 class _Active(NamedTuple):
     """Active constraints, their multipliers, and N = Q R of their normals: row k of `basis` is Q's column k."""
 
-    index: Ints
+    chosen: Ints
     multiplier: Floats
     basis: Floats
     upper: Floats
@@ -94,7 +94,7 @@ def nearest(nominal: Floats, constraints: Constraints, speed_limit: float) -> So
         p, count = _most_broken(velocity, constraints, count, is_active, speed_limit)
         if p < 0:
             for k in range(used):
-                weight[active.index[k]] = active.multiplier[k]
+                weight[active.chosen[k]] = active.multiplier[k]
             return Solution(OPTIMAL, velocity, weight, count)
         if p >= constraints.linear.shape[0]:
             return Solution(FAILED, velocity, weight, count)
@@ -202,7 +202,7 @@ def _enter(
         if drop < 0 and not independent:
             weight[p] = 1.0
             for k in range(used):
-                weight[active.index[k]] = max(-share[k], 0.0)
+                weight[active.chosen[k]] = max(-share[k], 0.0)
             return used, True
         t = min(t, full)
         gained += t
@@ -217,7 +217,7 @@ def _enter(
             active.multiplier[used] = gained
             is_active[p] = True
             return used + 1, False
-        is_active[active.index[drop]] = False
+        is_active[active.chosen[drop]] = False
         used = _remove(drop, active, used)
 
 
@@ -267,7 +267,7 @@ def _solve_upper(upper: Floats, column: Floats, used: int, share: Floats) -> Non
 
 @kernel
 def _append(p: int, active: _Active, used: int, step: Floats, column: Floats, length: float) -> None:
-    active.index[used] = p
+    active.chosen[used] = p
     for m in range(step.shape[0]):
         active.basis[used, m] = step[m] / length
     for k in range(used):
@@ -280,7 +280,7 @@ def _remove(drop: int, active: _Active, used: int) -> int:
     """Takes one active constraint out; plane rotations make the rest of N = Q R triangular again. How many are left."""
     upper, basis = active.upper, active.basis
     for k in range(drop, used - 1):
-        active.index[k] = active.index[k + 1]
+        active.chosen[k] = active.chosen[k + 1]
         active.multiplier[k] = active.multiplier[k + 1]
         for m in range(k + 2):
             upper[m, k] = upper[m, k + 1]

@@ -1,4 +1,4 @@
-"""What was done: undo, redo, and the list of deeds, the latest first."""
+"""History panel: undo, redo, and the list of actions, the latest first."""
 
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from higvf_console.ui.panels.widgets.html import block, clock, text
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
-SHOWN = 12  # deeds
+SHOWN = 12  # actions
 _UNDO, _REDO = "Undo", "Redo"
 
 
@@ -41,9 +41,9 @@ class HistoryPanel:
 
 
 def history_html(entries: tuple[Entry, ...]) -> str:
-    """The deeds, the latest first; those that are undone are struck through."""
+    """The actions, the latest first; undone ones are struck through."""
     if not entries:
-        return '<span class="dim">Nothing was done yet. Every edit and every action can be undone here.</span>'
+        return '<span class="dim">No actions yet. Every edit and every action can be undone here.</span>'
     done = sum(not entry.undone for entry in entries)
     first = max(0, min(done - SHOWN // 2, len(entries) - SHOWN))
     lines = [
@@ -51,4 +51,4 @@ def history_html(entries: tuple[Entry, ...]) -> str:
         f"<span>{text(entry.text)}</span></div>"
         for entry in entries[first : first + SHOWN]
     ]
-    return f'<div class="deeds">{"".join(reversed(lines))}</div>'
+    return f'<div class="actions">{"".join(reversed(lines))}</div>'

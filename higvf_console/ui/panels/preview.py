@@ -20,10 +20,11 @@ if TYPE_CHECKING:
 _COMMIT, _REDRAW, _DISCARD = "Commit", "Redraw", "Discard"
 _ARROW, _MINUS = " \u2192 ", "\u2212"
 _HELP = (
-    "Drag in the arena to draw the path of the chosen robot; what it would lead to is foreseen here and in the arena. "
+    "Drag in the arena to draw the path of the chosen robot; its preview appears here and in the arena. "
     "Click a robot, or press its number, to choose it."
 )
-_NO_ROLL = " With the centralised filter nothing is foreseen."
+_NO_ROLL = " The centralised filter has no preview."
+_FAILED = "The preview failed and is off; paths can still be drawn. The reason is in the server's log."
 
 
 class PreviewPanel:
@@ -53,13 +54,19 @@ class PreviewPanel:
         if preview is not None:
             content = preview_html(preview, proposal(pointer_state, snapshot.time))
         else:
-            content = f'<span class="dim">{_HELP}{"" if self._previewer.available else _NO_ROLL}</span>'
+            content = f'<span class="dim">{_help(self._previewer)}</span>'
         self._html.content = block(f'<div class="ahead">{content}</div>')
 
     def cleanup(self) -> None:
         """Removes the widgets."""
         for widget in (self._html, self._actions):
             widget.remove()
+
+
+def _help(previewer: "Previewer") -> str:
+    if previewer.failed:
+        return _FAILED
+    return _HELP if previewer.available else _HELP + _NO_ROLL
 
 
 def preview_html(preview: Preview, proposed: int = NOBODY) -> str:

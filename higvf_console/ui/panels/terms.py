@@ -1,4 +1,4 @@
-"""On which terms a path is followed and a stroke becomes one, whether it waits, and how far is looked ahead."""
+"""Path options: ending, pace, duration, smoothing, confirmation, preview horizon."""
 
 from typing import Any
 

@@ -79,7 +79,7 @@ def test_a_velocity_on_the_constraint_of_a_moving_bar_makes_h_fall_at_the_rate_o
     x: float, y: float, vx: float, vy: float
 ) -> None:
     spine, clearance, step = floats([-20.0, -5.0, 30.0, 10.0]), 32.0, 1e-6
-    ax, ay, b = capsule_constraint(x, y, *spine.tolist(), 20.0, vx, vy, 0.0, SAFETY)
+    ax, ay, b = capsule_constraint(x, y, -20.0, -5.0, 30.0, 10.0, 20.0, vx, vy, 0.0, SAFETY)
 
     def h(time: float) -> float:
         moved = spine + time * floats([vx, vy, vx, vy])

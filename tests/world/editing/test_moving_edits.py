@@ -92,7 +92,7 @@ def test_another_speed_leaves_an_obstacle_where_it_is_now(entity: EntityRef) -> 
 @MOVERS
 def test_a_deleted_obstacle_takes_its_course_and_no_other_with_it(entity: EntityRef) -> None:
     setup = after(DeleteEntity(entity.kind, entity.row)).setup
-    kept = [name for row, name in setup.layout.obstacles.movers()]
+    kept = [name for _, name in setup.layout.obstacles.movers()]
     assert kept == [course(site(), BAR if entity == CIRCLE else CIRCLE)]
 
 

@@ -56,8 +56,8 @@ _STYLE = """
 .hg dl.wide { grid-template-columns: 10.3em 1fr; }
 .hg table.attention td:last-child { width: 34%; }
 .hg .bar { display: block; height: 7px; min-width: 1px; border-radius: 2px; background: var(--hg-robot); }
-.hg .deeds div { display: grid; grid-template-columns: 4em 1fr; gap: 8px; padding: 2px 0; }
-.hg .deeds .undone { opacity: .55; text-decoration: line-through; }
+.hg .actions div { display: grid; grid-template-columns: 4em 1fr; gap: 8px; padding: 2px 0; }
+.hg .actions .undone { opacity: .55; text-decoration: line-through; }
 .hg .chart text { font-size: 11px; fill: var(--hg-dim); }
 .hg .chart .rule { stroke: var(--mantine-color-default-border); }
 .hg .key { display: grid; grid-template-columns: 22px 1fr; gap: 3px 8px; align-items: center; }
