@@ -123,7 +123,8 @@ def test_parameters_are_made_by_name() -> None:
     assert hc.make_parameters(safety={"speed_limit": 50}).safety.speed_limit == 50.0
     assert hc.make_parameters("printed").forms.speed == 1.0
     for wrong, line in (
-        ({"safty": {}}, "unknown group"), ({"safety": {"speed": 5}}, "unknown key"), ({"safety": 5}, "expected Mapping"),
+        ({"safty": {}}, "unknown group"), ({"safety": {"speed": 5}}, "unknown key"),
+        ({"safety": 5}, "expected Mapping"),
         ({"safety": {"speed_limit": -5}}, "-5 is not a number from"), ({"forms": "old"}, "choose corrected"),
     ):  # fmt: skip
         with pytest.raises(hc.ArgumentError, match=line):
