@@ -17,4 +17,4 @@ travelled = history.position[:, 0]  # (T, 2) of robot 1
 distance = np.linalg.norm(travelled[:, None] - drawn[None], axis=2).min(axis=1)
 print(f"A path of {path.length:.0f} m, followed for {1000 * setup.params.safety.control_period:g} s.")
 print(f"Robot 1 was {np.median(distance):.1f} m from it (median), {distance.max():.1f} m at most, round the obstacle.")
-print(f"Smallest clearance left: {history.clearance.min():.2f} m; now at the end: {end.motion.path_status == 5}.")
+print(f"It has come {end.motion.path_parameter:.0f} m along; smallest clearance left: {history.clearance.min():.2f} m.")

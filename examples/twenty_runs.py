@@ -1,10 +1,10 @@
-"""Twenty runs in a table: three robots start at random places and put out a fire behind a bar."""
+"""Twenty runs in a table: three robots start at random places and put out a fire behind two pillars."""
 
 import numpy as np
 
 import higvf_console as hc
 
-hazards = hc.Hazards().capsule((400, 250), (400, 450), half_width=6).fire((550, 350), radius=25)
+hazards = hc.Hazards().circle((380, 330), radius=15).circle((420, 420), radius=15).fire((550, 350), radius=25)
 parameters = hc.make_parameters(fires={"extinguish_time": 0.02})
 
 print(f"{'start':>5} {'out after [s]':>14} {'burnt [m^2]':>12} {'clearance left [m]':>19} {'deadlocked [s]':>15}")
