@@ -31,6 +31,7 @@ napoleon_use_rtype = False  # a colon in the text of "Returns" does not end a ty
 # References to types and exceptions come from annotations and docstrings, and there is no network to look up those
 # of other packages. All other references, documents and anchors above all, must exist.
 nitpick_ignore_regex = [("py:(class|obj|data|exc)", ".*")]
+suppress_warnings = ["ref.python"]  # public names have two addresses: the package's, and that of their module
 
 html_theme = "furo"
 html_title = f"HI-GVF console {release}"

@@ -47,7 +47,11 @@ def run(given: argparse.Namespace) -> int:
     setup = scenario.setup(given.seed)  # before the link, since the start may not be safe with this seed
     interfaces = _open_interfaces(given, scenario)
     recorder = _open_recorder(given, scenario, interfaces)
-    with ExitStack() as closing:
+    with ExitStack() as closing:  # what is open already is closed too when loading the engine is interrupted
+        for interface in interfaces:
+            closing.callback(interface.close)
+        if recorder is not None:
+            closing.callback(recorder.close)
         start = partial(_start_session, given, scenario, setup, interfaces, recorder, closing)
         return _run_headless(start, given) if given.headless else _serve(start, scenario.title, given)
 

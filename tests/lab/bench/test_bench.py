@@ -52,7 +52,7 @@ def test_contenders_that_are_not_installed_are_reported_and_left_out(monkeypatch
 def test_the_tick_suite_prints_a_table(capsys: pytest.CaptureFixture[str]) -> None:
     bench.main("tick", as_json=False)
     title, head, *lines = capsys.readouterr().out.splitlines()
-    assert "median ms" in title
+    assert "median in ms" in title
     assert head.split() == ["scene", "robots", "advance", "roll", "session"]
     assert [line.split()[1] for line in lines] == ["3", "30"]
     assert lines[0].split()[2:] == ["2.000", "0.100", "(0.1x)", "2.000", "(1.0x)"]
