@@ -81,7 +81,7 @@ class Previewer:
             try:
                 self.look()
             except Exception:
-                _log.exception("nothing can be foreseen any more")
+                _log.exception("the preview failed; nothing is predicted any more")
                 self.latest = None
                 return
 
