@@ -50,7 +50,7 @@ def _add_bench(commands: Any) -> None:
     bench.add_argument("--json", action="store_true", help="write JSON instead of a table")
     deadlock = bench.add_argument_group("suite deadlock")
     deadlock.add_argument(
-        "--scenes", type=_count, metavar="N", help="number of spaced scenes, the others in proportion (default 1000)"
+        "--scenes", type=_count, metavar="N", help="number of spaced scenes; other kinds in proportion (default 1000)"
     )
     deadlock.add_argument("--scene", metavar="KIND:SEED", help="run one scene and report its events, e.g. crowded:17")
     deadlock.add_argument(

@@ -150,7 +150,7 @@ def _obstacles(dangers: Hazards) -> Obstacles:
     """The obstacles of a run, of which those with a velocity move straight on."""
     for number, item in enumerate(dangers.items, 1):
         if item.growth != 0.0 and item.kind != FIRE:
-            raise ArgumentError(f"hazard {number}, a {item.kind}, grows; expected, in a run, that fires alone grow")
+            raise ArgumentError(f"hazard {number}, a {item.kind}, grows; expected no growth: in a run, only fires grow")
         if math.hypot(*item.velocity) > SPEED.high:
             speed = math.hypot(*item.velocity)
             raise ArgumentError(

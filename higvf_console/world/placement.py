@@ -103,7 +103,7 @@ def wall_gaps(points: Floats, arena: Arena) -> tuple[Floats, ...]:
 def buried_fires(fire_position: Floats, fire_radius: Floats, obstacles: Obstacles) -> tuple[str, ...]:
     """A warning for each fire that lies inside an obstacle, where no robot can see it."""
     return tuple(
-        f"fire {fire + 1} lies inside {what}; no robot sees it before it has grown out of there"
+        f"fire {fire + 1} lies inside {what}; no robot sees it until it has grown out of it"
         for what, gap in obstacle_gaps(fire_position, obstacles)
         for fire in np.flatnonzero(gap <= -fire_radius)
     )
@@ -112,7 +112,7 @@ def buried_fires(fire_position: Floats, fire_radius: Floats, obstacles: Obstacle
 def unavoidable(layout: Layout) -> tuple[str, ...]:
     """A warning for each fire and moving obstacle that comes as fast as robots can yield, or faster."""
     limit = controlled(layout.params).safety.speed_limit
-    dangers = [(f"fire {number} grows", fire.growth) for number, fire in enumerate(layout.fires, 1)]
+    dangers = [(f"fire {number} grows at", fire.growth) for number, fire in enumerate(layout.fires, 1)]
     circles = len(layout.obstacles.circles)
     for row, course in layout.obstacles.movers():
         name = f"circle {row + 1}" if row < circles else f"bar {row - circles + 1}"
@@ -197,7 +197,7 @@ def check_intention(radius: float, source: str) -> None:
     """
     if radius >= 1.0:
         raise ScenarioError(
-            f"{source}: forms.intention: the printed update has spectral radius {radius:.3g} and diverges from 1 on; "
+            f"{source}: forms.intention: the printed update has spectral radius {radius:.3g} and diverges (limit 1); "
             f"multiply all four weights of parameters.intention by less than {1.0 / radius:.3g}, or take 'corrected'"
         )
 

@@ -180,7 +180,7 @@ def test_a_live_run_ends_after_its_duration() -> None:
 
 def test_an_address_that_cannot_be_served_is_one_line_and_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "empty", "--host", "203.0.113.7"]) == 2
-    assert "higvf: host 203.0.113.7 is no address of this machine" in capsys.readouterr().err
+    assert "higvf: host 203.0.113.7 is not an address of this machine" in capsys.readouterr().err
 
 
 def test_a_channel_may_be_given_by_its_name_from_before(capsys: pytest.CaptureFixture[str]) -> None:

@@ -70,5 +70,5 @@ def test_a_fire_inside_an_obstacle_is_a_warning(obstacle: str, name: str) -> Non
     fires = "fires: [{at_m: [100, 100], radius_m: 20}, {at_m: [350, 350], radius_m: 20}]\n"
     text = f"version: 1\narena: {{size_m: [1200, 700]}}\n{TEAM}{fires}duration_s: 10\nobstacles: {{{obstacle}}}"
     (warning,) = parse_scenario(text, "t.yaml").warnings
-    assert warning == f"fire 2 lies inside {name}; no robot sees it before it has grown out of there"
+    assert warning == f"fire 2 lies inside {name}; no robot sees it until it has grown out of it"
     assert parse_scenario(text.replace("[350, 350], radius_m: 20", "[350, 350], radius_m: 70"), "t.yaml").warnings == ()

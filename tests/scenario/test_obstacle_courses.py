@@ -89,7 +89,7 @@ def test_what_comes_as_fast_as_robots_can_yield_is_warned_of_by_name() -> None:
         "circle 1 moves at 40 m/s; robots, whose speed limit is 40 m/s, cannot always keep clear of it",
     )
     assert bar.warnings[0].startswith("bar 1 moves at 55.5 m/s; robots, whose speed limit is 40 m/s")
-    assert "fire 1 grows 6 m/s; robots, whose speed limit is 5 m/s, cannot always keep clear of it" in fire.warnings
+    assert "fire 1 grows at 6 m/s; robots, whose speed limit is 5 m/s, cannot always keep clear of it" in fire.warnings
     assert read(CIRCLE % "velocity_m_per_s: [39, 0]" + limit).warnings == ()
 
 

@@ -34,15 +34,15 @@ KEYMAP: tuple[KeyBinding, ...] = (
     KeyBinding("Space", "stop", "STOP: every robot stands still. Reset it in two steps with the red button"),
     KeyBinding("P", "pause", "Pause or resume: robots hold and still give way, the world goes on"),
     KeyBinding("1 … 9", "pick", "Influence the robot of that number"),
-    KeyBinding("Enter", "confirm", "Commit what waits: the drawn path, the proposed robot"),
-    KeyBinding("Esc", "discard", "Cancel the stroke, discard what waits, let go of what is chosen, then of the tool"),
+    KeyBinding("Enter", "confirm", "Commit what is pending: the drawn path or the proposed robot"),
+    KeyBinding("Esc", "discard", "Cancel the stroke, discard what is pending, deselect, then put the tool away"),
     KeyBinding("C", "clear_path", "Clear the path"),
     KeyBinding("R", "reverse_path", "Reverse the path"),
     KeyBinding("Ctrl Z", "undo", "Undo what was done last"),
-    KeyBinding("Ctrl Y", "redo", "Do again what was undone"),
+    KeyBinding("Ctrl Y", "redo", "Redo what was undone last"),
     KeyBinding("Del", "delete", "Delete what is chosen for editing"),
     *(KeyBinding(look.key, f"tool_{tool}", f"{look.title}. {look.text}") for tool, look in TOOLS.items()),
-    KeyBinding("H", "clear_priority", "Clear the priority of the chosen robot"),
+    KeyBinding("H", "clear_priority", "Clear the fire priority of the influenced robot"),
     KeyBinding("Z", "freeze", "Freeze or run the simulation clock"),
     KeyBinding("X", "step", "One step while the clock is frozen"),
     KeyBinding("V", "field_arrows", "Show the next vector field"),
@@ -56,7 +56,7 @@ POINTER_HELP = (
     ("right drag", "Move the view"),
 )
 NOTE = (
-    "While you type into a text field, or into the search of the command palette (Ctrl+K), Space types a blank: "
+    "While you type into a text field, or into the search of the command palette (Ctrl+K), Space types a space: "
     "the red button stops the team there too."
 )
 

@@ -48,14 +48,14 @@ class Look(NamedTuple):
 
 
 _PLUS = '<path d="M18 2.5v6m-3-3h6"/>'
-_ADDED = "Click where it shall stand"
+_ADDED = "Click where to put it"
 TOOLS: dict[Tool, Look] = {
     Tool.PATH: Look(
-        "steer", "T", "Draw a path", "Drag: the chosen robot follows it",
+        "steer", "T", "Draw a path", "Drag in the arena: the influenced robot follows it",
         '<path d="M3 18C7 4 13 20 20 6"/><path d="M15.5 6.5 20 6l.6 4.4"/>',
     ),
     Tool.REDRAW: Look(
-        "steer", "G", "Redraw a part of the path", "Drag from the path back to it, or away from it for a new end",
+        "steer", "G", "Redraw a part of the path", "Drag from the path back to it, or away from it for another end",
         '<path d="M3 17c2-5 4-6 6-5"/><path d="M15 12c2 1 4 0 6-5"/>'
         '<path d="M9 12c1-6 5-6 6 0" stroke-dasharray="2.4 2.4"/>',
     ),
@@ -66,20 +66,20 @@ TOOLS: dict[Tool, Look] = {
         inks=False,
     ),
     Tool.PRIORITY: Look(
-        "steer", "N", "Give fires priority", "Circle them: the chosen robot values them more",
+        "steer", "N", "Give fires priority", "Draw round them: the influenced robot values them more",
         '<circle cx="12" cy="12" r="9" stroke-dasharray="3 3"/>'
         '<path d="M12 7.5c3 3 3.6 4.4 3.6 5.9a3.6 3.6 0 0 1-7.2 0c0-1.5 2.6-2.4 3.6-5.9z"/>',
     ),
     Tool.EDIT: Look(
-        "edit", "M", "Move and edit things", "Click to choose; drag to move; square resizes, disc turns",
+        "edit", "M", "Move and edit things", "Click to select, drag to move; its square resizes it, its disc turns it",
         '<path d="M5 3l14 8-6 1.6L10 19z"/>', inks=False,
     ),
     Tool.OUTLINE: Look(
-        "edit", "O", "Draw an obstacle", "Drag round it, freehand",
+        "edit", "O", "Draw an obstacle", "Drag round its outline, freehand",
         '<path d="M5 8l6-4 8 4-1 8-8 4-6-5z"/><path d="M8 12l8-4M7 16l10-5" stroke-width="1.2"/>',
     ),
     Tool.LINK: Look(
-        "edit", "L", "Link two robots, or part them", "Drag from one to the other",
+        "edit", "L", "Link or unlink two robots", "Drag from one to the other",
         '<circle cx="5.5" cy="17" r="2.8"/><circle cx="18.5" cy="7" r="2.8"/><path d="M8 15 16 9"/>', inks=False,
     ),
     Tool.ROBOT: Look(

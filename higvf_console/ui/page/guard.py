@@ -117,7 +117,7 @@ def _cannot_bind(host: str, port: int, error: OSError) -> str:
                 "choose another with --port, or let --port auto take a free one"
             )
         case errno.EADDRNOTAVAIL:
-            return f"host {host} is no address of this machine: choose another with --host, e.g. --host 127.0.0.1"
+            return f"host {host} is not an address of this machine: choose another with --host, e.g. --host 127.0.0.1"
         case errno.EACCES:
             return f"port {port} needs more rights than this user has: choose one above 1023 with --port"
         case _:

@@ -26,8 +26,8 @@ _SIDES = {"x_min": "Left m", "y_min": "Bottom m", "x_max": "Right m", "y_max": "
 _DIGITS = 2  # after the point, shown and known: a page puts back what it shows
 _UNANSWERED_S = TYPED_S + SETTLE_S  # [s] from a key stroke until the session must have answered what was typed
 _HELP = (
-    "Take the arrow above the arena (M) and click a robot, a fire or an obstacle. Drag it to move it; its square "
-    "resizes, its disc turns. New things, freehand obstacles and links have tools of their own beside it."
+    "Choose the arrow above the arena (M) and click a robot, a fire or an obstacle. Drag it to move it, its square to "
+    "resize it, its disc to turn it. The tools beside the arrow add things, draw obstacles and link robots."
 )
 
 
@@ -43,7 +43,9 @@ class EditPanel:
         self._arena, self._walls = Arena(0.0, 0.0, 1.0, 1.0), True
         self._head = gui.add_html("")
         self._fields = [self._make_field(gui, slot) for slot in range(_MOST_NUMBERS)]
-        self._delete = gui.add_button("Delete", icon=viser.Icon.TRASH, color="red", visible=False, hint="It (Del)")
+        self._delete = gui.add_button(
+            "Delete", icon=viser.Icon.TRASH, color="red", visible=False, hint="Delete the selected thing (Del)"
+        )
         self._delete.on_click(reaction(lambda _: self._remove()))
         self._folder = gui.add_folder("Arena and links", expand_by_default=False)
         with self._folder:
@@ -51,7 +53,7 @@ class EditPanel:
             self._walled = gui.add_checkbox("Walls", True, hint="Whether the sides of the arena hold robots back")
             self._walled.on_update(reaction(lambda value: self._set_arena(walls=truth(value))))
             self._by_range = gui.add_button(
-                "Link by range", color="gray", hint="Robots within the communication range are linked again"
+                "Link by range", color="gray", hint="Link exactly the robots that are within communication range"
             )
             self._by_range.on_click(reaction(lambda _: sink.push(LinkByRange())))
 
@@ -62,7 +64,7 @@ class EditPanel:
         return field
 
     def _make_side(self, gui: viser.GuiApi, name: str, label: str) -> viser.GuiNumberHandle[float]:
-        field = gui.add_number(label, 0.0, step=10.0, hint="Side of the arena")
+        field = gui.add_number(label, 0.0, step=10.0, hint="Position of this side of the arena")
         field.precision = _DIGITS
         field.on_update(reaction(lambda value: self._typed_sides.note(name, _number(value))))
         return field

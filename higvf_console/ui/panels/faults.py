@@ -12,9 +12,9 @@ from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reactio
 
 LONGEST_S, SHORTEST_S = 60.0, 0.1
 _KINDS: dict[str, Any] = {
-    "Freeze: all comes at the end": FaultKind.FREEZE,
-    "Drop: all is lost": FaultKind.DROP,
-    "Delay: all comes late": FaultKind.DELAY,
+    "Freeze: everything arrives at the end": FaultKind.FREEZE,
+    "Drop: everything is lost": FaultKind.DROP,
+    "Delay: everything arrives late": FaultKind.DELAY,
 }
 
 
@@ -33,9 +33,11 @@ class FaultWidgets:
         names: dict[str, Any] = {name: name for name in channels}
         self._fault = InjectFault(channel=channels[-1])
         self._channel = gui.add_dropdown("Input", tuple(names), initial_value=self._fault.channel)
-        self._kind = gui.add_dropdown("Fault", tuple(_KINDS), hint="STOP always comes through")
+        self._kind = gui.add_dropdown("Fault", tuple(_KINDS), hint="STOP always gets through")
         self._seconds = gui.add_number("Lasts s", self._fault.seconds, min=SHORTEST_S, max=LONGEST_S, step=0.1)
-        self._delay = gui.add_number("Delay s", self._fault.delay, min=0.0, max=LONGEST_S, step=0.1, hint="Of a delay")
+        self._delay = gui.add_number(
+            "Delay s", self._fault.delay, min=0.0, max=LONGEST_S, step=0.1, hint="For a delay only"
+        )
         self._inject = gui.add_button("Inject", icon=viser.Icon.PLUG_CONNECTED_X, color="gray")
         self._channel.on_update(reaction(lambda value: self._choose(channel=one_of(value, names))))
         self._kind.on_update(reaction(lambda value: self._choose(kind=one_of(value, _KINDS))))

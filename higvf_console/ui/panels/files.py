@@ -42,10 +42,12 @@ class FilesPanel:
         gui = server.gui
         self._folder = gui.add_folder("Files", expand_by_default=False)
         with self._folder:
-            save = gui.add_button("Save scenario", icon=viser.Icon.DOWNLOAD, hint="What is now, as a scenario file")
+            save = gui.add_button(
+                "Save scenario", icon=viser.Icon.DOWNLOAD, hint="The present state as a scenario file"
+            )
             save.on_click(self._save)
-            self._make_chooser(gui, "Load scenario", _SCENARIO, "A run of it begins; it can be undone")
-            self._make_chooser(gui, "Overhead image", _IMAGE, "Shown on the ground; obstacles can be made of it")
+            self._make_chooser(gui, "Load scenario", _SCENARIO, "Starts a new run; this can be undone")
+            self._make_chooser(gui, "Overhead image", _IMAGE, "Shown on the ground; obstacles can be made from it")
             self._fields = self._make_fields(gui)
             self._note = gui.add_html("", visible=False)
 
@@ -59,14 +61,18 @@ class FilesPanel:
         button.on_click(choose)
 
     def _make_fields(self, gui: viser.GuiApi) -> list[Any]:
-        self._scale = gui.add_number("Metres a pixel", 1.0, min=1e-4, max=1e4, step=0.01, visible=False)
-        self._left = gui.add_number("Left m", 0.0, step=1.0, visible=False, hint="Of the image's lower left corner")
-        self._bottom = gui.add_number("Bottom m", 0.0, step=1.0, visible=False)
+        self._scale = gui.add_number("Metres per pixel", 1.0, min=1e-4, max=1e4, step=0.01, visible=False)
+        self._left = gui.add_number(
+            "Left m", 0.0, step=1.0, visible=False, hint="x of the lower left corner of the image"
+        )
+        self._bottom = gui.add_number("Bottom m", 0.0, step=1.0, visible=False, hint="y of that corner")
         for field in (self._scale, self._left, self._bottom):
             field.precision = 4
             field.on_update(reaction(lambda _: self._place()))
         self._shade = gui.add_button_group("Obstacles are", (_DARK, _BRIGHT), visible=False)
-        self._threshold = gui.add_slider("Threshold", 0, 255, 1, 128, visible=False, hint="Parts dark from bright")
+        self._threshold = gui.add_slider(
+            "Threshold", 0, 255, 1, 128, visible=False, hint="Brightness below which a pixel is dark"
+        )
         self._remove = gui.add_button("Remove image", color="gray", visible=False)
         self._shade.on_click(reaction(self._trace))
         self._remove.on_click(reaction(lambda _: self._ui.update(background=None)))

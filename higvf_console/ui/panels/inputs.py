@@ -31,7 +31,10 @@ class InputsPanel:
         self._gaze: Calibrated | None = session.calibrated
         self._channels = gui.add_html("")
         self._acknowledge = gui.add_button(
-            "Acknowledge", icon=viser.Icon.CHECK, color="yellow", hint="Lost inputs that are back count again"
+            "Acknowledge",
+            icon=viser.Icon.CHECK,
+            color="yellow",
+            hint="Use the inputs again that were lost and are back",
         )
         self._acknowledge.visible = False
         self._acknowledge.on_click(reaction(lambda _: sink.push(Acknowledge())))
@@ -41,7 +44,7 @@ class InputsPanel:
         self._calibrate = gui.add_button("Calibrate gaze", icon=viser.Icon.TARGET, color="gray")
         self._calibrate.on_click(reaction(lambda _: self._begin()))
         self._calibrate.disabled = True
-        with gui.add_folder("Faults on purpose", expand_by_default=False):
+        with gui.add_folder("Inject faults", expand_by_default=False):
             self._faults = FaultWidgets(gui, [name for name, _ in session.snapshot.channels], sink)
 
     def _begin(self) -> None:

@@ -13,11 +13,11 @@ STAGE_WORDS = {
     "threshold": "low confidence",
     "vote": "too few votes",
     "hysteresis": "too little support",
-    "onset": "given at its onset",
+    "onset": "no new onset",
     "refractory": "repeated too soon",
     "passed": "passed",
     "unknown": "unknown label",
-    "idle": "means nothing",
+    "idle": "no action for this label",
     "": "no decision yet",
 }
 
@@ -43,7 +43,7 @@ def decisions_html(name: str, report: DecisionReport) -> str:
         f"<tr><td>{stage}</td><td>{now}</td><td>{needed}</td><td>{count or DASH}</td></tr>"
         for stage, now, needed, count in _stages(report)
     )
-    head = "<tr><th>Stage</th><th>Now</th><th>Needs</th><th>Held</th></tr>"
+    head = "<tr><th>Stage</th><th>Now</th><th>Needs</th><th>Rejected</th></tr>"
     ghosts = f", {report.proposed} of them as a proposal" if report.proposed else ""
     return (
         f'<div class="title">Decisions of {text(name)}</div><div>{_latest(report)}</div>'
@@ -120,9 +120,9 @@ def _workload(report: AttentionReport) -> str:
     duration = f"{1e3 * report.fixation_duration:.0f} ms" if math.isfinite(report.fixation_duration) else DASH
     entropy = f"{report.transition_entropy:.2f}" if math.isfinite(report.transition_entropy) else DASH
     rows = (
-        ("Fixation rate", f"{report.fixation_rate:.2f} /s", "Fixations in a second of seen gaze"),
-        ("Mean fixation", duration, "Longer and fewer fixations go with load"),
-        ("Transition entropy", entropy, "0: gaze goes round always the same way; 1: at random"),
+        ("Fixation rate", f"{report.fixation_rate:.2f} /s", "Fixations per second of valid gaze"),
+        ("Mean fixation", duration, "Longer and fewer fixations indicate workload"),
+        ("Transition entropy", entropy, "0: gaze moves in a fixed order; 1: at random"),
     )
     return "".join(f'<dt title="{hint}">{name}</dt><dd>{value}</dd>' for name, value, hint in rows)
 

@@ -47,7 +47,7 @@ class LogPanel:
         """Starts empty."""
         self._server, self._ui = server, ui
         self._button = server.gui.add_button(
-            "Acknowledge", icon=viser.Icon.CHECK, visible=False, hint="The alarms have been read"
+            "Acknowledge", icon=viser.Icon.CHECK, visible=False, hint="Mark the alarms as read"
         )
         self._button.on_click(reaction(lambda _: self._ui.change(acknowledge_alarms())))
         self._html = server.gui.add_html(_NOTHING)

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 _COMMIT, _REDRAW, _DISCARD = "Commit", "Redraw", "Discard"
 _ARROW, _MINUS = " \u2192 ", "\u2212"
 _HELP = (
-    "Drag in the arena to draw the path of the chosen robot; its preview appears here and in the arena. "
-    "Click a robot, or press its number, to choose it."
+    "Drag in the arena to draw a path for the influenced robot; its predicted outcome is shown here and in the arena. "
+    "Click a robot, or press its number, to influence it."
 )
-_NO_ROLL = " The centralised filter has no preview."
+_NO_ROLL = " There is no prediction with the centralised safety filter."
 _FAILED = "The preview failed and is off; paths can still be drawn. The reason is in the server's log."
 
 
@@ -38,7 +38,7 @@ class PreviewPanel:
             "Preview",
             (_COMMIT, _REDRAW, _DISCARD),
             visible=False,
-            hint="Follow the drawn path (Enter), draw another in its place, or drop all that waits (Esc)",
+            hint="Follow the drawn path (Enter), draw another instead, or discard everything pending (Esc)",
         )
         self._actions.on_click(reaction(self._act))
 

@@ -26,7 +26,9 @@ class RunPanel:
         self._sink = sink
         self._paused, self._frozen = False, False
         self._asked = -CONFIRM_S
-        self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, hint="Robots hold and still yield (P)")
+        self._pause = gui.add_button(
+            "Pause", icon=viser.Icon.PLAYER_PAUSE, hint="Robots hold their place and only avoid hazards (P)"
+        )
         self._pause.on_click(reaction(lambda _: sink.push(Resume() if self._paused else Pause())))
         self._clock = gui.add_button_group(
             "Clock", (_FREEZE, _STEP), hint="The simulation clock (Z, X); stepping needs a frozen clock"
@@ -36,7 +38,7 @@ class RunPanel:
             "Speed",
             tuple(SPEEDS),
             initial_value=nearest_speed(1.0),
-            hint="Of the simulation clock; live devices need 1",
+            hint="Simulation time relative to real time; live devices need 1",
         )
         self._speed.on_update(reaction(lambda value: sink.push(SetSpeed(one_of(value, SPEEDS)))))
         self._reset = gui.add_button("Reset run", icon=viser.Icon.ROTATE, color="gray", hint="Back to the start")

@@ -38,7 +38,10 @@ class StatusPanel:
         self._period_ms = 1e3 * control_period
         self._html = gui.add_html("")
         self._acknowledge = gui.add_button(
-            "Acknowledge", icon=viser.Icon.CHECK, color="yellow", hint="Lost inputs that are back count again"
+            "Acknowledge",
+            icon=viser.Icon.CHECK,
+            color="yellow",
+            hint="Use the inputs again that were lost and are back",
         )
         self._acknowledge.visible = False
         self._acknowledge.on_click(reaction(lambda _: sink.push(Acknowledge())))
@@ -123,7 +126,7 @@ def filter_line(snapshot: "Snapshot") -> str:
     elif deadlocked:
         now = f'<span class="warn">{deadlocked} held by barriers</span>'
     else:
-        now = "all rows met"
+        now = "all constraints met"
     past: list[str] = []
     if snapshot.infeasible_ticks:
         past.append(f"{snapshot.infeasible_ticks} ticks infeasible")

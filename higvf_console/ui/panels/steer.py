@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _CLEAR, _REVERSE, _CLOSE, _OPEN, _NEXT = "Clear", "Reverse", "Close", "Open", "Finish"
 _FOLLOW, _FORGET, _NO_PATHS = "Follow", "Forget", "none yet"
-_FEELS = "The robot that feels your path"
+_FEELS = "The influenced robot: the one that follows your path"
 
 
 class SteerPanel:
@@ -48,21 +48,25 @@ class SteerPanel:
         self._actions = gui.add_button_group(
             "Path",
             (_CLEAR, _REVERSE, _CLOSE, _NEXT),
-            hint="Remove it (C), turn it round (R), join its ends or part them, or let the team go on by itself",
+            hint="Clear it, reverse its direction (R), close or open it, or finish: the team goes on by itself",
         )
         self._actions.on_click(reaction(self._act))
         self._priority = gui.add_html("", visible=False)
-        self._unprioritise = gui.add_button("Clear priority", color="gray", visible=False, hint="Of the chosen robot")
+        self._unprioritise = gui.add_button(
+            "Clear priority", color="gray", visible=False, hint="The influenced robot values all fires alike again (H)"
+        )
         self._unprioritise.on_click(reaction(lambda _: sink.push(Prioritise())))
         self._terms = TermsWidgets(gui, sink, ui)
         self._drawn = gui.add_dropdown("Drawn", self._names(), hint="Paths drawn so far")
-        self._again = gui.add_button_group(" ", (_FOLLOW, _FORGET), hint="The path chosen above")
+        self._again = gui.add_button_group(
+            " ", (_FOLLOW, _FORGET), hint="Follow the path selected above again, or remove it from the list"
+        )
         self._again.on_click(reaction(self._take_up))
         self._shown = gui.add_folder(None)
         self._offer(scenario)
 
     def _make_show_me(self, gui: viser.GuiApi, stroke: "ShownStroke") -> viser.GuiButtonHandle:
-        who = "the chosen robot" if stroke.robot is None else f"robot {stroke.robot + 1}"
+        who = "the influenced robot" if stroke.robot is None else f"robot {stroke.robot + 1}"
         button = gui.add_button(
             f"Show me: {stroke.name}", icon=viser.Icon.WAVE_SINE, color="gray", hint=f"Draws this stroke for {who}"
         )

@@ -28,11 +28,11 @@ class TermsWidgets:
         self._end = gui.add_dropdown("At its end", tuple(_ENDINGS), hint="What the team does when the path is finished")
         self._end.on_update(reaction(lambda value: self._shape(ending=one_of(value, _ENDINGS))))
         self._speed = gui.add_slider(
-            "Pace", SLOWEST, FASTEST, 0.05, 1.0, hint="Share of their speed that those who are led along it take"
+            "Pace", SLOWEST, FASTEST, 0.05, 1.0, hint="Speed along the path, as a share of the usual speed"
         )
         self._speed.on_update(reaction(lambda value: self._shape(pace=number_in(value, SLOWEST, FASTEST))))
         self._time = gui.add_number(
-            "Lasts s", 0.0, min=0.0, max=LONGEST_DURATION, step=5.0, hint="The path ends after so long; 0 = no limit"
+            "Lasts s", 0.0, min=0.0, max=LONGEST_DURATION, step=5.0, hint="The path ends after this time; 0 = no limit"
         )
         self._time.on_update(reaction(lambda value: self._shape(duration=number_in(value, 0.0, LONGEST_DURATION))))
         meaning = quantities(PathParameters)["stroke_smoothing"]
@@ -46,11 +46,16 @@ class TermsWidgets:
         self._at_once = gui.add_checkbox(
             "Commit at once",
             ui.state.commit_at_once,
-            hint="On: a path, new or repaired, is followed at once. Off: it waits for Commit (Enter) or Discard (Esc)",
+            hint="On: a new or redrawn path is followed at once. Off: it waits for Commit (Enter) or Discard (Esc)",
         )
         self._at_once.on_update(reaction(lambda value: ui.update(commit_at_once=truth(value))))
         self._horizon = gui.add_slider(
-            "Look ahead s", SHORTEST, LONGEST, 5.0, ui.state.horizon, hint="How far the team is run ahead as you draw"
+            "Look ahead s",
+            SHORTEST,
+            LONGEST,
+            5.0,
+            ui.state.horizon,
+            hint="How far ahead the preview predicts while you draw",
         )
         self._horizon.on_update(reaction(lambda value: ui.update(horizon=number_in(value, SHORTEST, LONGEST))))
 

@@ -25,7 +25,7 @@ Field: TypeAlias = viser.GuiNumberHandle[float] | viser.GuiTextHandle
 
 DIGITS = 9  # after the point, shown and known: the page would round to those of the step, and puts back what it shows
 UNLIMITED, OWN = "unlimited", "Own values"
-_FIXED = "fixed for a run: set it in the scenario and load that"
+_FIXED = "fixed during a run: set it in a scenario file and load that"
 
 
 class TunePanel:
@@ -43,7 +43,9 @@ class TunePanel:
         self._described: tuple[Parameters, Parameters, str] | None = None
         names: dict[str, Any] = dict.fromkeys((*PRESETS, OWN))
         self._preset = gui.add_dropdown(
-            "Preset", tuple(names), hint="Factors of the scenario's values; what it does not name is as in the scenario"
+            "Preset",
+            tuple(names),
+            hint="Multiplies values of the scenario; values that the preset does not name stay unchanged",
         )
         self._preset.on_update(reaction(lambda value: self._take(value) if one_of(value, names) is None else None))
         groups = {title_of(name.split(".")[0]): name.split(".")[0] for name in parameter_names()}

@@ -27,7 +27,7 @@ SWITCHES = {
     "heat": ("Gaze heat map", "Where you have looked in this run; the brighter, the longer"),
     "clearance": (
         "Safety circles",
-        "Two circles that touch are as close as two robots may be; pale: as unicycles and noise enlarge them",
+        "Two circles that touch are as close as two robots may be; pale: enlarged for unicycles and noise",
     ),
 }
 
@@ -39,14 +39,16 @@ class ViewPanel:
         """Builds the switches."""
         self._ui = ui
         self._field = gui.add_dropdown(
-            "Field", tuple(FIELDS), hint="Path: toward the path. Composite: round obstacles too. "
-            "Blended: what the chosen robot would want if it stood there (V)",
+            "Field", tuple(FIELDS), hint="Path: toward the path. Composite: also around obstacles. "
+            "Blended: what the influenced robot would want if it stood there (V)",
         )  # fmt: skip
         self._field.on_update(reaction(self._choose))
         self._switches = [self._make_switch(gui, name, *words) for name, words in SWITCHES.items()]
-        self._theme = gui.add_dropdown("Theme", tuple(THEMES), hint="Of every page")
+        self._theme = gui.add_dropdown("Theme", tuple(THEMES), hint="Applies to every page")
         self._theme.on_update(reaction(lambda value: self._wear(palette=one_of(value, THEMES))))
-        self._text = gui.add_dropdown("Text size", tuple(TEXT_SIZES), initial_value="Normal", hint="On every page")
+        self._text = gui.add_dropdown(
+            "Text size", tuple(TEXT_SIZES), initial_value="Normal", hint="Applies to every page"
+        )
         self._text.on_update(reaction(lambda value: self._wear(text=one_of(value, TEXT_SIZES))))
         self._key = gui.add_html(block(key_html()))
 
@@ -84,7 +86,7 @@ def key_html() -> str:
     ring = '<circle cx="10" cy="7" r="6.5" fill="{1}" stroke="{0}" stroke-width="2"/>'
     rows = [
         (dart.format(CSS.robot), "robot"),
-        (dart.format(CSS.operator), "the robot you steer, and your path"),
+        (dart.format(CSS.operator), "the influenced robot, and your path"),
         (ring.format(CSS.fire_edge, CSS.fire), "burning fire, and the zone it is fought from"),
         (ring.format(CSS.progress, CSS.fire), "being put out; the arc is the work done"),
         (ring.format(CSS.scorched_edge, CSS.scorched), "out, with the area it burnt"),

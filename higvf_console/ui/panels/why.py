@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 MOST_SHARED = 200  # robots; a larger team has no chart of its own
 CERTIFIED_EVERY = 5  # updates; lambda_2 of a larger team takes longer, and is renewed ten times less often
-_STEERED = "The one you steer"
-_WHICH = "Whose velocity is explained; in the arena, click the robot that you steer once more"
+_STEERED = "Influenced robot"
+_WHICH = "Robot whose velocity is explained. In the arena: click the influenced robot again"
 
 
 class WhyPanel:

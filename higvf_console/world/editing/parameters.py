@@ -45,7 +45,7 @@ def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Parame
         if name not in known:
             raise ScenarioError(f"there is no parameter '{name}'{closest(name, known)}")
         if name in FIXED and value != parameter(params, name):
-            raise ScenarioError(f"{name} is fixed for a run: set it in the scenario and load that")
+            raise ScenarioError(f"{name} is fixed during a run: set it in a scenario file and load that")
         group, key = name.split(".")
         params = params._replace(**{group: with_values(getattr(params, group), {key: value}, group)})
     if params.boundaries.reactive_margin <= params.boundaries.repulsive_margin:

@@ -174,7 +174,7 @@ def test_a_busy_port_is_an_error_that_names_it_and_the_choice(server: viser.Vise
 @pytest.mark.parametrize(
     ("host", "port", "message"),
     [
-        ("203.0.113.7", 0, "203.0.113.7 is no address of this machine.*--host"),
+        ("203.0.113.7", 0, "203.0.113.7 is not an address of this machine.*--host"),
         ("no-such-host.invalid", 0, "'no-such-host.invalid' is not known.*--host"),
         ("x" * 80, 0, "is not known.*--host"),
         ("127.0.0.1", 65536, "port 65536 does not exist.*--port"),

@@ -84,7 +84,7 @@ def test_the_filter_line_counts_robots_without_a_safe_velocity() -> None:
     trouble = SimpleNamespace(
         trace=TRACE._replace(infeasible=np.array([True, True, False])), infeasible_ticks=7, deadlock_s=1.5
     )
-    assert filter_line(calm) == "all rows met"  # pyright: ignore[reportArgumentType]
+    assert filter_line(calm) == "all constraints met"  # pyright: ignore[reportArgumentType]
     assert "2 infeasible" in filter_line(trouble)  # pyright: ignore[reportArgumentType]
     assert "7 ticks" in filter_line(trouble)  # pyright: ignore[reportArgumentType]
 

@@ -30,7 +30,7 @@ def test_every_tunable_tells_its_unit_range_symbol_and_meaning(name: str) -> Non
     assert label_of(name, differs=False).endswith(quantity.unit)
     for part in (quantity.text, quantity.symbol, f"{quantity.low:g}", shown(quantity.high), quantity.unit):
         assert part in hint
-    assert ("fixed for a run" in hint) == (name in FIXED)
+    assert ("fixed during a run" in hint) == (name in FIXED)
     assert about(GAINS, name.split(".", maxsplit=1)[0])
     assert math.isinf(quantity.high) or step_of(quantity, 0.0) > 0.0
 

@@ -120,4 +120,4 @@ def test_what_is_fixed_for_a_run_cannot_be_typed_and_says_so(page: Page) -> None
     choose(page, "Group", "Safety")
     field(page, "Control period s").wait_for()
     assert field(page, "Control period s").is_disabled()
-    page.get_by_text("Control period is fixed for a run").wait_for()
+    page.get_by_text("Control period is fixed during a run").wait_for()

@@ -72,5 +72,5 @@ def test_another_robot_is_explained_without_being_steered_and_its_lines_of_sight
     screenshot(page, "console-sight")
     page.get_by_role("checkbox", name="Lines of sight").click()
     page.get_by_role("combobox").nth(1).click()
-    page.get_by_role("option", name="The one you steer").click()
+    page.get_by_role("option", name="Influenced robot").click()
     wait_until(page.locator(".hg", has_text="Why robot 1 moves").count)

@@ -218,7 +218,7 @@ REFUSALS = [
     (SetArena(floats([690.0, 0.0, 1200.0, 700.0]), walls=True), "robot 4 would be outside the walls; move it first"),
     (SetParameters({"safety.robot_clearence": 3.0}), "(did you mean 'safety.robot_clearance'?)"),
     (SetParameters({"safety.robot_clearance": 0.0}), "robot_clearance: 0.0 is not a number from 0.1"),
-    (SetParameters({"safety.control_period": 0.05}), "safety.control_period is fixed for a run"),
+    (SetParameters({"safety.control_period": 0.05}), "safety.control_period is fixed during a run"),
     (SetParameters({"safety.pair_gain": 900.0}), "pair_gain"),
     (SetParameters({"safety.robot_clearance": 90.0}), "robots 1 and 2 start 58.31 m apart; robot_clearance is 90 m"),
     (SetParameters({"formation.formation_rate": 50.0}), "lower formation_rate (50 1/s)"),
