@@ -48,7 +48,7 @@ class SteerPanel:
         self._actions = gui.add_button_group(
             "Path",
             (_CLEAR, _REVERSE, _CLOSE, _NEXT),
-            hint="Clear it, reverse its direction (R), close or open it, or finish: the team goes on by itself",
+            hint="Clear it (C), reverse its direction (R), close or open it, or finish: the team goes on by itself",
         )
         self._actions.on_click(reaction(self._act))
         self._priority = gui.add_html("", visible=False)
