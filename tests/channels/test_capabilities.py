@@ -1,4 +1,4 @@
-"""What a channel is to the console is told by its capabilities, never by its name."""
+"""Capabilities, not names, decide how the console treats a channel."""
 
 from dataclasses import replace
 

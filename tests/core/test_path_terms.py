@@ -1,4 +1,4 @@
-"""The terms of a path are one record, whoever gives them: the console, a script, a scenario, a recording."""
+"""The console, scripts, scenarios and recordings give the terms of a path as one record."""
 
 import math
 
