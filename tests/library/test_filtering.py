@@ -88,7 +88,7 @@ def test_a_hazard_that_grows_or_is_too_fast_is_refused_by_a_run() -> None:
         (hc.Hazards().circle((300, 0), 20, velocity=(-150, 0)), "hazard 1, a circle, moves at 150 m/s; expected 100"),
         (
             hc.Hazards().fire((300, 0), 9).circle((500, 0), 20, growth=1),
-            "hazard 2, a circle, grows; expected, in a run",
+            "hazard 2, a circle, grows; expected no growth: in a run, only fires",
         ),
     ):
         with pytest.raises(hc.ArgumentError, match=line):

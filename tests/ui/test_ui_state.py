@@ -3,6 +3,7 @@
 import asyncio
 import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
@@ -60,7 +61,9 @@ class Widget:
         self.react = react
 
     def touch(self, value: object) -> None:
-        asyncio.run(self.react(SimpleNamespace(client_id=PAGE, target=SimpleNamespace(value=value))))
+        event = SimpleNamespace(client_id=PAGE, target=SimpleNamespace(value=value))
+        with ThreadPoolExecutor(1) as server:  # as viser does; this thread may have a loop of a browser test
+            server.submit(lambda: asyncio.run(self.react(event))).result()
 
 
 class Gui:

@@ -127,5 +127,5 @@ def test_an_undecodable_recording_is_refused_in_one_line(
     myo = sample("emg_myo8/emg_data_myo.csv")
     assert main([str(myo), "decoder=lda,rate=200"]) == 2
     said_so = capsys.readouterr().err
-    assert "no decisions" in said_so
+    assert "not decisions; give decoder=" in said_so
     assert said_so.count("\n") == 1
