@@ -8,7 +8,7 @@ from typing import Any, cast
 from higvf_console.channels.console import open_console
 from higvf_console.core.arguments import brief, instance, sequence
 from higvf_console.core.command import CONSOLE
-from higvf_console.core.commands import OperatorCommand
+from higvf_console.core.commands import EmergencyStop, OperatorCommand
 from higvf_console.core.errors import ArgumentTypeError, HigvfError, InputError, closest
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import (
@@ -19,6 +19,7 @@ from higvf_console.core.interface import (
     Interface,
     OperatorContext,
     PointerSink,
+    StopSource,
     capabilities_of,
     current_channel,
 )
@@ -107,6 +108,7 @@ class Channels:
             ArgumentTypeError: one lacks a function of an interface.
         """
         self._interfaces = tuple(_given(k, one) for k, one in enumerate(sequence("interfaces", interfaces)))
+        self._stop_sources = [(one.name, one) for one in self._interfaces if isinstance(one, StopSource)]
         self._failed: dict[str, str] = {}
         self.capabilities = {interface.name: capabilities_of(interface) for interface in self._interfaces}
         names = [interface.name for interface in self._interfaces]
@@ -157,6 +159,14 @@ class Channels:
             except Exception as error:  # whatever a device's code raises must not stop the team's loop
                 events.append(self.fail(interface.name, error, context.time))
         return commands, events
+
+    def take_stops(self, context: OperatorContext) -> list[tuple[str, EmergencyStop]]:
+        """The STOPs that do not wait for a poll, each with the name of its interface."""
+        stops: list[tuple[str, EmergencyStop]] = []
+        for name, source in self._stop_sources:
+            if (stop := source.take_stop(context)) is not None:
+                stops.append((name, stop))
+        return stops
 
     def fail(self, name: str, error: Exception, time: float) -> Event:
         """Sets an interface aside; the event says why."""

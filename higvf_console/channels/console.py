@@ -5,25 +5,28 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
 from time import monotonic
+from typing import TypeVar
 
 import numpy as np
 
 from higvf_console.core.command import CONSOLE
-from higvf_console.core.commands import Command, Cursor, EmergencyStop, OperatorCommand, StrokePoints
+from higvf_console.core.commands import Command, Cursor, EmergencyStop, OperatorCommand, Release, StrokePoints
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_console.core.reading.node import Node
 
 CAPACITY = 4096  # commands that wait at most; a session polls some 50 times a second
+_Stamped = TypeVar("_Stamped", bound=Command)
 _POINTS = 16_384  # of a stroke that waits; beyond, every second point goes
 
 
 class ConsoleChannel:
     """An `Interface` that is also a `PointerSink`.
 
-    A full queue makes room by losing least first: all cursors but the newest, then the joints between stroke points
-    (their points stay), then the oldest command that is not the newest `EmergencyStop`. So a STOP is never lost, and
-    the end of a stroke only behind thousands of later commands.
+    STOP does not queue: the newest one is kept apart and taken first, and what would reset it and waits is dropped. A
+    full queue makes room by losing least first: all cursors but the newest, then the joints between stroke points
+    (their points stay), then the oldest command. So the end of a stroke is lost only behind thousands of later
+    commands.
 
     Attributes:
         capabilities: of a person's hand at the pages of the console.
@@ -41,6 +44,7 @@ class ConsoleChannel:
         self._name = name
         self._capacity = capacity
         self._waiting: deque[OperatorCommand] = deque()
+        self._stop: deque[EmergencyStop] = deque(maxlen=1)
         self._lock = threading.Lock()
         self._given = 0  # commands so far
         self._last_used: float | None = None
@@ -52,7 +56,10 @@ class ConsoleChannel:
         return self._name
 
     def push(self, command: OperatorCommand) -> None:
-        """Appends a command, from any thread; waits for nothing but another push or poll."""
+        """Appends a command, from any thread; waits for nothing but another push or poll, and a STOP for nothing."""
+        if isinstance(command, EmergencyStop):
+            self._stop.append(command)
+            return
         with self._lock:
             self._waiting.append(command)
             if len(self._waiting) > self._capacity:
@@ -62,13 +69,25 @@ class ConsoleChannel:
         """A page is there; from the first time on, silence of all pages counts."""
         self._last_heartbeat = monotonic()
 
+    def take_stop(self, context: OperatorContext) -> EmergencyStop | None:
+        """The newest STOP that was pushed since the last call or poll."""
+        try:
+            stop = self._stop.popleft()
+        except IndexError:
+            return None
+        with self._lock:
+            self._waiting = deque(command for command in self._waiting if not isinstance(command, Release))
+        self._last_used = context.time
+        return self._stamped(stop, context)
+
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
-        """Everything pushed since the last poll, in order, given now."""
+        """Everything pushed since the last poll, STOP first and the rest in order, given now."""
+        stop = self.take_stop(context)
         with self._lock:
             taken, self._waiting = self._waiting, deque()
         if taken:
             self._last_used = context.time
-        return [self._stamped(command, context) for command in taken]
+        return ([] if stop is None else [stop]) + [self._stamped(command, context) for command in taken]
 
     def health(self, now: float) -> ChannelHealth:
         """Last seen when a page told that it is there; one that nobody uses is no fault."""
@@ -83,8 +102,9 @@ class ConsoleChannel:
         """Drops what still waits."""
         with self._lock:
             self._waiting.clear()
+        self._stop.clear()
 
-    def _stamped(self, command: OperatorCommand, context: OperatorContext) -> OperatorCommand:
+    def _stamped(self, command: _Stamped, context: OperatorContext) -> _Stamped:
         """The command as given now; by the operator whom it names, of several pages the one that gave it."""
         operator = context.operator if command.operator == Command.operator else command.operator
         sequence, self._given = self._given, self._given + 1
@@ -108,10 +128,7 @@ def open_console(spec: InputSpec) -> ConsoleChannel:
 def _make_room(commands: Iterable[OperatorCommand], capacity: int) -> deque[OperatorCommand]:
     kept = deque(_join_strokes(_newest_cursor(list(commands))))
     if len(kept) > capacity:
-        newest_stop = max(
-            (index for index, command in enumerate(kept) if isinstance(command, EmergencyStop)), default=-1
-        )
-        del kept[1 if newest_stop == 0 else 0]
+        kept.popleft()
     return kept
 
 

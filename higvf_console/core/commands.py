@@ -341,3 +341,5 @@ OperatorCommand: TypeAlias = (
     | SetSpeed | Acknowledge | InjectFault | LoadScenario | Undo | Redo | AddEntity | AddOutlines | MoveEntity
     | ChangeEntity | DeleteEntity | ToggleLink | LinkByRange | SetArena | SetParameters | HandOver
 )  # fmt: skip
+
+Release: TypeAlias = AskReset | ResetEmergencyStop | Resume  # what lets a stopped team move again

@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from types import MappingProxyType
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.command import CONSOLE
-from higvf_console.core.commands import OperatorCommand
+from higvf_console.core.commands import EmergencyStop, OperatorCommand
 from higvf_console.core.errors import InputError
 from higvf_console.core.viewport import Arena, Viewport
 
@@ -162,6 +162,15 @@ class PointerSink(Protocol):
 
     def heartbeat(self) -> None:
         """A page has told that it is there; callable from any thread."""
+        ...
+
+
+@runtime_checkable
+class StopSource(Protocol):
+    """An interface whose STOP does not wait for the next poll: the session asks for it between any two commands."""
+
+    def take_stop(self, context: OperatorContext) -> EmergencyStop | None:
+        """The latest STOP that has not been taken, and then what would reset it is dropped; never waits."""
         ...
 
 

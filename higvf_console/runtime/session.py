@@ -2,10 +2,15 @@
 
     each tick:  poll the interfaces -> apply their commands -> watch the channels -> advance -> record -> publish
 
+STOP is looked for before each command. A run in real time gives commands a share of each control period, and what does
+not fit in waits for the next one.
+
 The session owns the clock (freeze, step, speed). Views read `snapshot`, which is immutable and replaced as a whole.
 """
 
 import logging
+import math
+from collections import deque
 from collections.abc import Iterable
 from threading import Event as Signal
 from threading import Thread
@@ -22,6 +27,7 @@ from higvf_console.core.arguments import instance, whole
 from higvf_console.core.command import SESSION
 from higvf_console.core.commands import (
     Cursor,
+    EmergencyStop,
     Freeze,
     LoadScenario,
     OperatorCommand,
@@ -34,8 +40,10 @@ from higvf_console.core.commands import (
 from higvf_console.core.edits import Edit
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
+from higvf_console.core.limiter import Limiter
 from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
+from higvf_console.runtime.admission import Admission
 from higvf_console.runtime.baseline_thread import keep_baseline
 from higvf_console.runtime.compiling import announce
 from higvf_console.runtime.failsafe import failure_event, halted
@@ -51,6 +59,8 @@ from higvf_console.world.setup import Setup
 SLOWEST, FASTEST = 0.25, 8.0  # speed factors
 CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time
 EVENTS_KEPT = 2000
+COMMANDS_KEPT = 20_000
+COMMAND_SHARE = 0.25  # of a control period, for the commands of a run in real time
 _WATCH_EVERY = 5  # ticks from one look after the channels to the next
 
 _log = logging.getLogger(__name__)
@@ -71,7 +81,7 @@ class Session:
         snapshot: the latest moment.
         baseline: loss area without an operator; None until it is known.
         viewport: how the operator's screen lies over the arena; set by the view.
-        commands: applied so far, without cursors and stroke points, which come by the thousand.
+        commands: the latest that were applied, without cursors and stroke points, which come by the thousand.
         error: what halted the engine; None while all is well.
         answered: set when there is an answer to the operator to show, such as what a command did; the view clears it.
     """
@@ -103,13 +113,18 @@ class Session:
         announce()
         self.baseline: Baseline | None = None
         self.viewport: Viewport | None = None
-        self.commands: list[AppliedCommand] = []
+        self.commands: deque[AppliedCommand] = deque(maxlen=COMMANDS_KEPT)
         self.error: Exception | None = None
         self.answered = Signal()
         self._run = Run(scenario.setup(seed), scenario.filter, scenario)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
+        self._admission = Admission()
+        self._command_time = math.inf  # for the commands of one tick [s]
+        self._limiter = Limiter()
+        self._applied = 0  # commands but cursors and stroke points
+        self._lost_time = 0.0  # [s]
         self._recorder, self._markers = recorder, markers
         self._frozen, self._speed = False, 1.0
         self._steps_due = self._heartbeats = 0
@@ -161,7 +176,7 @@ class Session:
         Args:
             advance: False polls, applies and publishes only (between the ticks of a slowed clock).
         """
-        started, known = perf_counter(), len(self.commands)
+        started, known = perf_counter(), self._applied
         self._attend()
         if self._frozen:
             advance, self._steps_due = self._steps_due > 0, max(0, self._steps_due - 1)
@@ -170,12 +185,13 @@ class Session:
             if self._recorder is not None:
                 self._record(self._recorder.step, self._run.state.motion)
         self._publish(started)
-        if len(self.commands) > known:
+        if self._applied > known:
             self.answered.set()
 
     def run(self, stopping: Signal) -> None:
         """Ticks at the pace of the clock until `stopping` is set; an engine that fails halts the team, not the loop."""
         Thread(target=keep_baseline, args=(self, stopping), name="baseline", daemon=True).start()
+        self._command_time = COMMAND_SHARE * self.setup.params.safety.control_period
         due, credit = perf_counter(), 0.0
         while not stopping.is_set():
             credit += min(self._speed, 1.0)
@@ -204,7 +220,17 @@ class Session:
         now = perf_counter()
         if now < due:
             stopping.wait(due - now)
-        return max(due, now - CATCH_UP * period)
+        lost = now - CATCH_UP * period - due
+        if lost > 0.0:
+            self._lose(lost)
+        return due + max(lost, 0.0)
+
+    def _lose(self, lost: float) -> None:
+        """Reports time of the wall clock [s] that the run cannot catch up with."""
+        self._lost_time += lost
+        if count := self._limiter.due("late", perf_counter()):
+            text = f"The run lags behind real time by {self._lost_time:.1f} s in all ({count} delays): the computer is busy."
+            self._add((Event(self._run.time, Severity.WARNING, "late", text),))
 
     def _attend(self) -> None:
         intent, motion = self._run.state.intent, self._run.state.motion
@@ -220,8 +246,8 @@ class Session:
             targets=Targets(self._run.setup.world.fire_position, motion.fire_radius, motion.position),
         )
         said, failures = self._supervisor.poll(context)
-        for channel, command in said:
-            self._apply(command, channel)
+        self._admission.take_in(said)
+        self._apply_waiting(context)
         self._add(failures)
         if failures or self._heartbeats % _WATCH_EVERY == 0:
             commands, events = self._supervisor.watch(self._run.time, self._run.state)
@@ -230,7 +256,26 @@ class Session:
                 self._apply(command, SESSION)
         self._heartbeats += 1
 
+    def _apply_waiting(self, context: OperatorContext) -> None:
+        """Applies what waits, STOP first, until all is done or the time for it is used up."""
+        end = perf_counter() + self._command_time
+        while True:
+            self._admission.take_in(Said(*stop) for stop in self._channels.take_stops(context))
+            said = self._admission.next()
+            if said is None:
+                break
+            self._apply(said.command, said.channel)
+            if perf_counter() >= end:
+                self._admission.yield_turn()
+                break
+        for channel, dropped in self._admission.take_dropped().items():
+            if count := self._limiter.due(("dropped", channel), perf_counter(), dropped):
+                text = f"Input '{channel}' sends faster than commands can be applied: {count} were dropped."
+                self._add((Event(self._run.time, Severity.WARNING, "channel", text),))
+
     def _apply(self, command: OperatorCommand, channel: str) -> None:
+        if isinstance(command, EmergencyStop) and self._stands():
+            return  # it is latched already, and repeating it must cost nothing
         former = self._run.scenario
         try:
             self._give(command, channel)
@@ -240,12 +285,18 @@ class Session:
             self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
             return
         if not isinstance(command, Cursor | StrokePoints):
+            self._applied += 1
             self.commands.append(AppliedCommand(self._run.time, command))
             if self._markers is not None:
                 self._markers.command(self._run.time, command)
         refused = isinstance(command, LoadScenario) and self._run.scenario is former
         if self._recorder is not None and not refused:
             self._record(self._recorder.command, command, self._run.scenario)
+
+    def _stands(self) -> bool:
+        """Whether a STOP is active and nobody has begun to reset it."""
+        state = self._run.state
+        return state.intent.stopped and not state.pointer_state.ask_reset
 
     def _give(self, command: OperatorCommand, channel: str) -> None:
         """Gives a command its meaning, for the run, the channels and the clock."""
@@ -328,6 +379,7 @@ class Session:
             loss_area=loss_area(run.state.motion),
             min_clearance=run.tally.min_clearance,
             tick_ms=1e3 * (perf_counter() - started),
+            lost_time=self._lost_time,
             infeasible_ticks=run.tally.infeasible_ticks,
             deadlock_s=run.tally.deadlock_ticks * self.setup.params.safety.control_period,
             worst=run.tally.worst,

@@ -29,6 +29,7 @@ class Snapshot(NamedTuple):
         loss_area: (M,) burnt by each fire [m^2].
         min_clearance: smallest of the run so far [m]; the present one is in the trace.
         tick_ms: how long the tick took [ms].
+        lost_time: by which the run lags behind real time, because the computer was busy [s].
         infeasible_ticks: control periods in which a robot could not meet all barrier rows.
         deadlock_s: time in which a robot was deadlocked [s].
         worst: what the certificates of single ticks came to so far.
@@ -50,6 +51,7 @@ class Snapshot(NamedTuple):
     loss_area: Floats
     min_clearance: float
     tick_ms: float
+    lost_time: float
     infeasible_ticks: int
     deadlock_s: float
     worst: Worst
