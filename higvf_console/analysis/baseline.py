@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.arrays import Bools, Floats, floats
 from higvf_console.sim.simulation import roll
 from higvf_console.world.setup import Setup
 
@@ -13,15 +13,19 @@ _CHUNK = 250  # ticks between two looks at whether the session still wants the r
 
 
 class Baseline(NamedTuple):
-    """Total loss area over time without an operator.
+    """Loss area over time without an operator, of M fires.
 
     Attributes:
         time: (T,) [s].
         loss_area: (T,) summed over all fires [m^2].
+        by_fire: (T, M) of each [m^2].
+        burning: (T, M) which fires burn.
     """
 
     time: Floats
     loss_area: Floats
+    by_fire: Floats
+    burning: Bools
 
 
 def compute_baseline(setup: Setup, duration: float, stopping: Signal) -> Baseline | None:
@@ -33,12 +37,14 @@ def compute_baseline(setup: Setup, duration: float, stopping: Signal) -> Baselin
     if not setup.start.motion.fire_burning.any():
         return None
     dt = setup.params.safety.control_period
-    losses: list[Floats] = []
+    losses, burning = list[Floats](), list[Bools]()
     state, ticks = setup.start, 0
     while ticks * dt < duration and state.motion.fire_burning.any():
         if stopping.is_set():
             return None
         state, rollout = roll(state, setup.world, setup.params, _CHUNK)
-        losses.append(rollout.loss_area.sum(axis=1))
+        losses.append(rollout.loss_area)
+        burning.append(rollout.burning)
         ticks += _CHUNK
-    return Baseline(dt * floats(range(1, ticks + 1)), np.concatenate(losses))
+    loss = np.concatenate(losses)
+    return Baseline(dt * floats(range(1, ticks + 1)), loss.sum(axis=1), loss, np.concatenate(burning))

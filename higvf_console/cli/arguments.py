@@ -87,7 +87,9 @@ def _add_run(commands: Any) -> None:
         metavar="SCENARIO",
         help="name or .yaml file of a scenario (default firefighting)",
     )
-    run.add_argument("--duration", type=_positive, metavar="S", help="end after S seconds of session time")
+    run.add_argument(
+        "--duration", type=_positive, metavar="S", help="end after S seconds of session time, or with the run if sooner"
+    )
     run.add_argument(
         "--seed",
         type=_seed,
@@ -120,6 +122,9 @@ def _add_run(commands: Any) -> None:
     console.add_argument("--host", default="127.0.0.1", help="address of the server (default 127.0.0.1)")
     console.add_argument("--port", type=_port, default=8080, help="port, or auto for a free port (default 8080)")
     console.add_argument("--token", metavar="T", help="secret token of the login link (default: random)")
+    console.add_argument(
+        "--start-at-once", action="store_true", help="start the clock at once (default: Start in the page starts it)"
+    )
     console.add_argument("--no-browser", action="store_true", help="do not open a browser")
 
 

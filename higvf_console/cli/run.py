@@ -23,6 +23,7 @@ from higvf_console.runtime import scheduling
 if TYPE_CHECKING:
     from higvf_console.runtime.recording import Recorder
     from higvf_console.runtime.session import Session
+    from higvf_console.runtime.snapshot import Snapshot
     from higvf_console.scenario.scenario import Scenario
     from higvf_console.world.setup import Setup
 
@@ -35,6 +36,8 @@ def run(given: argparse.Namespace) -> int:
     from higvf_console.runtime.session import FASTEST, SLOWEST
     from higvf_console.scenario.scenario import load_scenario
 
+    if given.headless and given.start_at_once:
+        raise HigvfError("--start-at-once is for the console; a headless run always starts at once")
     if given.report is not None and not given.headless:
         raise HigvfError("--report needs a headless run: add --headless")
     for module in () if given.headless else ("viser", "cv2", "mapbox_earcut"):
@@ -80,7 +83,9 @@ def _start_session(
 
     load_engine(setup, coupled=scenario.filter is FilterKind.CENTRALISED)
     markers = MarkerOutlet(given.lsl_out, scenario.name, given.seed) if given.lsl_out is not None else None
-    session = Session(scenario, interfaces, given.seed, recorder, markers)
+    waits = not (given.headless or given.start_at_once)
+    attended = not given.headless
+    session = Session(scenario, interfaces, given.seed, recorder, markers, attended=attended, waits=waits)
     closing.callback(session.close)
     session.set_speed(given.speed)
     for event in session.snapshot.events:  # nothing has run yet: the warnings of scenario and inputs
@@ -159,9 +164,14 @@ def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace
         ends.callback(loop.join)
         ends.callback(stopping.set)
         scheduling.stand_back()
-        while given.duration is None or session.snapshot.time < given.duration:
+        while given.duration is None or not _over(session.snapshot, given.duration):
             sleep(0.1)  # not stopping.wait: an interrupt could leave its lock acquired
     return 0
+
+
+def _over(snapshot: "Snapshot", duration: float) -> bool:
+    """Whether a run has ended, or its time [s] has."""
+    return snapshot.phase.phase == "ended" or snapshot.time >= duration
 
 
 def _has_display() -> bool:

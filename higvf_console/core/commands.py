@@ -1,8 +1,8 @@
 """The closed list of operator commands; `interface` has the contract of those who give them.
 
 Whatever the device, its wishes arrive as these commands; nothing else changes the intent of a run. A command is data:
-`operator.reducer.apply_command` gives it its meaning (Freeze, Step, SetSpeed, Acknowledge, InjectFault,
-LoadScenario, Undo, Redo, HandOver and the commands of `edits`: the session).
+`operator.reducer.apply_command` gives it its meaning (StartRun, ContinueRun, Freeze, Step, SetSpeed, Acknowledge,
+InjectFault, LoadScenario, Undo, Redo, HandOver and the commands of `edits`: the session).
 """
 
 from dataclasses import dataclass
@@ -225,8 +225,18 @@ class NextTask(Command):
 
 
 @dataclass(frozen=True)
+class StartRun(Command):
+    """The clock of a run that waits for it begins to run."""
+
+
+@dataclass(frozen=True)
+class ContinueRun(Command):
+    """A run that has ended goes on, without another end."""
+
+
+@dataclass(frozen=True)
 class ResetRun(Command):
-    """The run starts again from the scenario's initial state."""
+    """The run starts again from the scenario's initial state; one that waits for a StartRun goes on waiting."""
 
 
 @dataclass(frozen=True)
@@ -267,11 +277,13 @@ class LoadScenario(Command):
         text: of its file.
         name: of its file.
         polygons: what its polygons and masks came to when they were read before; None = read them.
+        waits: whether the run waits for a StartRun.
     """
 
     text: str
     name: str
     polygons: tuple[Floats, ...] | None = None
+    waits: bool = False
 
 
 @dataclass(frozen=True)
@@ -337,9 +349,10 @@ class HandOver(Command):
 OperatorCommand: TypeAlias = (
     StrokeBegin | StrokePoints | StrokeEnd | StrokeCancel | Cursor | Clutch | Pick | ProposePick | Confirm
     | Discard | Pause | Resume | EmergencyStop | AskReset | ResetEmergencyStop | ClearPath | ReversePath
-    | ShapePath | MovePathPoint | TakeUpPath | ForgetPath | Prioritise | NextTask | ResetRun | Freeze | Step
-    | SetSpeed | Acknowledge | InjectFault | LoadScenario | Undo | Redo | AddEntity | AddOutlines | MoveEntity
-    | ChangeEntity | DeleteEntity | ToggleLink | LinkByRange | SetArena | SetParameters | HandOver
+    | ShapePath | MovePathPoint | TakeUpPath | ForgetPath | Prioritise | NextTask | StartRun | ContinueRun
+    | ResetRun | Freeze | Step | SetSpeed | Acknowledge | InjectFault | LoadScenario | Undo | Redo | AddEntity
+    | AddOutlines | MoveEntity | ChangeEntity | DeleteEntity | ToggleLink | LinkByRange | SetArena
+    | SetParameters | HandOver
 )  # fmt: skip
 
 Release: TypeAlias = AskReset | ResetEmergencyStop | Resume  # what lets a stopped team move again

@@ -1,8 +1,8 @@
 """Applies one operator command to the state: a pure reducer that returns the next state and its events.
 
 A command that cannot be carried out leaves the state unchanged and returns the reason as an event. The session handles
-the commands on the clock (Freeze, Step, SetSpeed), the channels (Acknowledge, InjectFault), the history and the world
-(LoadScenario, Undo, Redo, edits); the reducer ignores them. HandOver is only reported.
+the commands on the clock (StartRun, ContinueRun, Freeze, Step, SetSpeed), the channels (Acknowledge, InjectFault), the
+history and the world (LoadScenario, Undo, Redo, edits); the reducer ignores them. HandOver is only reported.
 """
 
 import math
@@ -19,6 +19,7 @@ from higvf_console.core.commands import (
     ClearPath,
     Clutch,
     Confirm,
+    ContinueRun,
     ControlChange,
     Cursor,
     Discard,
@@ -42,6 +43,7 @@ from higvf_console.core.commands import (
     ReversePath,
     SetSpeed,
     ShapePath,
+    StartRun,
     Step,
     StrokeBegin,
     StrokeCancel,
@@ -152,7 +154,7 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
             return finish(state, time)
         case ResetRun():
             return started_again(state, setup), report(0.0, "reset", "The run restarts.")
-        case Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
+        case StartRun() | ContinueRun() | Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
             return state, ()
         case LoadScenario() | Undo() | Redo() | Edit():
             return state, ()

@@ -1,6 +1,7 @@
 """Apply one operator command to the run, its history and its events.
 
 intent of the operator     operator.reducer
+beginning, end             runtime.phase
 edits of the world         world.editing
 another scenario           scenario.scenario
 undo, redo                 runtime.history
@@ -11,6 +12,7 @@ from higvf_console.core.command import Command
 from higvf_console.core.commands import (
     ClearPath,
     Confirm,
+    ContinueRun,
     Discard,
     EmergencyStop,
     ForgetPath,
@@ -26,6 +28,7 @@ from higvf_console.core.commands import (
     Resume,
     ReversePath,
     ShapePath,
+    StartRun,
     StrokeCancel,
     StrokeEnd,
     StrokeUse,
@@ -38,6 +41,7 @@ from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import PathKind
 from higvf_console.operator.reducer import apply_command, started_again
 from higvf_console.runtime.history import Action, History, RunState, Tally, redo, undo
+from higvf_console.runtime.phase import Phase, RunPhase, again, begun, continued
 from higvf_console.scenario.scenario import parse_scenario
 from higvf_console.world.editing.carry import NEW, same_rows
 from higvf_console.world.editing.edit import edited
@@ -50,7 +54,10 @@ _UNDOABLE = (
 )  # fmt: skip
 
 
-def dispatch(now: RunState, history: History, command: OperatorCommand) -> Dispatched:
+_GOING = {StartRun: "The run begins.", ContinueRun: "The run goes on."}
+
+
+def dispatch(now: RunState, history: History, command: OperatorCommand) -> Dispatched:  # noqa: PLR0911
     """The run state and the history after a command, and the events that report it.
 
     Raises:
@@ -63,6 +70,8 @@ def dispatch(now: RunState, history: History, command: OperatorCommand) -> Dispa
         case Redo():
             history, run_state, text = redo(history, now)
             return run_state, history, _report(now, "undone", text)
+        case StartRun() | ContinueRun():
+            return _set_going(now, command), history, _report(now, "run", _GOING[type(command)])
         case LoadScenario():
             return _loaded(now, history, command)
         case StrokeEnd(use=StrokeUse.OBSTACLE):
@@ -73,11 +82,16 @@ def dispatch(now: RunState, history: History, command: OperatorCommand) -> Dispa
             return _applied(now, history, command)
 
 
+def _set_going(now: RunState, command: StartRun | ContinueRun) -> RunState:
+    change = begun if isinstance(command, StartRun) else continued
+    return now._replace(phase=change(now.phase))
+
+
 def _applied(now: RunState, history: History, command: OperatorCommand) -> Dispatched:
     state, events = apply_command(now.state, command, now.setup)
     run_state = now._replace(state=state)
     if isinstance(command, ResetRun):
-        run_state = run_state._replace(tally=Tally())
+        run_state = run_state._replace(tally=Tally(), phase=again(now.phase))
     if isinstance(command, EmergencyStop):
         return run_state, history.stopped(), events
     effects = [event for event in events if event.kind not in ("refused", "clipped")]
@@ -122,7 +136,8 @@ def _loaded(now: RunState, history: History, command: LoadScenario) -> Dispatche
     scenario = parse_scenario(command.text, command.name, command.polygons)
     setup = scenario.setup(int(now.setup.params.robots.seed))
     start = started_again(now.state, setup)
-    run_state = RunState(setup, start, Tally(), scenario.filter, scenario)
+    phase = RunPhase(Phase.READY if command.waits else Phase.RUNNING)
+    run_state = RunState(setup, start, Tally(), scenario.filter, scenario, phase)
     rows = same_rows(len(start.motion.position)), same_rows(len(start.motion.fire_radius))
     text = f"The scenario '{scenario.title}' is loaded."
     history = _recorded(now, run_state, history, command, text, *rows)

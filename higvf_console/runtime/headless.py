@@ -6,14 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from higvf_console.channels.attention_report import attention_section
-from higvf_console.control.forms import name_of
 from higvf_console.core.arguments import instance, number
 from higvf_console.runtime.interrupts import held_back
+from higvf_console.runtime.phase import Phase
+from higvf_console.runtime.report import run_report
 from higvf_console.runtime.run import Tick, TrajectoryDigest
 from higvf_console.runtime.session import Session
 from higvf_console.runtime.snapshot import Snapshot
-from higvf_console.sim.certificates import certificates
 
 LONGEST = 1e6  # [s]
 
@@ -21,7 +20,7 @@ LONGEST = 1e6  # [s]
 def run_headless(
     session: Session, duration: float | None = None, each: Callable[[Tick], object] | None = None
 ) -> dict[str, Any]:
-    """Ticks until all fires are out or `duration` ends, then reports; the caller closes the session.
+    """Ticks until the run ends as its scenario says, or `duration` does, then reports; the caller closes the session.
 
     A clock that a command froze stands until the duration ends, for nobody else can thaw it.
 
@@ -52,26 +51,10 @@ def run_headless(
                 tick_ms.append(session.snapshot.tick_ms)
                 if each is not None:
                     each(_tick(session.snapshot))
-            burning = session.snapshot.state.motion.fire_burning
-            if len(burning) and not burning.any():
+            if session.snapshot.phase.phase is Phase.ENDED:
                 break
-    inputs = session.input_reports
     return {
-        "scenario": session.scenario.name,
-        "forms": name_of(session.scenario.params.forms),
-        "seed": session.seed,
-        "duration_s": round(done * dt, 9),
-        "ticks": done,
-        **_outcome(session),
-        "commands": [
-            {"time": round(time, 9), "source": command.source, "kind": type(command).__name__}
-            for time, command in session.commands
-        ],
-        "channels": {
-            name: {"state": health.state.value, "detail": health.detail} for name, health in session.snapshot.channels
-        },
-        "attention": attention_section(inputs.attention),
-        "calibrations": {name: report._asdict() for name, report in inputs.calibrations},
+        **run_report(session, done),
         "tick_ms": {f"p{share}": round(float(np.percentile(tick_ms or [0.0], share)), 4) for share in (50, 99)},
         "digest": digest.hex(),
     }
@@ -79,19 +62,3 @@ def run_headless(
 
 def _tick(now: Snapshot) -> Tick:
     return Tick(now.time, now.state, now.trace, now.setup)
-
-
-def _outcome(session: Session) -> dict[str, Any]:
-    now, setup = session.snapshot, session.setup
-    return {
-        "extinguished": [fire + 1 for fire in now.extinguished],
-        "loss_area_m2": now.loss_area.tolist(),
-        "loss_area_total_m2": float(now.loss_area.sum()),
-        "min_clearance_margin_m": now.min_clearance if math.isfinite(now.min_clearance) else None,
-        "infeasible_ticks": now.infeasible_ticks,
-        "deadlock_s": round(now.deadlock_s, 9),
-        "certificates": [
-            {**item._asdict(), "value": item.value if math.isfinite(item.value) else None, "met": item.met}
-            for item in certificates(setup.world, setup.params, setup.start, now.state, now.trace, now.worst)
-        ],
-    }

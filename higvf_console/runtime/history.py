@@ -22,6 +22,7 @@ from higvf_console.core.errors import ScenarioError
 from higvf_console.core.state import ACTING, Intent, Motion, Path, PathKind, PointerState, SimState
 from higvf_console.operator.outcome import proposal_dropped, with_pointer_state
 from higvf_console.operator.path_commands import same_place
+from higvf_console.runtime.phase import FIRST, RunPhase
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.certificates import Worst
@@ -61,6 +62,7 @@ class RunState(NamedTuple):
         tally: so far.
         filter: the safety filter that runs.
         scenario: where the run came from; None for a run that no scenario file describes.
+        phase: whether it waits for its start, runs, or has ended.
     """
 
     setup: Setup
@@ -68,6 +70,7 @@ class RunState(NamedTuple):
     tally: Tally
     filter: FilterKind
     scenario: Scenario | None
+    phase: RunPhase = FIRST
 
 
 class Action(NamedTuple):

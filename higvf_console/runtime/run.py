@@ -17,6 +17,8 @@ from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import Motion, SimState, Trace
 from higvf_console.runtime.dispatch import dispatch
 from higvf_console.runtime.history import History, RunState, Tally
+from higvf_console.runtime.phase import END_TEXTS, FIRST, RunPhase, after_period
+from higvf_console.scenario.ends import Ends, EndWhen
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim import simulation
@@ -55,18 +57,35 @@ class Run:
         filter: the safety filter that runs.
         scenario: where it comes from; None for a run that no scenario file describes.
         history: what was done, to be undone.
+        phase: where it is between its beginning and its end; `step` advances it in each.
     """
 
     def __init__(
-        self, setup: Setup, filter_kind: FilterKind = FilterKind.DISTRIBUTED, scenario: Scenario | None = None
+        self,
+        setup: Setup,
+        filter_kind: FilterKind = FilterKind.DISTRIBUTED,
+        scenario: Scenario | None = None,
+        phase: RunPhase = FIRST,
+        *,
+        timed: bool = False,
     ) -> None:
-        """Starts at tick 0, and computes the first trace ahead."""
+        """Starts at tick 0, and computes the first trace ahead.
+
+        Args:
+            setup: world and start.
+            filter_kind: which safety filter runs.
+            scenario: where the run comes from.
+            phase: where it begins.
+            timed: whether the scenario's duration ends it.
+        """
         self.state = setup.start
         self.ticks = 0
         self.tally = Tally()
         self.filter = filter_kind
         self.scenario = scenario
         self.history = History()
+        self.phase = phase
+        self._timed = timed
         self._take(setup)
 
     def _take(self, setup: Setup) -> None:
@@ -85,7 +104,7 @@ class Run:
     @property
     def run_state(self) -> RunState:
         """The run as it is now."""
-        return RunState(self._setup, self.state, self.tally, self.filter, self.scenario)
+        return RunState(self._setup, self.state, self.tally, self.filter, self.scenario, self.phase)
 
     @property
     def trace(self) -> Trace:
@@ -105,7 +124,7 @@ class Run:
             return (Event(self.time, Severity.WARNING, "refused", f"Not done: {error}."),)
         again = run_state.setup is not self._setup or isinstance(command, ResetRun | Undo | Redo)
         self.state, self.tally, self.history = run_state.state, run_state.tally, history
-        self.filter, self.scenario = run_state.filter, run_state.scenario
+        self.filter, self.scenario, self.phase = run_state.filter, run_state.scenario, run_state.phase
         if again:
             self._take(run_state.setup)
         return events
@@ -119,7 +138,20 @@ class Run:
         self._trace_before = trace
         self.ticks += 1
         self.tally = _counted(self.tally, before.motion, self.state.motion, trace, self._setup.params)
-        return events
+        return events + self._follow_phase()
+
+    def _follow_phase(self) -> tuple[Event, ...]:
+        """Whether the last control period was the run's last, and the event that reports it."""
+        ends, limit = Ends(), math.inf
+        if self.scenario is not None:
+            ends = self.scenario.ends
+            limit = self.scenario.duration if self._timed and ends.when is not EndWhen.NEVER else math.inf
+        before = self.phase
+        self.phase = after_period(before, self.state.motion, ends, limit, self._setup.params.safety.control_period)
+        if self.phase.phase is before.phase or self.phase.reason is None:
+            return ()
+        text = f"The run has ended: {END_TEXTS[self.phase.reason]}."
+        return (Event(self.time, Severity.GOOD, "run", text),)
 
 
 def _counted(tally: Tally, before: Motion, after: Motion, trace: Trace, params: Parameters) -> Tally:

@@ -49,6 +49,7 @@ from higvf_console.runtime.compiling import announce
 from higvf_console.runtime.failsafe import failure_event, halted
 from higvf_console.runtime.history import rows_before
 from higvf_console.runtime.inputs import opening_warnings
+from higvf_console.runtime.phase import Phase, RunPhase
 from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.run import Run
 from higvf_console.runtime.snapshot import Snapshot
@@ -83,6 +84,8 @@ class Session:
         viewport: how the operator's screen lies over the arena; set by the view.
         commands: the latest that were applied, without cursors and stroke points, which come by the thousand.
         error: what halted the engine; None while all is well.
+        attended: whether the clock stands once a run has ended.
+        waits: whether the clock of a run that a person begins waits for a StartRun.
         answered: set when there is an answer to the operator to show, such as what a command did; the view clears it.
     """
 
@@ -93,6 +96,9 @@ class Session:
         seed: int = 0,
         recorder: Recorder | None = None,
         markers: MarkerOutlet | None = None,
+        *,
+        attended: bool = False,
+        waits: bool = False,
     ) -> None:
         """Sets the run up and publishes its first moment; nothing moves before `tick` or `run`.
 
@@ -102,6 +108,9 @@ class Session:
             seed: of the start positions.
             recorder: writes everything down.
             markers: tells the laboratory's other devices.
+            attended: whether a person watches the run: its clock stands once it has ended, which the scenario's
+                duration does too.
+            waits: whether the clock of the first run waits for a StartRun.
 
         Raises:
             ScenarioError: the start is not safe with this seed.
@@ -116,7 +125,9 @@ class Session:
         self.commands: deque[AppliedCommand] = deque(maxlen=COMMANDS_KEPT)
         self.error: Exception | None = None
         self.answered = Signal()
-        self._run = Run(scenario.setup(seed), scenario.filter, scenario)
+        phase = RunPhase(Phase.READY if waits else Phase.RUNNING)
+        self.attended, self.waits = attended, waits
+        self._run = Run(scenario.setup(seed), scenario.filter, scenario, phase, timed=attended)
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
@@ -180,13 +191,19 @@ class Session:
         self._attend()
         if self._frozen:
             advance, self._steps_due = self._steps_due > 0, max(0, self._steps_due - 1)
-        if advance:
+        if advance and not self._stands:
             self._add(self._run.step())
             if self._recorder is not None:
                 self._record(self._recorder.step, self._run.state.motion)
         self._publish(started)
         if self._applied > known:
             self.answered.set()
+
+    @property
+    def _stands(self) -> bool:
+        """Whether the run has not begun, or has ended for who watches it."""
+        phase = self._run.phase.phase
+        return phase is Phase.READY or (phase is Phase.ENDED and self.attended)
 
     def run(self, stopping: Signal) -> None:
         """Ticks at the pace of the clock until `stopping` is set; an engine that fails halts the team, not the loop."""
@@ -281,8 +298,7 @@ class Session:
             self._give(command, channel)
         except Exception as error:  # a device may send what no type checker saw; the state is as it was
             source = getattr(command, "source", "?")
-            text = f"Input '{source}' sent {type(command).__name__}, which cannot be used: {error}"
-            self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
+            self._refuse(f"Input '{source}' sent {type(command).__name__}, which cannot be used: {error}")
             return
         if not isinstance(command, Cursor | StrokePoints):
             self._applied += 1
@@ -323,6 +339,8 @@ class Session:
         match command:
             case Freeze(frozen=frozen):
                 self._frozen, self._steps_due = bool(frozen), 0
+            case Step() if self._stands:
+                self._refuse("No step: start the run, or continue one that has ended, first.")
             case Step():
                 self._steps_due += 1
             case SetSpeed(factor=factor):
@@ -335,7 +353,9 @@ class Session:
         if SLOWEST <= factor <= FASTEST:
             self._speed = float(factor)
             return
-        text = f"The clock cannot run at {factor:g} times real time: choose {SLOWEST:g} to {FASTEST:g}."
+        self._refuse(f"The clock cannot run at {factor:g} times real time: choose {SLOWEST:g} to {FASTEST:g}.")
+
+    def _refuse(self, text: str) -> None:
         self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
 
     def _record(self, write: Any, *arguments: object) -> None:
@@ -374,6 +394,7 @@ class Session:
             trace=run.trace,
             last=run.last,
             time=run.time,
+            phase=run.phase,
             frozen=self._frozen,
             speed=self._speed,
             loss_area=loss_area(run.state.motion),

@@ -9,6 +9,7 @@ from higvf_console.core.events import Event
 from higvf_console.core.interface import ChannelHealth
 from higvf_console.core.state import SimState, Trace
 from higvf_console.runtime.history import History
+from higvf_console.runtime.phase import RunPhase
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.sim.certificates import Worst
 from higvf_console.world.setup import Setup
@@ -24,7 +25,8 @@ class Snapshot(NamedTuple):
         trace: of the last control period.
         last: the last control period as a whole; at the start of a run, the first one to come.
         time: session time [s].
-        frozen: whether the simulation clock stands.
+        phase: whether the run waits for its start, runs, or has ended.
+        frozen: whether the operator has frozen the simulation clock.
         speed: factor of the simulation clock.
         loss_area: (M,) burnt by each fire [m^2].
         min_clearance: smallest of the run so far [m]; the present one is in the trace.
@@ -46,6 +48,7 @@ class Snapshot(NamedTuple):
     trace: Trace
     last: Moved
     time: float
+    phase: RunPhase
     frozen: bool
     speed: float
     loss_area: Floats

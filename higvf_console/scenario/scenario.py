@@ -5,6 +5,7 @@
     robots: {start_m: [[700, 300], ...]}     # or count, spacing_m, centre_m; jitter_m, as the seed decides;
         # heading_deg of unicycles: one for all, or a list
     title, description, name: text           # the name defaults to the file's
+    briefing: text                           # what the operator reads before the run begins
     links: [[1, 2], ...]                     # else the communication range decides
     formation_m: [[0, 0], ...]               # the shape to keep, else the start positions
     fires: [{at_m: [500, 250], radius_m: 20, growth_m_per_s: 1, robots_needed: 2}, ...]
@@ -25,12 +26,14 @@
     filter: distributed                      # or centralised
     inputs: {emg: {labels: {fist: pause}}}   # settings by interface; stale, lost, on_lost of any: channel_settings
     demo: ["gaze=assets/recordings/barrier-gaze.tsv:frame=screen"]     # what --demo plays, as --input
+    ends: {when: all_fires_out}              # or path_finished, never; after_s
     duration_s: 120
 
 A key that is not known, a number out of range or a start that is not safe raises a `ScenarioError` with the file, the
 key path, the value and the choices.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
@@ -45,10 +48,11 @@ from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, shown
 from higvf_console.core.reading.document import read_text, read_yaml
 from higvf_console.core.reading.node import Node
-from higvf_console.core.state import NO_PATH, Path
+from higvf_console.core.state import NO_PATH, Path, PathEnding, PathKind
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import follow
 from higvf_console.scenario.channel_settings import read_inputs
+from higvf_console.scenario.ends import Ends, end_warnings, read_ends
 from higvf_console.scenario.sections import (
     FilterKind,
     Robots,
@@ -85,8 +89,9 @@ from higvf_console.world.setup import Setup, make_setup
 
 VERSION = 1
 KEYS = (
-    "version", "name", "title", "description", "arena", "robots", "links", "formation_m", "fires", "obstacles", "path",
-    "influenced", "strokes", "parameters", "forms", "filter", "inputs", "demo", "duration_s",
+    "version", "name", "title", "description", "briefing", "arena", "robots", "links", "formation_m", "fires",
+    "obstacles", "path", "influenced", "strokes", "parameters", "forms", "filter", "inputs", "demo", "ends",
+    "duration_s",
 )  # fmt: skip
 _SEEDS = 2**53  # whole numbers that a float can tell apart
 _DURATION = Quantity("s", 0.001, 1e6, "", "How long a run lasts.")
@@ -100,6 +105,7 @@ class Scenario:
         name: word that reports use.
         title: what a person reads.
         description: one or two sentences.
+        briefing: what the operator reads before the run begins; empty = the description alone.
         text: the file as it was read, for recordings.
         source: where it was read from.
         arena: what the operator sees.
@@ -117,13 +123,15 @@ class Scenario:
         inputs: settings by interface name.
         limits: when silence of an input matters, by its name, where the scenario says.
         demo: inputs of `--demo`, written as on the command line.
-        duration: how long a headless run lasts at most [s].
+        ends: how a run ends.
+        duration: how long a run lasts at most [s]; in the console only if it ends at all.
         warnings: what is allowed but probably not meant.
     """
 
     name: str
     title: str
     description: str
+    briefing: str
     text: str
     source: str
     arena: Arena
@@ -141,6 +149,7 @@ class Scenario:
     inputs: Mapping[str, Mapping[str, object]]
     limits: Mapping[str, GivenLimits]
     demo: tuple[str, ...]
+    ends: Ends
     duration: float
     warnings: tuple[str, ...]
 
@@ -258,6 +267,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         name=name,
         title=entry("title", name).text(),
         description=entry("description", "").text().strip(),
+        briefing=entry("briefing", "").text().strip(),
         text=text,
         source=source,
         arena=arena,
@@ -275,6 +285,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         inputs=inputs,
         limits=limits,
         demo=tuple(item.text() for item in entry("demo", []).items()),
+        ends=read_ends(entries["ends"]) if "ends" in entries else Ends(),
         duration=entry("duration_s", 120.0).number(_DURATION),
         warnings=(
             *root.warnings,
@@ -290,7 +301,15 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         check_intention(intention_radius(robots.points, links, scenario.influenced, params), source)
     late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, params)
     buried = buried_fires(start.world.fire_position, fire_radius, scenario.obstacles)
-    return replace(scenario, warnings=(*scenario.warnings, *late, *buried, *unavoidable(start.layout)))
+    warnings = (*late, *buried, *unavoidable(start.layout), *_end_warnings(scenario))
+    return replace(scenario, warnings=(*scenario.warnings, *warnings))
+
+
+def _end_warnings(scenario: Scenario) -> tuple[str, ...]:
+    path = scenario.path
+    no_end = path.closed or path.ending == PathEnding.LOOP or path.length == math.inf
+    endless = path.kind != PathKind.NONE and no_end and path.duration == math.inf
+    return end_warnings(scenario.ends, fires=bool(scenario.fires), endless_path=endless, duration=scenario.duration)
 
 
 def _network_warnings(network: Network, linked: bool) -> tuple[str, ...]:

@@ -23,6 +23,7 @@ from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import ending_word
 from higvf_console.scenario.channel_settings import written_inputs
 from higvf_console.scenario.courses import written_course
+from higvf_console.scenario.ends import written_ends
 from higvf_console.scenario.scenario import VERSION, Scenario, parse_scenario
 from higvf_console.scenario.sections import Robots
 from higvf_console.world.editing.entities import centres
@@ -53,7 +54,8 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
     robots = _robots(centres(layout, motion), motion.heading, setup.params)
     content: Section = {"version": VERSION}
     if scenario is not None:
-        content |= {"name": scenario.name, "title": scenario.title, "description": scenario.description}
+        content |= {"name": scenario.name, "title": scenario.title}
+        content |= {"description": scenario.description, "briefing": scenario.briefing}
     content |= {"arena": _arena(layout.arena, layout.walls), "robots": robots.written()}
     if layout.links is not None:
         content["links"] = [[first + 1, second + 1] for first, second in layout.links]
@@ -67,7 +69,7 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
     if scenario is not None:
         content |= {
             "filter": scenario.filter.value, "inputs": written_inputs(scenario.inputs, scenario.limits),
-            "demo": list(scenario.demo), "duration_s": scenario.duration,
+            "demo": list(scenario.demo), "ends": written_ends(scenario.ends), "duration_s": scenario.duration,
         }  # fmt: skip
     text = yaml_text({key: value for key, value in content.items() if key == "links" or value not in ({}, [], "")})
     try:

@@ -23,7 +23,7 @@ from tests.fake_interfaces import BrokenInterface, FakeInterface
 
 STROKE = np.array([[650.0, 250.0], [500.0, 400.0], [400.0, 400.0], [300.0, 300.0]])
 KEYS = [
-    "scenario", "forms", "seed", "duration_s", "ticks", "extinguished", "loss_area_m2", "loss_area_total_m2",
+    "scenario", "forms", "seed", "duration_s", "ticks", "ended", "extinguished", "loss_area_m2", "loss_area_total_m2",
     "min_clearance_margin_m", "infeasible_ticks", "deadlock_s", "certificates", "commands", "channels", "attention",
     "calibrations", "tick_ms", "digest",
 ]  # fmt: skip

@@ -74,6 +74,7 @@ def console_of(scenario: str) -> Generator[Server]:
         HigvfError: the console does not start; the message holds its output.
     """
     command = [sys.executable, "-m", "higvf_console", "run", scenario, "--port", "auto", "--no-browser"]
+    command.append("--start-at-once")
     with tempfile.TemporaryFile("w+") as output:
         running = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, text=True)
         try:

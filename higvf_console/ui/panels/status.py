@@ -8,8 +8,10 @@ import viser
 from higvf_console.core.commands import Acknowledge
 from higvf_console.core.interface import ChannelHealth, ChannelState, PointerSink
 from higvf_console.core.state import PathKind, PathStatus, SimState
+from higvf_console.runtime.phase import Phase
 from higvf_console.sim.events import too_near
 from higvf_console.ui.panels.log import alarms_text
+from higvf_console.ui.panels.standing import standing_text
 from higvf_console.ui.panels.widgets.callbacks import reaction
 from higvf_console.ui.panels.widgets.html import TIMES, block, clock, nearness, text
 from higvf_console.ui.theme import CSS
@@ -60,24 +62,28 @@ class StatusPanel:
         self._html.remove()
 
 
-def mode_of(state: SimState, frozen: bool) -> tuple[str, str]:
-    """The mode in one word, and its colour."""
-    if state.intent.stopped:
-        return "STOPPED", CSS.alarm
-    if frozen:
-        return "FROZEN", CSS.robot
-    if state.intent.paused:
-        return "PAUSED", CSS.warning
-    return "RUNNING", CSS.progress
+def modes_of(state: SimState, phase: Phase, frozen: bool) -> list[tuple[str, str]]:
+    """All modes that hold, each in one word with its colour: that of the team, then that of the clock."""
+    team = ("STOPPED", CSS.alarm) if state.intent.stopped else ("PAUSED", CSS.warning)
+    modes = [team] if state.intent.stopped or state.intent.paused else []
+    if phase is Phase.READY:
+        modes.append(("READY", CSS.robot))
+    elif phase is Phase.ENDED:
+        modes.append(("ENDED", CSS.robot))
+    elif frozen:
+        modes.append(("FROZEN", CSS.robot))
+    return modes or [("RUNNING", CSS.progress)]
 
 
 def status_html(snapshot: "Snapshot", period_ms: float, unread: int = 0) -> str:
     """The status lines, and the count of alarms that nobody has acknowledged."""
-    mode, colour = mode_of(snapshot.state, snapshot.frozen)
+    modes = "".join(
+        f'<span class="mode" style="background:{colour}">{mode}</span>'
+        for mode, colour in modes_of(snapshot.state, snapshot.phase.phase, snapshot.frozen)
+    )
     alarms = f'<span class="unseen" title="Acknowledge them under Log">{alarms_text(unread)}</span>' if unread else ""
     head = (
-        f'<div class="head"><span class="mode" style="background:{colour}">{mode}</span>'
-        f'<span class="clock">{clock(snapshot.time)}</span>{alarms}'
+        f'<div class="head">{modes}<span class="clock">{clock(snapshot.time)}</span>{alarms}'
         f'<span class="speed">{snapshot.speed:g}{TIMES}</span></div>'
     )
     rows = [
@@ -86,6 +92,8 @@ def status_html(snapshot: "Snapshot", period_ms: float, unread: int = 0) -> str:
         ("Filter", filter_line(snapshot)),
         ("Tick", f'{snapshot.tick_ms:.2f} ms <span class="dim">of {period_ms:g} ms</span>'),
     ]
+    if standing := standing_text(snapshot):
+        rows.insert(1, ("Standing", text(standing)))
     if snapshot.channels:
         rows.append(("Inputs", " ".join(channel_html(name, health) for name, health in snapshot.channels)))
     lines = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in rows)

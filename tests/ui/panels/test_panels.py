@@ -16,6 +16,7 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState
 from higvf_console.core.state import PathStatus, SimState
+from higvf_console.runtime.phase import Phase
 from higvf_console.sim.simulation import advance
 from higvf_console.ui.panels.fires import MOST_SAMPLES, LossHistory, summary_html, table_html
 from higvf_console.ui.panels.log import MOST_AT_ONCE, MOST_SHOWN, Notifications, log_html, newer
@@ -26,7 +27,7 @@ from higvf_console.ui.panels.status import (
     channel_html,
     clearance_line,
     filter_line,
-    mode_of,
+    modes_of,
     operator_line,
 )
 from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, one_of, reaction, truth
@@ -47,16 +48,21 @@ def event(kind: str, severity: Severity = Severity.INFO, text: str = "It happene
 
 
 @pytest.mark.parametrize(
-    ("intent", "frozen", "mode"),
+    ("intent", "phase", "frozen", "modes"),
     [
-        ({}, False, "RUNNING"),
-        ({"paused": True}, False, "PAUSED"),
-        ({"paused": True}, True, "FROZEN"),
-        ({"paused": True, "stopped": True}, True, "STOPPED"),
+        ({}, Phase.RUNNING, False, ["RUNNING"]),
+        ({}, Phase.CONTINUED, False, ["RUNNING"]),
+        ({"paused": True}, Phase.RUNNING, False, ["PAUSED"]),
+        ({"paused": True}, Phase.RUNNING, True, ["PAUSED", "FROZEN"]),
+        ({"paused": True, "stopped": True}, Phase.RUNNING, True, ["STOPPED", "FROZEN"]),
+        ({}, Phase.READY, True, ["READY"]),
+        ({"paused": True}, Phase.ENDED, False, ["PAUSED", "ENDED"]),
     ],
 )
-def test_the_gravest_mode_is_shown(intent: dict[str, bool], frozen: bool, mode: str) -> None:
-    assert mode_of(with_intent(**intent), frozen)[0] == mode
+def test_the_mode_of_the_team_and_that_of_the_clock_are_both_shown(
+    intent: dict[str, bool], phase: Phase, frozen: bool, modes: list[str]
+) -> None:
+    assert [mode for mode, _ in modes_of(with_intent(**intent), phase, frozen)] == modes
 
 
 def test_the_operator_line_names_robot_and_progress_either_way_round() -> None:
@@ -197,7 +203,8 @@ def test_the_chart_draws_the_other_run_dashed_and_marks_where_this_one_is() -> N
 
 
 def test_the_summary_compares_at_the_same_time() -> None:
-    baseline = Baseline(floats([0, 10, 20]), floats([1000, 2000, 3000]))
+    loss = floats([1000, 2000, 3000])
+    baseline = Baseline(floats([0, 10, 20]), loss, loss[:, None], np.ones((3, 1), np.bool_))
     assert "1\u202f500" in summary_html(5.0, 1200.0, baseline)
     assert "without operator" not in summary_html(5.0, 1200.0, None)
 
