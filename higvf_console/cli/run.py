@@ -33,7 +33,7 @@ _REPORTED = ("refused", "clipped", "failure", "channel", "recording")  # kinds o
 def run(given: argparse.Namespace) -> int:
     """Runs a scenario to its end, or until Ctrl-C; returns the exit status."""
     from higvf_console.control.forms import forms_named
-    from higvf_console.runtime.session import FASTEST, SLOWEST
+    from higvf_console.runtime.clock import FASTEST, SLOWEST
     from higvf_console.scenario.scenario import load_scenario
 
     if given.headless and given.start_at_once:
@@ -79,13 +79,19 @@ def _start_session(
     from higvf_console.channels.marker_outlet import MarkerOutlet
     from higvf_console.cli.engine import load_engine
     from higvf_console.runtime.session import Session
+    from higvf_console.runtime.worker import Worker
     from higvf_console.scenario.sections import FilterKind
 
     load_engine(setup, coupled=scenario.filter is FilterKind.CENTRALISED)
     markers = MarkerOutlet(given.lsl_out, scenario.name, given.seed) if given.lsl_out is not None else None
     waits = not (given.headless or given.start_at_once)
     attended = not given.headless
-    session = Session(scenario, interfaces, given.seed, recorder, markers, attended=attended, waits=waits)
+    worker = None if given.headless else Worker()
+    if worker is not None:
+        closing.callback(worker.close)
+    session = Session(
+        scenario, interfaces, given.seed, recorder, markers, attended=attended, waits=waits, worker=worker
+    )
     closing.callback(session.close)
     session.set_speed(given.speed)
     for event in session.snapshot.events:  # nothing has run yet: the warnings of scenario and inputs

@@ -37,7 +37,7 @@ class Admission:
         return len(self._stops) + sum(map(len, self._waiting.values()))
 
     def take_in(self, said: Iterable[Said]) -> None:
-        """Adds commands behind those that wait; a STOP goes before all, and what waits and would reset it is dropped."""
+        """Adds commands behind those that wait; a STOP goes before all, and what would reset it is dropped."""
         for channel, command in said:
             if isinstance(command, EmergencyStop):
                 for waiting in self._waiting.values():

@@ -7,6 +7,8 @@ another scenario           scenario.scenario
 undo, redo                 runtime.history
 """
 
+from typing import NamedTuple
+
 from higvf_console.core.arrays import Ints
 from higvf_console.core.command import Command
 from higvf_console.core.commands import (
@@ -42,10 +44,11 @@ from higvf_console.core.state import PathKind
 from higvf_console.operator.reducer import apply_command, started_again
 from higvf_console.runtime.history import Action, History, RunState, Tally, redo, undo
 from higvf_console.runtime.phase import Phase, RunPhase, again, begun, continued
-from higvf_console.scenario.scenario import parse_scenario
+from higvf_console.scenario.scenario import Scenario, parse_scenario
 from higvf_console.world.editing.carry import NEW, same_rows
 from higvf_console.world.editing.edit import edited
 from higvf_console.world.editing.freehand import outline_of
+from higvf_console.world.setup import Setup
 
 Dispatched = tuple[RunState, History, tuple[Event, ...]]
 _UNDOABLE = (
@@ -57,8 +60,37 @@ _UNDOABLE = (
 _GOING = {StartRun: "The run begins.", ContinueRun: "The run goes on."}
 
 
-def dispatch(now: RunState, history: History, command: OperatorCommand) -> Dispatched:  # noqa: PLR0911
+class Prepared(NamedTuple):
+    """A scenario that was read and built ahead, see `prepare`."""
+
+    scenario: Scenario
+    setup: Setup
+
+
+def prepare(command: LoadScenario, seed: int) -> Prepared:
+    """Reads and builds the scenario of a command, which may take seconds.
+
+    Args:
+        command: the file.
+        seed: of the start positions.
+
+    Raises:
+        ScenarioError: it cannot be used.
+    """
+    scenario = parse_scenario(command.text, command.name, command.polygons)
+    return Prepared(scenario, scenario.setup(seed))
+
+
+def dispatch(  # noqa: PLR0911
+    now: RunState, history: History, command: OperatorCommand, prepared: Prepared | None = None
+) -> Dispatched:
     """The run state and the history after a command, and the events that report it.
+
+    Args:
+        now: present run state.
+        history: what was done so far.
+        command: what the operator asks for.
+        prepared: of a LoadScenario, where it was prepared ahead.
 
     Raises:
         ScenarioError: the command is refused; nothing has changed.
@@ -73,7 +105,7 @@ def dispatch(now: RunState, history: History, command: OperatorCommand) -> Dispa
         case StartRun() | ContinueRun():
             return _set_going(now, command), history, _report(now, "run", _GOING[type(command)])
         case LoadScenario():
-            return _loaded(now, history, command)
+            return _loaded(now, history, command, prepared or prepare(command, seed_of(now.setup)))
         case StrokeEnd(use=StrokeUse.OBSTACLE):
             return _outlined(now, history)
         case Edit():
@@ -132,9 +164,13 @@ def _outlined(now: RunState, history: History) -> Dispatched:
         return now, history, (Event(_time(now), Severity.WARNING, "refused", f"No obstacle: {error}."),)
 
 
-def _loaded(now: RunState, history: History, command: LoadScenario) -> Dispatched:
-    scenario = parse_scenario(command.text, command.name, command.polygons)
-    setup = scenario.setup(int(now.setup.params.robots.seed))
+def seed_of(setup: Setup) -> int:
+    """By which the start positions of a run, and its errors, are drawn."""
+    return int(setup.params.robots.seed)
+
+
+def _loaded(now: RunState, history: History, command: LoadScenario, prepared: Prepared) -> Dispatched:
+    scenario, setup = prepared
     start = started_again(now.state, setup)
     phase = RunPhase(Phase.READY if command.waits else Phase.RUNNING)
     run_state = RunState(setup, start, Tally(), scenario.filter, scenario, phase)

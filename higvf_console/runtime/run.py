@@ -15,7 +15,7 @@ from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, Undo
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import Motion, SimState, Trace
-from higvf_console.runtime.dispatch import dispatch
+from higvf_console.runtime.dispatch import Prepared, dispatch
 from higvf_console.runtime.history import History, RunState, Tally
 from higvf_console.runtime.phase import END_TEXTS, FIRST, RunPhase, after_period
 from higvf_console.scenario.ends import Ends, EndWhen
@@ -116,10 +116,15 @@ class Run:
         """Session time [s]: control periods since the start, or since the run was reset."""
         return self.state.motion.tick * self._setup.params.safety.control_period
 
-    def apply(self, command: OperatorCommand) -> tuple[Event, ...]:
-        """Gives a command its meaning; a refused one leaves everything as it was and says so."""
+    def apply(self, command: OperatorCommand, prepared: Prepared | None = None) -> tuple[Event, ...]:
+        """Gives a command its meaning; a refused one leaves everything as it was and says so.
+
+        Args:
+            command: what the operator asks for.
+            prepared: of a LoadScenario, where it was prepared ahead.
+        """
         try:
-            run_state, history, events = dispatch(self.run_state, self.history, command)
+            run_state, history, events = dispatch(self.run_state, self.history, command, prepared)
         except ScenarioError as error:
             return (Event(self.time, Severity.WARNING, "refused", f"Not done: {error}."),)
         again = run_state.setup is not self._setup or isinstance(command, ResetRun | Undo | Redo)

@@ -28,12 +28,9 @@ from higvf_console.core.command import SESSION
 from higvf_console.core.commands import (
     Cursor,
     EmergencyStop,
-    Freeze,
     LoadScenario,
     OperatorCommand,
     Redo,
-    SetSpeed,
-    Step,
     StrokePoints,
     Undo,
 )
@@ -45,20 +42,22 @@ from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.admission import Admission
 from higvf_console.runtime.baseline_thread import keep_baseline
+from higvf_console.runtime.clock import Clock
 from higvf_console.runtime.compiling import announce
+from higvf_console.runtime.dispatch import Prepared, seed_of
 from higvf_console.runtime.failsafe import failure_event, halted
 from higvf_console.runtime.history import rows_before
 from higvf_console.runtime.inputs import opening_warnings
+from higvf_console.runtime.loader import Loaded, Loader
 from higvf_console.runtime.phase import Phase, RunPhase
 from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.run import Run
 from higvf_console.runtime.snapshot import Snapshot
+from higvf_console.runtime.worker import Worker
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.sim.metrics import loss_area
 from higvf_console.world.setup import Setup
 
-SLOWEST, FASTEST = 0.25, 8.0  # speed factors
-CATCH_UP = 3  # ticks by which the loop may lag before it gives up the lost time
 EVENTS_KEPT = 2000
 COMMANDS_KEPT = 20_000
 COMMAND_SHARE = 0.25  # of a control period, for the commands of a run in real time
@@ -86,6 +85,7 @@ class Session:
         error: what halted the engine; None while all is well.
         attended: whether the clock stands once a run has ended.
         waits: whether the clock of a run that a person begins waits for a StartRun.
+        worker: for what must not hold up the loop; None = there is none.
         answered: set when there is an answer to the operator to show, such as what a command did; the view clears it.
     """
 
@@ -99,6 +99,7 @@ class Session:
         *,
         attended: bool = False,
         waits: bool = False,
+        worker: Worker | None = None,
     ) -> None:
         """Sets the run up and publishes its first moment; nothing moves before `tick` or `run`.
 
@@ -111,6 +112,7 @@ class Session:
             attended: whether a person watches the run: its clock stands once it has ended, which the scenario's
                 duration does too.
             waits: whether the clock of the first run waits for a StartRun.
+            worker: reads what is loaded during the run, so that the team does not wait; None = the session itself does.
 
         Raises:
             ScenarioError: the start is not safe with this seed.
@@ -135,10 +137,11 @@ class Session:
         self._command_time = math.inf  # for the commands of one tick [s]
         self._limiter = Limiter()
         self._applied = 0  # commands but cursors and stroke points
-        self._lost_time = 0.0  # [s]
         self._recorder, self._markers = recorder, markers
-        self._frozen, self._speed = False, 1.0
-        self._steps_due = self._heartbeats = 0
+        self._clock = Clock()
+        self.worker = worker
+        self._loader = None if worker is None else Loader(worker)
+        self._heartbeats = 0
         self._events = opening_warnings(scenario, self._channels)
         self._publish(perf_counter())
 
@@ -189,8 +192,7 @@ class Session:
         """
         started, known = perf_counter(), self._applied
         self._attend()
-        if self._frozen:
-            advance, self._steps_due = self._steps_due > 0, max(0, self._steps_due - 1)
+        advance = self._clock.advances(wanted=advance)
         if advance and not self._stands:
             self._add(self._run.step())
             if self._recorder is not None:
@@ -209,15 +211,15 @@ class Session:
         """Ticks at the pace of the clock until `stopping` is set; an engine that fails halts the team, not the loop."""
         Thread(target=keep_baseline, args=(self, stopping), name="baseline", daemon=True).start()
         self._command_time = COMMAND_SHARE * self.setup.params.safety.control_period
-        due, credit = perf_counter(), 0.0
+        due = perf_counter()
         while not stopping.is_set():
-            credit += min(self._speed, 1.0)
             try:
-                self.tick(advance=credit >= 1.0)
+                self.tick(advance=self._clock.beat())
             except Exception as error:  # the operator must learn of any failure, and the robots must stand
                 self._halt(error)
-            credit -= credit >= 1.0
-            due = self._wait(due, stopping)
+            due, lost = self._clock.wait(due, self.setup.params.safety.control_period, stopping)
+            if lost > 0.0:
+                self._report_lateness()
 
     def close(self) -> None:
         """Closes the interfaces and completes the recording."""
@@ -230,23 +232,9 @@ class Session:
             if self._markers is not None:
                 self._markers.close()
 
-    def _wait(self, due: float, stopping: Signal) -> float:
-        """Waits for the next tick; returns when it is due, without the time that cannot be caught up."""
-        period = self.setup.params.safety.control_period / max(self._speed, 1.0)
-        due += period
-        now = perf_counter()
-        if now < due:
-            stopping.wait(due - now)
-        lost = now - CATCH_UP * period - due
-        if lost > 0.0:
-            self._lose(lost)
-        return due + max(lost, 0.0)
-
-    def _lose(self, lost: float) -> None:
-        """Reports time of the wall clock [s] that the run cannot catch up with."""
-        self._lost_time += lost
+    def _report_lateness(self) -> None:
         if count := self._limiter.due("late", perf_counter()):
-            text = f"The run lags behind real time by {self._lost_time:.1f} s in all ({count} delays): the computer is busy."
+            text = f"The computer is busy: the run lags {self._clock.lost:.1f} s behind real time ({count} new delays)."
             self._add((Event(self._run.time, Severity.WARNING, "late", text),))
 
     def _attend(self) -> None:
@@ -262,6 +250,9 @@ class Session:
             robots=len(motion.position),
             targets=Targets(self._run.setup.world.fire_position, motion.fire_radius, motion.position),
         )
+        if self._loader is not None:
+            for loaded in self._loader.take():
+                self._load(loaded)
         said, failures = self._supervisor.poll(context)
         self._admission.take_in(said)
         self._apply_waiting(context)
@@ -290,12 +281,22 @@ class Session:
                 text = f"Input '{channel}' sends faster than commands can be applied: {count} were dropped."
                 self._add((Event(self._run.time, Severity.WARNING, "channel", text),))
 
-    def _apply(self, command: OperatorCommand, channel: str) -> None:
-        if isinstance(command, EmergencyStop) and self._stands():
+    def _load(self, loaded: Loaded) -> None:
+        """Goes over to a scenario that has been prepared."""
+        if loaded.prepared is None:
+            self._refuse(f"Not done: {loaded.refusal}.")
+        else:
+            self._apply(loaded.said.command, loaded.said.channel, loaded.prepared)
+
+    def _apply(self, command: OperatorCommand, channel: str, prepared: Prepared | None = None) -> None:
+        if isinstance(command, EmergencyStop) and self._latched():
             return  # it is latched already, and repeating it must cost nothing
+        if isinstance(command, LoadScenario) and self._loader is not None and prepared is None:
+            self._loader.submit(channel, command, seed_of(self._run.setup))
+            return
         former = self._run.scenario
         try:
-            self._give(command, channel)
+            self._give(command, channel, prepared)
         except Exception as error:  # a device may send what no type checker saw; the state is as it was
             source = getattr(command, "source", "?")
             self._refuse(f"Input '{source}' sent {type(command).__name__}, which cannot be used: {error}")
@@ -309,19 +310,19 @@ class Session:
         if self._recorder is not None and not refused:
             self._record(self._recorder.command, command, self._run.scenario)
 
-    def _stands(self) -> bool:
+    def _latched(self) -> bool:
         """Whether a STOP is active and nobody has begun to reset it."""
         state = self._run.state
         return state.intent.stopped and not state.pointer_state.ask_reset
 
-    def _give(self, command: OperatorCommand, channel: str) -> None:
+    def _give(self, command: OperatorCommand, channel: str, prepared: Prepared | None) -> None:
         """Gives a command its meaning, for the run, the channels and the clock."""
         before, history, scenario = self._run.state, self._run.history, self._run.scenario
-        self._add(self._run.apply(command))
+        self._add(self._run.apply(command, prepared))
         changed = self._run.history is not history and isinstance(command, Edit | Undo | Redo)
         rows = rows_before(self._run.history, undone=isinstance(command, Undo)) if changed else None
         self._add(self._supervisor.applied(Said(channel, command), self._run.time, before, self._run.state, rows))
-        self._set_clock(command)
+        self._refuse(self._clock.command(command))
         self._follow(scenario)
 
     def _follow(self, former: Scenario | None) -> None:
@@ -335,28 +336,14 @@ class Session:
                 text = f"Input '{name}' keeps its settings; those of '{scenario.title}' count when the console starts."
                 self._add((Event(self._run.time, Severity.WARNING, "channel", text),))
 
-    def _set_clock(self, command: OperatorCommand) -> None:
-        match command:
-            case Freeze(frozen=frozen):
-                self._frozen, self._steps_due = bool(frozen), 0
-            case Step() if self._stands:
-                self._refuse("No step: start the run, or continue one that has ended, first.")
-            case Step():
-                self._steps_due += 1
-            case SetSpeed(factor=factor):
-                self.set_speed(factor)
-            case _:
-                pass
-
     def set_speed(self, factor: float) -> None:
         """Lets the clock run at `factor` times real time; one outside [0.25, 8] is refused with an event."""
-        if SLOWEST <= factor <= FASTEST:
-            self._speed = float(factor)
-            return
-        self._refuse(f"The clock cannot run at {factor:g} times real time: choose {SLOWEST:g} to {FASTEST:g}.")
+        self._refuse(self._clock.set_speed(factor))
 
     def _refuse(self, text: str) -> None:
-        self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
+        """Reports why something was not done, where it was not."""
+        if text:
+            self._add((Event(self._run.time, Severity.WARNING, "refused", text),))
 
     def _record(self, write: Any, *arguments: object) -> None:
         try:
@@ -376,7 +363,7 @@ class Session:
     def _halt(self, error: Exception) -> None:
         _log.error("the engine failed at %.2f s; the team stands", self._run.time, exc_info=error)
         self.error = error
-        self._frozen, self._steps_due = True, 0
+        self._clock.halt()
         self._run.state = halted(self._run.state)
         self._add((failure_event(error, self._run.time),))
         self._publish(perf_counter())
@@ -395,12 +382,12 @@ class Session:
             last=run.last,
             time=run.time,
             phase=run.phase,
-            frozen=self._frozen,
-            speed=self._speed,
+            frozen=self._clock.frozen,
+            speed=self._clock.speed,
             loss_area=loss_area(run.state.motion),
             min_clearance=run.tally.min_clearance,
             tick_ms=1e3 * (perf_counter() - started),
-            lost_time=self._lost_time,
+            lost_time=self._clock.lost,
             infeasible_ticks=run.tally.infeasible_ticks,
             deadlock_s=run.tally.deadlock_ticks * self.setup.params.safety.control_period,
             worst=run.tally.worst,
