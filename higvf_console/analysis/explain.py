@@ -154,7 +154,7 @@ def _authority_shares(moved: Moved, params: Parameters, robots: Ints, pulls: _Pu
 
 
 def _neighbours(moved: Moved, params: Parameters, robots: Ints) -> tuple[Floats, Floats]:
-    """Pulls sum w2 g v_j (R, 2) of the neighbours that were heard, and their weights sum w2 g (R,), [16]."""
+    """Pulls sum w2 g v_j (R, 2) of the neighbours whose messages arrived, and their weights sum w2 g (R,), [16]."""
     before, links = moved.before.motion.intention, moved.trace.links
     place = np.full(len(before), -1, np.int64)
     place[robots] = np.arange(len(robots))
@@ -192,8 +192,8 @@ def _taken_by_the_limit(blended: Floats, nominal: Floats, limit: float) -> Float
 def _authority(parts: Floats, settled: Floats) -> Floats:
     """Shares (R, 4) by `Say`, by length: of what each would settle to (R, 3, 2), of formation and corrections [m/s].
 
-    The formation counts with the neighbours, the way round with safety. What v_s was so far has no say of its own: it
-    is what the same voices said before.
+    The formation counts with the neighbours, the detour with safety. The value of v_s from the last control period has
+    no share of its own: the same sources made it.
     """
     own, human, neighbours = np.hypot(settled[..., 0], settled[..., 1]).T
     length = np.hypot(parts[..., 0], parts[..., 1])

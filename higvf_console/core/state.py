@@ -1,8 +1,8 @@
 """Everything that changes in a run, and the world that does not: NamedTuples of arrays, one row a robot.
 
-    SimState = motion   what physics advances each tick (the kernel reads and returns it)
-             + intent   what the operator asks of the team (the kernel reads it, commands write it)
-             + drawing  cursor, growing stroke, what waits to be confirmed (seen on screen, never felt by a robot)
+    SimState = motion         what physics advances each tick (the kernel reads and returns it)
+             + intent         what the operator asks of the team (the kernel reads it, commands write it)
+             + pointer_state  cursor, growing stroke, pending path (seen on screen, without effect on the robots)
 
 Positions are in the world frame, x right, y up, in metres; times in seconds; angles in radians. Indices count from 0,
 the numbers that people see from 1. Arrays are never written in place: a step returns new ones, so that any thread may
@@ -96,8 +96,7 @@ NO_PRIORITY = np.zeros((0, 3))
 
 
 class Motion(NamedTuple):
-    """What physics advances: N robots, M fires, K = G + M + V rings (groups of obstacles, fires, moving
-    obstacles).
+    """What physics advances: N robots, M fires, K = G + M + V boundaries (groups of obstacles, fires, moving obstacles).
 
     Attributes:
         tick: control periods since the start.
@@ -109,7 +108,7 @@ class Motion(NamedTuple):
         target_value: (N,) largest observed fire value of the target since it was chosen [rad].
         circulation: (N, K) circulation direction round each boundary as this robot's component agreed: 0 open, +-1 set
             by any robot, +-2 set by the influenced robot, +-3 turned over on the way out of a deadlock.
-        stalled: (N,) how long the robot has been stalled against active rows [s].
+        stalled: (N,) how long the robot has been stalled against active constraints [s].
         recovery_stage: (N,) how many ways out of a deadlock have been tried, see `control.guidance.recovery`.
         fire_radius: (M,) [m]; an extinguished fire keeps its last radius.
         fire_progress: (M,) time that enough robots have spent extinguishing it [s].
@@ -150,7 +149,7 @@ class Intent(NamedTuple):
 
     Attributes:
         path: the desired path; NO_PATH when there is none.
-        influenced: index of the robot that feels it.
+        influenced: index of the robot that receives it.
         paused: nominal velocities are zero, the filter still yields.
         stopped: all velocities are zero, latched.
         priority: (P, 3) rows of robot, fire and the factor by which that robot values that fire more.
@@ -164,7 +163,7 @@ class Intent(NamedTuple):
 
 
 class PointerState(NamedTuple):
-    """The operator's hand, seen on screen.
+    """Pointer and pending path of the operator, seen on screen.
 
     Attributes:
         cursor: (2,) where gaze or pointer is [m]; NaN when unseen.
@@ -172,7 +171,7 @@ class PointerState(NamedTuple):
         stroke_source: interface that draws it; empty when nobody does.
         clutch: whether the operator holds the clutch that lets gaze draw.
         ask_reset: whether a latched STOP has been asked to reset and waits for the second step.
-        pending: a drawn path that waits to be confirmed; NO_PATH when none does.
+        pending: a drawn path that waits to be committed; NO_PATH when none does.
         pending_robot: index of the robot that it was drawn for; NOBODY = the one that is influenced then.
         proposed: index of the robot that a decoder is unsure to have been asked for; NOBODY when none is.
         proposed_until: when that proposal lapses [s of session time].

@@ -99,7 +99,7 @@ def given_path(path: object, name: str = "path") -> Path:
 
 
 def given_world(world: object, name: str = "world") -> World:
-    """A world whose arrays have the shapes and indices that `core.state.World` tells.
+    """A world whose arrays have the shapes and indices that `core.state.World` documents.
 
     The last few worlds that passed are not checked again: a world's arrays are never written.
 
@@ -242,7 +242,7 @@ def _whole_grids(name: str, boundary: Any, start: Any) -> None:
     grid = columns != 0.0
     whole_rows = (columns == np.floor(columns)) & (columns >= _SPLINE) & (nodes >= _SPLINE * columns) & (cell > 0.0)
     if (nodes[~grid] != 0).any() or not (whole_rows[grid] & (nodes[grid] % columns[grid] == 0)).all():
-        raise ArgumentError(f"{name}.pocket does not hold the whole rows of nodes that {name}.boundary tells of")
+        raise ArgumentError(f"{name}.pocket does not hold the whole rows of nodes that {name}.boundary needs")
 
 
 def _courses(name: str, mover: Any, course: Any, start: Any, parts: int) -> None:

@@ -209,7 +209,7 @@ def _set_pending(state: SimState, path: Path, robot: int, time: float) -> Outcom
     robots = len(state.motion.position)
     if robot != NOBODY and not 0 <= robot < robots:
         return state, no_robot(robot, robots, time)
-    events = report(time, "pending", f"A path of {path.length:.0f} m is pending: confirm or discard it.")
+    events = report(time, "pending", f"A path of {path.length:.0f} m is pending: commit or discard it.")
     return with_pointer_state(state, pending=path, pending_robot=robot, pending_repairs=False), events
 
 
@@ -234,7 +234,8 @@ def _propose(state: SimState, command: ProposePick, time: float) -> Outcome:
     if robot == state.intent.influenced:
         return proposal_dropped(state), ()
     trust = "" if command.confidence is None else f" (confidence {command.confidence:.2f})"
-    events = report(time, "proposed", f"Robot {robot + 1} is proposed{trust}: confirm it within {command.within:g} s.")
+    text = f"Robot {robot + 1} is proposed{trust}: commit or discard it within {command.within:g} s."
+    events = report(time, "proposed", text)
     return with_pointer_state(state, proposed=robot, proposed_until=time + float(command.within)), events
 
 
@@ -242,7 +243,7 @@ def _confirm(state: SimState, time: float) -> Outcome:
     """Picks the proposed robot first, so that it follows the pending path."""
     pointer_state = state.pointer_state
     if not waiting(pointer_state, time):
-        return state, refuse(time, "There is nothing to confirm.")
+        return state, refuse(time, "Nothing is pending.")
     state, events, robot = proposal_dropped(state), (), proposal(pointer_state, time)
     if robot != NOBODY:
         state, events = _pick(state, robot, time)

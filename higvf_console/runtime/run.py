@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import NamedTuple, TypeAlias
 
 from higvf_console.analysis.explain import Moved
+from higvf_console.analysis.violation import violation_text
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, Undo
 from higvf_console.core.errors import ScenarioError
@@ -79,7 +80,7 @@ class Run:
 
     @property
     def setup(self) -> Setup:
-        """World and gains in force, and what a reset starts from."""
+        """World and parameters in force, and what a reset starts from."""
         return self._setup
 
     @property
@@ -114,12 +115,15 @@ class Run:
         """Advances by one control period."""
         before = self.state
         self.state, trace = self._advance(before)
-        events = events_between(before, self.state, self._trace_before, trace, self._setup.params)
+        events = events_between(before, self.state, self._trace_before, trace, self._setup.params, self._violation)
         self.last = Moved(before, self.state.motion, trace)
         self._trace_before = trace
         self.ticks += 1
         self.tally = _counted(self.tally, before.motion, self.state.motion, trace, self._setup.params)
         return events
+
+    def _violation(self, robot: int, motion: Motion) -> str:
+        return violation_text(robot, motion, self._setup)
 
 
 def _counted(tally: Tally, before: Motion, after: Motion, trace: Trace, params: Parameters) -> Tally:

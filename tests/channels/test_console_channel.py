@@ -165,6 +165,6 @@ def test_an_unknown_option_is_refused() -> None:
 
 def test_a_file_is_refused() -> None:
     with pytest.raises(
-        InputError, match=r"input console=look\.tsv: the console's channel is the browser's and reads no file"
+        InputError, match=r"input console=look\.tsv: the console's channel reads the browser, not a file"
     ):
         open_console(InputSpec("console", "look.tsv"))

@@ -112,7 +112,7 @@ def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Bou
 
 @kernel
 def _spine_gap(boundaries: Boundaries, k: int, other: int) -> float:
-    """Gap between the spine of ring k and the surface of another ring [m]: alternating projections on the two."""
+    """Gap between the spine of boundary k and the surface of another one [m]: alternating projections on the two."""
     capsule = boundaries.capsule
     x, y = capsule[k, 0], capsule[k, 1]
     gap, nx, ny = boundary_at(boundaries, ALONE, other, x, y)

@@ -1,4 +1,4 @@
-"""Faults on purpose: an input freezes, drops out or lags, so that operator and team can be seen to cope."""
+"""Fault injection: an input freezes, drops out or lags, so that operator and team can be seen to cope."""
 
 from collections.abc import Sequence
 from dataclasses import replace

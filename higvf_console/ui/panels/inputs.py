@@ -1,4 +1,4 @@
-"""The operator's inputs: how each is and why, what is decoded and looked at, the calibration, faults on purpose."""
+"""The operator's inputs: how each is and why, what is decoded and looked at, the calibration, fault injection."""
 
 from typing import TYPE_CHECKING
 
@@ -44,7 +44,7 @@ class InputsPanel:
         self._calibrate = gui.add_button("Calibrate gaze", icon=viser.Icon.TARGET, color="gray")
         self._calibrate.on_click(reaction(lambda _: self._begin()))
         self._calibrate.disabled = True
-        with gui.add_folder("Inject faults", expand_by_default=False):
+        with gui.add_folder("Fault injection", expand_by_default=False):
             self._faults = FaultWidgets(gui, [name for name, _ in session.snapshot.channels], sink)
 
     def _begin(self) -> None:

@@ -76,9 +76,9 @@ def preview_html(preview: Preview, proposed: int = NOBODY) -> str:
     if proposed != NOBODY:
         rows.append(("Proposed", f'<span class="operator">robot {proposed + 1}</span>'))
     if preview.start.motion.fire_burning.any():
-        rows += [("Burnt", burnt_line(preview)), ("Fires out", fires_line(preview))]
+        rows += [("Burnt", burnt_line(preview)), ("Order", fires_line(preview))]
     rows += [
-        ("Clearance", nearness(preview.clearance)),
+        ("Safety margin", nearness(preview.clearance)),
         ("Path", path_line(preview)),
     ]
     lines = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in rows)
@@ -102,7 +102,7 @@ def burnt_line(preview: Preview) -> str:
 def fires_line(preview: Preview) -> str:
     """The order in which fires go out, and the other one where it differs."""
     order, other = fire_order(preview.future.fires_out), fire_order(preview.otherwise.fires_out)
-    return order if order == other else f'{order} <span class="dim">without: {other}</span>'
+    return order if order == other else f'{order} <span class="dim">(without your path: {other})</span>'
 
 
 def fire_order(out: FiresOut) -> str:

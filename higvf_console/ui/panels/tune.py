@@ -89,7 +89,7 @@ class TunePanel:
         self._ask({name: values[name] for name in values if name.split(".")[0] == group})
 
     def _send(self) -> None:
-        """Sends what was typed, once it is meant; the session judges it."""
+        """Sends typed values once typing has paused; the session accepts or refuses them."""
         for name, value in self._typed.meant().items():
             try:
                 self._ask({name: number_of(value)})

@@ -95,4 +95,4 @@ def key_html() -> str:
         (ring.format(CSS.gaze, "none"), "where you look"),
     ]
     lines = "".join(f'<svg viewBox="0 0 20 14">{mark}</svg><span>{words}</span>' for mark, words in rows)
-    return f'<div class="dim" style="margin:6px 0 4px">Marks</div><div class="key">{lines}</div>'
+    return f'<div class="dim" style="margin:6px 0 4px">Legend</div><div class="key">{lines}</div>'

@@ -1,4 +1,4 @@
-"""Conditions that every edit must keep: clearances, barriers that hold in discrete time, gains that fit the team."""
+"""Conditions that every edit must keep: clearances, barriers in discrete time, parameters that fit the team."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -139,7 +139,7 @@ def check_walls(arena: Arena, walls: bool, layout: Layout, motion: Motion) -> No
         ScenarioError: with what is outside.
     """
     if not (arena.width > 0.0 and arena.height > 0.0):
-        raise ScenarioError(f"an arena of {arena.width:g} m x {arena.height:g} m has no inside")
+        raise ScenarioError(f"an arena of {arena.width:g} m x {arena.height:g} m has no area")
     for what, points in (("robot", motion.position), ("fire", layout.fire_position)) if walls else ():
         for gap in wall_gaps(points, arena):
             if len(gap) and gap.min() < 0.0:

@@ -107,11 +107,14 @@ def test_target_scores_say_what_hides_a_fire_and_which_one_is_wanted() -> None:
 
 
 def test_a_condition_that_is_not_met_stands_out() -> None:
-    good, bad = Certificate("A", "a", 0.5, 1.0), Certificate("B", "b", 0.0, 1e-6, least=True)
+    good = Certificate("A", "a", "If it fails, A.", 0.5, 1.0)
+    bad = Certificate("B", "b", "If it fails, B.", 0.0, 1e-6, least=True)
     assert "alarm" not in certificate_html([good])
     assert "&lt;" not in certificate_html([bad])
     assert "> 0</td>" in certificate_html([bad])
     assert "not met" in certificate_html([bad])
+    assert ">If it fails, B.</td>" in certificate_html([bad])
+    assert ">If it fails, A.</td>" not in certificate_html([good])
 
 
 def test_the_history_of_say_begins_anew_for_another_robot_or_a_reset_run() -> None:
