@@ -7,10 +7,9 @@ takes all of them as one record (`packed`): passing 45 numbers one by one would 
 import math
 from functools import lru_cache
 from typing import Annotated as A  # noqa: N817 (a table needs narrow columns)
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, Protocol, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from higvf_console.control.forms import CORRECTED, Forms
 from higvf_console.core.quantity import Quantity as Q  # noqa: N817
@@ -158,7 +157,18 @@ def current_name(name: str) -> str:
     return RENAMED.get(name, name)
 
 
-PackedParameters: TypeAlias = NDArray[Any]  # (1,) of one record; kernels read `packed[0].path.capture_distance`
+class ParameterRecord(Parameters):
+    """What kernels read as `packed[0]`; for type checkers only."""
+
+    body: SafetyParameters  # the safety parameters of the bodies
+
+
+class PackedParameters(Protocol):
+    """A structured array (1,) of all parameters; kernels read `packed[0].path.capture_distance`."""
+
+    def __getitem__(self, index: int, /) -> ParameterRecord:
+        """The one record, for index 0."""
+        ...
 
 
 def controlled(params: Parameters) -> Parameters:
@@ -185,10 +195,11 @@ def controlled(params: Parameters) -> Parameters:
 def packed(params: Parameters) -> PackedParameters:
     """All tunables of the controlled points as an array (1,) of one record with the same names.
 
-    One more part, `body`, keeps the safety gains of the bodies. Equal gains give the same array.
+    One more part, `body`, keeps the safety parameters of the bodies. Equal parameters give the same array.
     """
     groups = {**controlled(params)._asdict(), "body": params.safety}
     parts = [
         (name, np.dtype((np.record, [(key, np.float64) for key in part._fields]))) for name, part in groups.items()
     ]
-    return np.array([tuple(tuple(part) for part in groups.values())], dtype=np.dtype((np.record, parts)))
+    record = np.array([tuple(tuple(part) for part in groups.values())], dtype=np.dtype((np.record, parts)))
+    return cast(PackedParameters, record)

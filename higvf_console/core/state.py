@@ -18,6 +18,10 @@ import numpy as np
 from higvf_console.core.arrays import Bools, Floats, Ints, floats
 
 NOBODY = -1  # no robot, no fire
+CAPSULE = 5  # columns of a capsule: ax, ay, bx, by, radius
+# Columns of `World.mover`, and of `World.boundary` behind its capsule.
+MOVER_PART, MOVER_AX, MOVER_AY, MOVER_BX, MOVER_BY, MOVER_SPEED, MOVER_START, MOVER_ENDING = range(8)
+GRID_X, GRID_Y, GRID_CELL, GRID_COLUMNS = range(CAPSULE, CAPSULE + 4)
 
 
 class PathKind(IntEnum):
@@ -96,7 +100,7 @@ NO_PRIORITY = np.zeros((0, 3))
 
 
 class Motion(NamedTuple):
-    """What physics advances: N robots, M fires, K = G + M + V boundaries (groups of obstacles, fires, moving obstacles).
+    """What physics advances: N robots, M fires, K = G + M + V boundaries (of groups, fires and moving obstacles).
 
     Attributes:
         tick: control periods since the start.
@@ -211,8 +215,8 @@ class World(NamedTuple):
             then bars. An irregular obstacle is a closed chain of bars without width.
         circle_count: P.
         capsule_velocity: (P + Q, 2) over the coming control period [m/s]; zero but in a world of `world_at`.
-        mover: (V, 8) part, its spine ax, ay, bx, by at the start of its course [m], speed [m/s], arc length at time 0
-            [m], and what happens at the end of the course: `obstacles.STOP`, `LOOP` or `ONWARD`.
+        mover: (V, 8), columns `MOVER_...`: part, its spine ax, ay, bx, by at the start of its course [m], speed [m/s],
+            arc length at time 0 [m], and what happens at the end of the course: `obstacles.STOP`, `LOOP` or `ONWARD`.
         course: (C, 3) points of courses, relative to their first [m], and the arc length up to each [m].
         course_start: (V + 1,) mover v's rows in `course`.
         walls: (W, 3) unit inward normal nx, ny and offset w [m]: inside means n.p >= w.
@@ -223,8 +227,8 @@ class World(NamedTuple):
         link_start: (N + 1,) row i's links are link_to[link_start[i]:link_start[i + 1]]; (0,) when the communication
             range decides.
         link_to: (E,) neighbour index, each link twice.
-        boundary: (G, 9) capsule ax, ay, bx, by, radius [m] of a lone part, or the circle round a hull; then the grid of
-            its pocket: x, y of the first node, cell width [m], columns (0 = no pocket).
+        boundary: (G, 9) capsule ax, ay, bx, by, radius [m] of a lone part, or the circle round a hull; then, in the
+            columns `GRID_...`, the grid of its pocket: x, y of the first node, cell width [m], columns (0 = no pocket).
         boundary_start: (3, G + 1) group g's rows in `hull`, `part` and `pocket`.
         hull: (H, 2) corners of convex hulls, counter-clockwise [m]; a lone part has none.
         part: (P + Q - V,) rows of `capsules`, by group.

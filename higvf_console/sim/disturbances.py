@@ -17,8 +17,9 @@ where both robots err. Then a distance d >= R stays so, as long as no robot is f
     with E <= c R then c (R' - d') >= g, hence d_next >= R.
 
 A fire's growth is added to both sides, and taken from v; walls have an exact direction and need no condition.
-`noise_limit` is the largest e that meets the conditions. Constraints may contradict each other: a robot that is measured
-inside two clearances at once may have no velocity that leaves both. It then takes the least violation, and is flagged.
+`noise_limit` is the largest e that meets the conditions. Constraints may contradict each other: a robot that is
+measured inside two clearances at once may have no velocity that leaves both. It then takes the least violation, and is
+flagged.
 
 Losses. A lost link carries nothing in either direction for one tick, as an exchange that is not acknowledged: the
 graph stays undirected, so formation forces cancel in pairs. Only shared intentions and formation use messages. Barriers

@@ -45,12 +45,11 @@ def events_between(
             events.append(Event(time, Severity.INFO, "target", f"The team's target is fire {target + 1}."))
     if trace.infeasible.any():
         fresh = trace.infeasible if trace_before is None else trace.infeasible & ~trace_before.infeasible
-        events.extend(_alarm(time, "infeasible", i, _INFEASIBLE) for i in np.flatnonzero(fresh))
+        events.extend(_alarm(time, "infeasible", i, _INFEASIBLE) for i in np.flatnonzero(fresh).tolist())
     if (near := too_near(trace)).any():
         fresh = near if trace_before is None else near & ~too_near(trace_before)
-        events.extend(
-            _alarm(time, "clearance", i, violation(int(i), now)) for i in np.flatnonzero(fresh & ~trace.infeasible)
-        )
+        robots = np.flatnonzero(fresh & ~trace.infeasible).tolist()
+        events.extend(_alarm(time, "clearance", i, violation(i, now)) for i in robots)
     if was.recovery_stage.tobytes() != now.recovery_stage.tobytes():
         events.extend(_escalated(was.recovery_stage, now.recovery_stage, time))
     return tuple(events)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from higvf_console.control.forms import PRINTED
 from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.errors import ScenarioError
-from higvf_console.core.state import Motion, World
+from higvf_console.core.state import MOVER_SPEED, Motion, World
 from higvf_console.core.viewport import Arena
 from higvf_console.world.editing.safe_places import crowded
 from higvf_console.world.layout import Layout
@@ -98,7 +98,7 @@ def _intention(stand: Stand) -> None:
 
 def _robots(stand: Stand) -> None:
     growth = stand.world.fire_growth[stand.motion.fire_burning]
-    speed = stand.world.mover[:, 5]
+    speed = stand.world.mover[:, MOVER_SPEED]
     check_robots(stand.layout.params, max(float(growth.max(initial=0.0)), float(speed.max(initial=0.0))), _SOURCE)
 
 
