@@ -17,7 +17,7 @@ import numpy as np
 
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.guidance.following import following
-from higvf_console.control.intention.messages import SENDING, chance
+from higvf_console.control.intention.packet_loss import SENDING, chance
 from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.core.arrays import Bools, Floats, Ints, floats
 from higvf_console.core.state import Motion, PathKind, PathStatus, SimState, Trace
@@ -174,7 +174,7 @@ def _neighbours(moved: Moved, params: Parameters, robots: Ints) -> tuple[Floats,
 
 
 def _arrived(to: Ints, of: Ints, tick: int, params: Parameters) -> Ints:
-    """Which of the messages over links to-of (E,) arrived in this tick: the draws of `disturbances.delivered`."""
+    """Which of the messages over links to-of (E,) arrived in this tick: the draws of `packet_loss.delivered`."""
     robots = params.robots
     return np.flatnonzero([
         chance(robots.seed, tick, SENDING, min(i, j), max(i, j)) >= robots.packet_loss

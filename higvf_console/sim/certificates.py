@@ -16,7 +16,7 @@ import numpy as np
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import map_radius
 from higvf_console.control.parameters import Parameters, controlled
-from higvf_console.control.safety.barriers.certificate import SAMPLING_LIMIT, sampling_conditions
+from higvf_console.control.safety.barriers.sampling import SAMPLING_LIMIT, sampling_conditions
 from higvf_console.control.safety.hazards import worst_hazards
 from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.state import Motion, SimState, Trace, World

@@ -1,12 +1,12 @@
 """Disturbances: errors of measured positions, and what stays safe with them and with lost messages.
 
-Every draw is a hash, see `control.intention.messages`.
+Every draw is a hash, see `control.intention.packet_loss`.
 
 Noise. The controller and the safety filter see p' = p + error, |error| <= e, new for each robot in each tick; physics
 and metrics know p. The filter's clearances are enlarged, R' = R + E, with E = e for obstacles and E = 2 e for pairs,
 where both robots err. Then a distance d >= R stays so, as long as no robot is flagged infeasible:
 
-    measured outside, d' >= R'. The filter keeps p' + u dt at R' or farther (`barriers.certificate`), and the robot ends
+    measured outside, d' >= R'. The filter keeps p' + u dt at R' or farther (`barriers.sampling`), and the robot ends
     up within E of that: d_next >= R' - E = R.
 
     measured inside, d' < R', and no nearer than R' - 2 E. The row asks for a speed w along the measured direction n,
@@ -32,7 +32,7 @@ import math
 
 import numpy as np
 
-from higvf_console.control.intention.messages import MEASURING, chance
+from higvf_console.control.intention.packet_loss import MEASURING, chance
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import Parameters, RobotParameters
 from higvf_console.core.arrays import Floats

@@ -9,7 +9,7 @@ import numpy as np
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import map_radius
 from higvf_console.control.parameters import Parameters, controlled
-from higvf_console.control.safety.barriers.certificate import check_sampling, least_stand_off
+from higvf_console.control.safety.barriers.sampling import check_sampling, least_stand_off
 from higvf_console.control.safety.hazards import worst_hazards
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.errors import FilterError, ScenarioError

@@ -1,1 +1,1 @@
-"""One panel, one file, three verbs: build, update, clean up."""
+"""One panel, one file, two verbs: build and update."""

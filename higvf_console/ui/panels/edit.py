@@ -47,8 +47,7 @@ class EditPanel:
             "Delete", icon=viser.Icon.TRASH, color="red", visible=False, hint="Delete the selected entity (Del)"
         )
         self._delete.on_click(reaction(lambda _: self._remove()))
-        self._folder = gui.add_folder("Arena and links", expand_by_default=False)
-        with self._folder:
+        with gui.add_folder("Arena and links", expand_by_default=False):
             self._sides = {name: self._make_side(gui, name, label) for name, label in _SIDES.items()}
             self._walled = gui.add_checkbox("Walls", True, hint="Whether the sides of the arena hold robots back")
             self._walled.on_update(reaction(lambda value: self._set_arena(walls=truth(value))))
@@ -127,11 +126,6 @@ class EditPanel:
             field.hint = quantity.text
             if (place, name) not in self._typed:
                 mirror(field, round(value, _DIGITS), settle)
-
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        for widget in (self._head, *self._fields, self._delete, self._folder):
-            widget.remove()
 
 
 def _number(value: object) -> float:

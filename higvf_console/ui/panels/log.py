@@ -105,11 +105,6 @@ class LogPanel:
                 notification.remove()
         self._standing = [shown for shown in self._standing if any(shown[0] is alarm for alarm in unread)]
 
-    def cleanup(self) -> None:
-        """Removes button and list."""
-        self._button.remove()
-        self._html.remove()
-
 
 class Notifications:
     """Keeps the arena in sight: one of a kind at a time, but every fire that goes out and every loss of control.

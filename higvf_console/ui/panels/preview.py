@@ -31,7 +31,7 @@ class PreviewPanel:
     """The read-out, of a height that hardly changes while the hand is at work; buttons show while something waits."""
 
     def __init__(self, gui: viser.GuiApi, previewer: "Previewer", sink: PointerSink) -> None:
-        """Builds the widgets."""
+        """Adds the comparison and the buttons that commit, redraw or discard what is pending."""
         self._previewer, self._sink = previewer, sink
         self._html = gui.add_html("")
         self._actions = gui.add_button_group(
@@ -56,11 +56,6 @@ class PreviewPanel:
         else:
             content = f'<span class="dim">{_help(self._previewer)}</span>'
         self._html.content = block(f'<div class="ahead">{content}</div>')
-
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        for widget in (self._html, self._actions):
-            widget.remove()
 
 
 def _help(previewer: "Previewer") -> str:

@@ -55,11 +55,6 @@ class StatusPanel:
         if back:
             self._acknowledge.label = f"Acknowledge: {', '.join(back)}"
 
-    def cleanup(self) -> None:
-        """Removes the panel."""
-        self._acknowledge.remove()
-        self._html.remove()
-
 
 def mode_of(state: SimState, frozen: bool) -> tuple[str, str]:
     """The mode in one word, and its colour."""

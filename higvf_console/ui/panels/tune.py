@@ -133,14 +133,6 @@ class TunePanel:
         self._reset.disabled = not any(name.split(".")[0] == self._group for name, *_ in different)
         self._reset_all.disabled = not different
 
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        for widget in (
-            self._preset, self._choice, self._head, *self._fields.values(), self._note, self._reset, self._changed,
-            self._reset_all,
-        ):  # fmt: skip
-            widget.remove()
-
 
 def shown(value: float) -> str:
     """A value as it is typed."""

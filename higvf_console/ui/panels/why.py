@@ -10,11 +10,11 @@ from higvf_console.analysis.explain import explain
 from higvf_console.analysis.sight import sights
 from higvf_console.core.arrays import ints
 from higvf_console.sim.certificates import certificates
-from higvf_console.ui.panels.authority import AuthorityHistory, bands_svg, legend_html
-from higvf_console.ui.panels.why_tables import certificate_html, parts_html, rows_html, sight_html
+from higvf_console.ui.panels.widgets.authority import AuthorityHistory, bands_svg, legend_html
 from higvf_console.ui.panels.widgets.callbacks import mirror, reaction, truth
 from higvf_console.ui.panels.widgets.html import block
 from higvf_console.ui.panels.widgets.picker import RobotPicker
+from higvf_console.ui.panels.widgets.why_tables import certificate_html, parts_html, rows_html, sight_html
 from higvf_console.ui.ui_state import UiStore, robot_explained
 
 if TYPE_CHECKING:
@@ -83,10 +83,3 @@ class WhyPanel:
         self._authority.content = block(
             f'<div class="title">Who has a say</div>{"".join(charts)}<div>{legend_html()}</div>'
         )
-
-    def cleanup(self) -> None:
-        """Removes everything."""
-        for widget in (
-            self._picker, self._arrows, self._sight, self._parts, self._authority, self._seen, self._certified,
-        ):  # fmt: skip
-            widget.remove()
