@@ -25,8 +25,8 @@ from higvf_console.control.guidance.recovery import forgotten, formation_grip, r
 from higvf_console.control.intention.blending import blended_velocity
 from higvf_console.control.intention.formation import formation_velocity
 from higvf_console.control.intention.intention import shared_intention
-from higvf_console.control.intention.packet_loss import delivered
 from higvf_console.control.intention.neighbours import components, within
+from higvf_console.control.intention.packet_loss import delivered
 from higvf_console.control.intention.perception import (
     choose_target,
     fire_value,
