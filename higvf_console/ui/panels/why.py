@@ -1,4 +1,4 @@
-"""Why a robot moves as it does: its velocity in parts, who had a say, what it sees, and whether the method holds."""
+"""Why a robot moves as it does: its velocity in parts, authority shares, what it sees, and whether the method holds."""
 
 from typing import TYPE_CHECKING
 
@@ -75,11 +75,11 @@ class WhyPanel:
         velocity = snapshot.last.after.velocity[robot]
         tight = active_constraints(robot, snapshot.last, snapshot.setup)
         self._parts.content = block(parts_html(robot, why.parts[row], velocity) + rows_html(tight))
-        self._history.add(snapshot.time, robot, why.say[row], why.say.mean(axis=0))
+        self._history.add(snapshot.time, robot, why.authority[row], why.authority.mean(axis=0))
         time, own, shared = self._history.curves()
         charts = [bands_svg(f"robot {robot + 1}", time, own)]
         if 1 < self._robots <= MOST_SHARED:
             charts.append(bands_svg("team", time, shared))
         self._authority.content = block(
-            f'<div class="title">Who has a say</div>{"".join(charts)}<div>{legend_html()}</div>'
+            f'<div class="title">Authority shares</div>{"".join(charts)}<div>{legend_html()}</div>'
         )

@@ -23,10 +23,10 @@ PART_NAMES = {
     Part.TARGET: ("Own target", "Robot intention v_t"),
     Part.HUMAN: ("Human", "Human intention v_h"),
     Part.NEIGHBOURS: ("Neighbours", "Their shared intentions"),
-    Part.SO_FAR: ("Carried over", "The shared intention of the last control period"),
+    Part.CARRIED_OVER: ("Carried over", "The shared intention of the last control period"),
     Part.FORMATION: ("Formation", "Formation velocity v_f"),
-    Part.ROUND: ("Detour", "Bump functions and circulation round obstacles"),
-    Part.HOLD: ("Speed limit or pause", "Speed limit; or a pause, or STOP"),
+    Part.DETOUR: ("Detour", "Bump functions and circulation round obstacles"),
+    Part.LIMIT: ("Speed limit or pause", "Speed limit; or a pause, or STOP"),
     Part.SAFETY: ("Safety", "What the safety filter corrects"),
 }
 PART_COLOUR = part_colours(CSS)
