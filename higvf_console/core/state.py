@@ -1,4 +1,4 @@
-"""Everything that changes in a run, and the world that does not: NamedTuples of arrays, one row a robot.
+"""Everything that changes in a run, and the world that does not: NamedTuples of arrays, one row per robot.
 
     SimState = motion         what physics advances each tick (the kernel reads and returns it)
              + intent         what the operator asks of the team (the kernel reads it, commands write it)

@@ -163,7 +163,7 @@ def _given_world(w: World, name: str) -> World:
 
 
 def given_state(state: object, world: World, name: str = "state") -> SimState:
-    """A state that fits `world`: one row a robot, a fire, a boundary; every index of one that exists.
+    """A state that fits `world`: one row per robot, fire and boundary; every index refers to one that exists.
 
     Args:
         state: to check.

@@ -1,6 +1,6 @@
 """Hazards: all that a robot keeps clear of, other robots apart, as one table that everything about safety reads.
 
-    table                       a row a hazard: obstacles, walls, burning fires, in this order
+    table                       one row per hazard: obstacles, walls, burning fires, in this order
     hazard_constraint           the linear constraint a.v <= b of one row
     hazard_activation_distance  from where on it cannot matter
 

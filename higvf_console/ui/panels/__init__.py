@@ -1,1 +1,1 @@
-"""One panel, one file, two verbs: build and update."""
+"""One panel per file; each is built once and updated with every snapshot."""
