@@ -128,7 +128,7 @@ class Roles:
                 case "grant" | "refuse":
                     self._follow(control_lease.answered(control, identity, str(name), granted=act == "grant"))
                 case _:
-                    raise ValueError(f"{act!r} is none of ask, take, release, grant, refuse")
+                    raise ValueError(f"{act!r}: expected ask, take, release, grant or refuse")
 
     def _leave(self, client_id: int) -> None:
         with self._lock:
