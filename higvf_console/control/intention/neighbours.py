@@ -77,7 +77,7 @@ def components(start: Ints, to: Ints) -> Ints:
 
 @kernel
 def _grid(position: Floats, max_distance: float) -> tuple[int, int, float, float, float]:
-    """Columns, rows, origin [m] and width [m] of O(N) square cells, `max_distance` wide or more; few robots: one cell."""
+    """Columns, rows, origin [m] and width [m] of O(N) square cells, at least `max_distance` wide; few robots: one."""
     count = position.shape[0]
     x_min, x_max, y_min, y_max = np.inf, -np.inf, np.inf, -np.inf
     for i in range(count):
