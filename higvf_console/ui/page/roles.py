@@ -2,7 +2,7 @@
 
 A page that watches sees everything and may zoom, pan, change tabs and press STOP. Whatever else it sends is dropped at
 `page.gate`, the widget that it touched shows the true value again, and a strip in the page says who steers. Each page
-tells once a second who it is; the console's channel lives on what the page in control reports, so that the session's
+reports once a second who it is; the console's channel lives on what the page in control reports, so that the session's
 watch ends the human intention when that page is lost.
 """
 
