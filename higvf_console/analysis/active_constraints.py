@@ -6,7 +6,7 @@ import numpy as np
 
 from higvf_console.analysis.explain import Moved
 from higvf_console.control.guidance.obstacles import spine_point
-from higvf_console.control.parameters import controlled, packed
+from higvf_console.control.parameters import filter_parameters, packed
 from higvf_console.control.safety.barriers.surroundings import (
     NOBODY_ELSE,
     Surroundings,
@@ -15,10 +15,8 @@ from higvf_console.control.safety.barriers.surroundings import (
     survey,
 )
 from higvf_console.control.safety.hazards import AX, AY, BX, BY, FIRE, KIND, RADIUS, WALL
-from higvf_console.core.arrays import Floats
 from higvf_console.core.state import Motion
-from higvf_console.sim.disturbances import measured
-from higvf_console.sim.fires import growth_rates
+from higvf_console.sim.disturbances import seen_positions
 from higvf_console.sim.simulation import hazards_now
 from higvf_console.world.polygons import obstacles_of
 from higvf_console.world.setup import Setup
@@ -53,20 +51,11 @@ def active_constraints(robot: int, moved: Moved, setup: Setup) -> list[ActiveCon
     return [_named(robot, other, hazard, around, moved.before.motion, setup) for other, hazard in pairs]
 
 
-def seen_positions(moved: Moved, setup: Setup) -> Floats:
-    """Positions (N, 2) [m] as controller and filter measured them."""
-    motion = moved.before.motion
-    if setup.params.robots.position_noise == 0.0:
-        return motion.position
-    return measured(motion.position, motion.tick, packed(setup.params)[0].robots)
-
-
 def _around(moved: Moved, setup: Setup) -> Surroundings:
     """What the filter surveyed."""
     world, params, motion = setup.world, setup.params, moved.before.motion
-    hazards = hazards_now(motion, growth_rates(motion, moved.trace.crew, world), world, packed(params))
-    safety = controlled(params).safety._replace(h_index=params.forms.h_index)
-    return survey(seen_positions(moved, setup), hazards, safety)
+    hazards = hazards_now(motion, moved.trace.crew, world, packed(params))
+    return survey(seen_positions(motion, params), hazards, filter_parameters(params))
 
 
 def _named(robot: int, other: int, hazard: int, around: Surroundings, motion: Motion, setup: Setup) -> ActiveConstraint:

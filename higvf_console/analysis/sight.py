@@ -4,11 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.analysis.active_constraints import part_name, seen_positions
+from higvf_console.analysis.active_constraints import part_name
 from higvf_console.analysis.explain import Moved
 from higvf_console.control.guidance.obstacles import world_at
 from higvf_console.control.intention.perception import fire_value, half_angle, interval_room
 from higvf_console.core.arrays import Floats
+from higvf_console.sim.disturbances import seen_positions
 from higvf_console.world.setup import Setup
 
 
@@ -35,7 +36,7 @@ def sights(robot: int, moved: Moved, setup: Setup) -> list[Sight]:
     """The burning fires as a robot saw them in one control period."""
     motion, activation_distance = moved.before.motion, setup.params.perception.perception_range
     world = world_at(setup.world, motion.tick, setup.params.safety.control_period)
-    x, y = seen_positions(moved, setup)[robot].tolist()
+    x, y = seen_positions(motion, setup.params)[robot].tolist()
     found: list[Sight] = []
     for fire in np.flatnonzero(motion.fire_burning).tolist():
         fx, fy = world.fire_position[fire].tolist()

@@ -191,6 +191,11 @@ def controlled(params: Parameters) -> Parameters:
     )
 
 
+def filter_parameters(params: Parameters) -> SafetyParameters:
+    """What the safety filter keeps for the controlled points."""
+    return controlled(params).safety._replace(h_index=params.forms.h_index)
+
+
 @lru_cache(maxsize=64)
 def packed(params: Parameters) -> PackedParameters:
     """All tunables of the controlled points as an array (1,) of one record with the same names.

@@ -34,7 +34,7 @@ import numpy as np
 
 from higvf_console.control.intention.packet_loss import MEASURING, chance
 from higvf_console.control.kernel import kernel
-from higvf_console.control.parameters import Parameters, RobotParameters
+from higvf_console.control.parameters import Parameters, RobotParameters, packed
 from higvf_console.core.arrays import Floats
 from higvf_console.core.state import Motion
 
@@ -76,6 +76,13 @@ def as_measured(motion: Motion, robots: RobotParameters) -> Motion:
         robot_peak=motion.robot_peak,
         human_peak=motion.human_peak,
     )
+
+
+def seen_positions(motion: Motion, params: Parameters) -> Floats:
+    """Positions (N, 2) [m] as controller and safety filter measure them."""
+    if params.robots.position_noise == 0.0:
+        return motion.position
+    return measured(motion.position, motion.tick, packed(params)[0].robots)
 
 
 def noise_limit(params: Parameters, growth: float) -> float:

@@ -1,9 +1,10 @@
 """The pure step: one control period from state to state, and many of them without coming back to Python.
 
-    advance   one tick, with its trace: live and headless runs
-    roll      k ticks in one call: baselines, previews, studies; bit for bit the same states
+    advance           one tick, with its trace: live and headless runs
+    advance_coupled   the same with the velocities of the centralised safety filter
+    roll              k ticks in one call: baselines, previews, studies; bit for bit the same states
 
-Both are `run_ticks`, the one fused kernel.
+All are `run_ticks`, the one fused kernel.
 """
 
 import math
@@ -16,7 +17,7 @@ from higvf_console.control.controller import compute
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.guidance.obstacles import world_at
 from higvf_console.control.kernel import kernel
-from higvf_console.control.parameters import PackedParameters, Parameters, SafetyParameters, packed
+from higvf_console.control.parameters import PackedParameters, Parameters, SafetyParameters, filter_parameters, packed
 from higvf_console.control.plan import Plan
 from higvf_console.control.safety.hazards import hazard_table
 from higvf_console.control.safety.safety_filter import filter_velocities
@@ -33,7 +34,7 @@ from higvf_console.core.state import (
     Trace,
     World,
 )
-from higvf_console.sim.disturbances import as_measured
+from higvf_console.sim.disturbances import as_measured, seen_positions
 from higvf_console.sim.fires import burn, crews, growth_rates
 from higvf_console.sim.metrics import clearances, stalls
 from higvf_console.sim.unicycle import body_centres, headings_after
@@ -100,21 +101,42 @@ def initial_state(position: Floats, fire_radius: Floats, world: World, heading: 
     return SimState(motion, intent, PointerState(np.full(2, np.nan), np.zeros((0, 2)), "", False, False))
 
 
+class Filtered(NamedTuple):
+    """What a safety filter answered: N robots, or none where the distributed filter is to be asked.
+
+    Attributes:
+        velocity: (N, 2) [m/s].
+        active_constraints: (N,) barrier constraints that shaped the robot's velocity.
+        infeasible: (N,) no velocity met all constraints.
+    """
+
+    velocity: Floats
+    active_constraints: Ints
+    infeasible: Bools
+
+
+_NOT_YET = Filtered(np.zeros((0, 2)), ints([]), bools([]))
+
+
 def advance(state: SimState, world: World, params: Parameters) -> tuple[SimState, Trace]:
     """The state one control period later, and why."""
-    motion, trace = run_ticks(state.motion, state.intent, world, packed(params), 1, _NO_HISTORY)
+    motion, trace = run_ticks(state.motion, state.intent, world, packed(params), 1, _NO_HISTORY, _NOT_YET)
     return SimState(motion, state.intent, state.pointer_state), trace
 
 
 def advance_coupled(
     state: SimState, world: World, params: Parameters, safety: "CoupledFilter"
 ) -> tuple[SimState, Trace]:
-    """As `advance`, with the centralised filter in place of the distributed one; it has no fast `roll`."""
-    plan, crew, rate, seen = decide(state.motion, state.intent, world, packed(params))
-    filtered = safety.filter_velocities(
-        seen, plan.nominal, hazards_now(state.motion, rate, world, packed(params)), _safety_params(packed(params))
-    )
-    motion, trace = settle(state.motion, state.intent, plan, crew, rate, *filtered, world, packed(params))
+    """As `advance`, with the centralised filter in place of the distributed one; it has no fast `roll`.
+
+    A first step gives the nominal velocities; the second one moves as the centralised filter answers.
+    """
+    motion, values = state.motion, packed(params)
+    _, trace = run_ticks(motion, state.intent, world, values, 1, _NO_HISTORY, _NOT_YET)
+    hazards = hazards_now(motion, trace.crew, world, values)
+    seen = seen_positions(motion, params)
+    filtered = safety.filter_velocities(seen, trace.nominal, hazards, filter_parameters(params))
+    motion, trace = run_ticks(motion, state.intent, world, values, 1, _NO_HISTORY, Filtered(*filtered))
     return SimState(motion, state.intent, state.pointer_state), trace
 
 
@@ -123,7 +145,7 @@ def roll(state: SimState, world: World, params: Parameters, ticks: int) -> tuple
     history = _empty_history(ticks, len(state.motion.position), len(state.motion.fire_radius))
     if ticks == 0:
         return state, history
-    motion, _ = run_ticks(state.motion, state.intent, world, packed(params), ticks, history)
+    motion, _ = run_ticks(state.motion, state.intent, world, packed(params), ticks, history, _NOT_YET)
     return SimState(motion, state.intent, state.pointer_state), history
 
 
@@ -143,13 +165,17 @@ _NO_HISTORY = _empty_history(0, 0, 0)
 
 
 @kernel
-def tick(motion: Motion, intent: Intent, world: World, params: PackedParameters) -> tuple[Motion, Trace]:
-    """Perceive, compute, filter, move, burn."""
-    plan, crew, rate, seen = decide(motion, intent, world, params)
-    velocity, active_constraints, infeasible = filter_velocities(
-        seen, plan.nominal, hazards_now(motion, rate, world, params), _safety_params(params)
-    )
-    return settle(motion, intent, plan, crew, rate, velocity, active_constraints, infeasible, world, params)
+def tick(
+    motion: Motion, intent: Intent, now: World, after: World, params: PackedParameters, filtered: Filtered
+) -> tuple[Motion, Trace]:
+    """Perceive, compute, filter, move, burn; `now` and `after` are the world at the start and the end of the period."""
+    plan, crew, rate, seen = decide(motion, intent, now, params)
+    velocity, active_constraints, infeasible = filtered.velocity, filtered.active_constraints, filtered.infeasible
+    if velocity.shape[0] == 0:
+        velocity, active_constraints, infeasible = filter_velocities(
+            seen, plan.nominal, _hazards(motion, rate, now, params), _safety_params(params)
+        )
+    return settle(motion, intent, plan, crew, rate, velocity, active_constraints, infeasible, after, params)
 
 
 @kernel
@@ -163,11 +189,10 @@ def decide(motion: Motion, intent: Intent, world: World, params: PackedParameter
     seen = motion
     if params[0].robots.position_noise > 0.0:
         seen = as_measured(motion, params[0].robots)
-    now = world_at(world, motion.tick, params[0].safety.control_period)
     if params[0].forms.human == PRINTED:
-        plan = printed.compute(seen, intent, now, params[0])
+        plan = printed.compute(seen, intent, world, params[0])
     else:
-        plan = compute(seen, intent, now, params[0])
+        plan = compute(seen, intent, world, params[0])
     crew = crews(motion, plan.steered, world, params[0])
     return plan, crew, growth_rates(motion, crew, world), seen.position
 
@@ -206,7 +231,7 @@ def settle(
         human_peak=max(motion.human_peak, _largest(plan.human_intention)),
     )
     body = body_centres(moved.position, moved.heading, look_ahead)
-    clearance, barrier = clearances(body, radius, burning, world_at(world, moved.tick, period), params.body)
+    clearance, barrier = clearances(body, radius, burning, world, params.body)
     trace = Trace(
         fire_value=plan.fire_value,
         terms=_terms(plan),
@@ -234,10 +259,16 @@ def _safety_params(params: PackedParameters) -> SafetyParameters:
 
 
 @kernel
-def hazards_now(motion: Motion, rate: Floats, world: World, params: PackedParameters) -> Floats:
-    """The table of hazards (H, 9) that the filter knows; fires grow at `rate` (M,) [m/s], not so in [27] as printed."""
-    known = np.zeros(rate.shape[0]) if params[0].forms.fire_constraint == PRINTED else rate
+def hazards_now(motion: Motion, crew: Ints, world: World, params: PackedParameters) -> Floats:
+    """The table of hazards (H, 9) that the filter knows at the motion's tick, with (M,) robots at work on each fire."""
     now = world_at(world, motion.tick, params[0].safety.control_period)
+    return _hazards(motion, growth_rates(motion, crew, now), now, params)
+
+
+@kernel
+def _hazards(motion: Motion, rate: Floats, now: World, params: PackedParameters) -> Floats:
+    """The table; fires grow at `rate` (M,) [m/s], not so in [27] as printed."""
+    known = np.zeros(rate.shape[0]) if params[0].forms.fire_constraint == PRINTED else rate
     return hazard_table(
         now.capsules, now.capsule_velocity, now.walls, now.fire_position, motion.fire_radius, known, motion.fire_burning
     )  # fmt: skip
@@ -281,20 +312,25 @@ def _pairs(start: Ints, to: Ints) -> Ints:
 
 @kernel
 def run_ticks(
-    motion: Motion, intent: Intent, world: World, params: PackedParameters, ticks: int, history: Rollout
-) -> tuple[Motion, Trace]:
+    motion: Motion, intent: Intent, world: World, params: PackedParameters, ticks: int, history: Rollout,
+    filtered: Filtered,
+) -> tuple[Motion, Trace]:  # fmt: skip
     """The motion after `ticks` > 0 periods, and the trace of the last; the first periods are noted in `history`.
 
     One entry for single steps and for rolls: the whole controller is compiled once, and both are bit for bit the same.
     """
+    period = params[0].safety.control_period
+    now = world_at(world, motion.tick, period)
     k = 0
     while True:
-        motion, trace = tick(motion, intent, world, params)
+        after = world_at(world, motion.tick + 1, period)
+        motion, trace = tick(motion, intent, now, after, params, filtered)
         if k < history.clearance.shape[0]:
             _note(k, motion, trace, history)
         k += 1
         if k >= ticks:
             return motion, trace
+        now = after
 
 
 @kernel

@@ -13,7 +13,7 @@ from higvf_console.control.parameters import Parameters, SafetyParameters, packe
 from higvf_console.control.safety.hazards import COLUMNS
 from higvf_console.control.safety.safety_filter import filter_velocities
 from higvf_console.core.state import SimState, World
-from higvf_console.sim.simulation import advance, advance_coupled, decide, run_ticks, settle
+from higvf_console.sim.simulation import advance, advance_coupled, decide, run_ticks
 from higvf_console.sim.unicycle import body_centres
 
 _FILTER_ARGUMENTS = (np.zeros((1, 2)), np.zeros((1, 2)), np.zeros((0, COLUMNS)), SafetyParameters())
@@ -83,8 +83,6 @@ def _centralised(state: SimState, world: World, params: Parameters) -> None:
 
     advance_coupled(state, world, params, CoupledFilter())
     filter_velocities(*_FILTER_ARGUMENTS)  # where the program has no solution
-    closed(decide)
-    closed(settle)
 
 
 def _vector_field(state: SimState, world: World, params: Parameters) -> None:
