@@ -279,7 +279,9 @@ def test_each_unicycle_is_given_a_heading_or_all_the_same() -> None:
     start = "version: 1\narena: {size_m: [900, 500]}\nrobots: {start_m: [[100, 100], [200, 200]], heading_deg: "
     assert np.degrees(parse_scenario(start + "[10, -20]}\n", "t.yaml").robots.heading) == pytest.approx([10, -20])
     assert np.degrees(parse_scenario(start + "30}\n", "t.yaml").robots.heading) == pytest.approx([30, 30])
-    with pytest.raises(ScenarioError, match=r"robots\.heading_deg: 1 headings for 2 robots; give one for all robots, or one for each"):
+    with pytest.raises(
+        ScenarioError, match=r"robots\.heading_deg: 1 headings for 2 robots; give one for all robots, or one for each"
+    ):
         parse_scenario(start + "[10]}\n", "t.yaml")
 
 
