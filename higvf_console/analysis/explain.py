@@ -1,9 +1,9 @@
-"""Why a robot moved as it did: its commanded velocity as a sum of parts, and who had how much say in it.
+"""Why a robot moved as it did: its commanded velocity as a sum of parts, and the authority shares.
 
-    velocity = own target + human + neighbours + so far        lambda C/|v_s| times the shares of v_s    [15]-[19]
+    velocity = own target + human + neighbours + carried over  lambda C/|v_s| times the shares of v_s    [15]-[19]
              + formation                                       (1 - lambda) v_f                          [14], [18]
-             + way round                                       composite step                            [7], [8]
-             + hold                                            speed limit; or a pause, the end of a path, STOP
+             + detour                                          composite step                            [7], [8]
+             + limit                                           speed limit; or a pause, the end of a path, STOP
              + safety                                          what the filter corrects                  [25], [28]
 
 The shares of v_s are those of the semi-implicit update: with W = w0 + w1 + w3 psi + sum w2 g, the new v_s is
@@ -17,7 +17,7 @@ import numpy as np
 
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.guidance.following import following
-from higvf_console.control.intention.messages import SENDING, chance
+from higvf_console.control.intention.packet_loss import SENDING, chance
 from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.core.arrays import Bools, Floats, Ints, floats
 from higvf_console.core.state import Motion, PathKind, PathStatus, SimState, Trace
@@ -29,15 +29,15 @@ class Part(IntEnum):
     TARGET = 0
     HUMAN = 1
     NEIGHBOURS = 2
-    SO_FAR = 3
+    CARRIED_OVER = 3
     FORMATION = 4
-    ROUND = 5
-    HOLD = 6
+    DETOUR = 5
+    LIMIT = 6
     SAFETY = 7
 
 
-class Say(IntEnum):
-    """Who has a say in a robot's velocity."""
+class Authority(IntEnum):
+    """Who shapes a robot's velocity."""
 
     HUMAN = 0
     ROBOT = 1
@@ -64,11 +64,11 @@ class Explanation(NamedTuple):
 
     Attributes:
         parts: (R, 8, 2) by `Part` [m/s]; they sum to the commanded velocity.
-        say: (R, 4) by `Say`, shares that sum to 1; all 0 for a robot that nothing draws at.
+        authority: (R, 4) by `Authority`, authority shares that sum to 1; all 0 for a robot that nothing acts on.
     """
 
     parts: Floats
-    say: Floats
+    authority: Floats
 
 
 class _Pulls(NamedTuple):
@@ -105,11 +105,11 @@ def explain(moved: Moved, params: Parameters, robots: Ints) -> Explanation:
         parts[:, Part.FORMATION] = (pace * (1.0 - weight))[:, None] * trace.formation[robots]
         blended, nominal = trace.blended[robots], trace.nominal[robots]
         if intent.paused or intent.stopped:
-            parts[:, Part.HOLD] = nominal - blended
+            parts[:, Part.LIMIT] = nominal - blended
         else:
-            parts[:, Part.HOLD] = _taken_by_the_limit(blended, nominal, controlled(params).safety.speed_limit)
-            parts[held, Part.HOLD] = (nominal - blended)[held]
-            parts[:, Part.ROUND] = nominal - blended - parts[:, Part.HOLD]
+            parts[:, Part.LIMIT] = _taken_by_the_limit(blended, nominal, controlled(params).safety.speed_limit)
+            parts[held, Part.LIMIT] = (nominal - blended)[held]
+            parts[:, Part.DETOUR] = nominal - blended - parts[:, Part.LIMIT]
         parts[:, Part.SAFETY] = moved.after.velocity[robots] - nominal
     return Explanation(_finite(parts), _authority(_finite(parts), _finite(settled)))
 
@@ -154,7 +154,7 @@ def _authority_shares(moved: Moved, params: Parameters, robots: Ints, pulls: _Pu
 
 
 def _neighbours(moved: Moved, params: Parameters, robots: Ints) -> tuple[Floats, Floats]:
-    """Pulls sum w2 g v_j (R, 2) of the neighbours that were heard, and their weights sum w2 g (R,), [16]."""
+    """Pulls sum w2 g v_j (R, 2) of the neighbours whose messages arrived, and their weights sum w2 g (R,), [16]."""
     before, links = moved.before.motion.intention, moved.trace.links
     place = np.full(len(before), -1, np.int64)
     place[robots] = np.arange(len(robots))
@@ -174,7 +174,7 @@ def _neighbours(moved: Moved, params: Parameters, robots: Ints) -> tuple[Floats,
 
 
 def _arrived(to: Ints, of: Ints, tick: int, params: Parameters) -> Ints:
-    """Which of the messages over links to-of (E,) arrived in this tick: the draws of `disturbances.delivered`."""
+    """Which of the messages over links to-of (E,) arrived in this tick: the draws of `packet_loss.delivered`."""
     robots = params.robots
     return np.flatnonzero([
         chance(robots.seed, tick, SENDING, min(i, j), max(i, j)) >= robots.packet_loss
@@ -190,18 +190,18 @@ def _taken_by_the_limit(blended: Floats, nominal: Floats, limit: float) -> Float
 
 
 def _authority(parts: Floats, settled: Floats) -> Floats:
-    """Shares (R, 4) by `Say`, by length: of what each would settle to (R, 3, 2), of formation and corrections [m/s].
+    """Shares (R, 4) by `Authority`, by length: of what each would settle to (R, 3, 2), formation and corrections [m/s].
 
-    The formation counts with the neighbours, the way round with safety. What v_s was so far has no say of its own: it
-    is what the same voices said before.
+    The formation counts with the neighbours, the detour with safety. The value of v_s from the last control period has
+    no share of its own: the same sources made it.
     """
     own, human, neighbours = np.hypot(settled[..., 0], settled[..., 1]).T
     length = np.hypot(parts[..., 0], parts[..., 1])
-    say = np.stack(
-        [human, own, neighbours + length[:, Part.FORMATION], length[:, Part.ROUND] + length[:, Part.SAFETY]], axis=1
+    shares = np.stack(
+        [human, own, neighbours + length[:, Part.FORMATION], length[:, Part.DETOUR] + length[:, Part.SAFETY]], axis=1
     )
-    total = say.sum(axis=1, keepdims=True)
-    return np.divide(say, total, out=np.zeros_like(say), where=total > 0.0)
+    total = shares.sum(axis=1, keepdims=True)
+    return np.divide(shares, total, out=np.zeros_like(shares), where=total > 0.0)
 
 
 def _finite(vectors: Floats) -> Floats:

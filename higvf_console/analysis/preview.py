@@ -56,7 +56,7 @@ class Preview(NamedTuple):
         otherwise: without it.
         clearance: smallest clearance of the team [m]; inf when nobody comes near anything.
         deadlock: when a robot is deadlocked first; None = never.
-        infeasible: when a robot cannot meet all barrier rows first; None = never.
+        infeasible: when a robot cannot meet all barrier constraints first; None = never.
         given_up: when the path is given up; None = it is not.
         finish: when the path is finished; None = not within the horizon.
         repulsive: (S, 2, 2) pieces of the path inside repulsive areas [m].
@@ -85,7 +85,7 @@ def wish(state: SimState, setup: Setup, end: StrokeEnd | None = None) -> SimStat
         end: how the growing stroke will end; None = as an ordinary path.
 
     Returns:
-        None when there is no such thing, when it would be refused, and for the outline of an obstacle: that is no wish
+        None when there is none, when it would be refused, and for the outline of an obstacle: that is no wish
         of the team but another world.
     """
     command: OperatorCommand

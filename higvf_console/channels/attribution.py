@@ -1,4 +1,4 @@
-"""Which channel gave what is in force, so that it can be ended when that channel is lost."""
+"""Attribution: which channel commanded each effect in force, so that a lost channel's effects can be ended."""
 
 from collections.abc import Mapping
 from typing import NamedTuple, TypeAlias

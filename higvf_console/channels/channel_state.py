@@ -3,8 +3,8 @@
     never seen -> live <-> stale -> lost -> back, not resumed -- acknowledged --> live
                                       ^----------'
 
-Nothing resumes by itself: what was lost and is heard again waits until the operator has acknowledged it. A device that
-says itself that it is gone is lost at once; a replay judges itself by the session clock, and its quiet is no loss.
+Nothing resumes by itself: a channel that was lost and is back is used again once the operator has acknowledged it. A
+device that reports itself as gone is lost at once; a replay goes by the session clock, and its silence is no loss.
 """
 
 from enum import StrEnum

@@ -131,7 +131,9 @@ class Channels:
         name = next((name for name, capabilities in self.capabilities.items() if capabilities.takes_pointer), None)
         if name is None:
             given = ", ".join(self.names) or "none"
-            raise InputError(f"no input takes what the console's pages give; inputs: {given}; add '{CONSOLE}'")
+            raise InputError(
+                f"no input accepts the pointer and keys of the console's pages; inputs: {given}; add '{CONSOLE}'"
+            )
         return name
 
     @property

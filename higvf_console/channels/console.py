@@ -90,7 +90,7 @@ class ConsoleChannel:
         return ([] if stop is None else [stop]) + [self._stamped(command, context) for command in taken]
 
     def health(self, now: float) -> ChannelHealth:
-        """Last seen when a page told that it is there; one that nobody uses is no fault."""
+        """Last seen when a page reported its presence; a console that nobody uses is no fault."""
         used = "not used yet" if self._last_used is None else f"last used {max(0.0, now - self._last_used):.0f} s ago"
         if self._last_heartbeat is not None:
             return ChannelHealth(ChannelState.LIVE, used, now - (monotonic() - self._last_heartbeat))
@@ -118,9 +118,7 @@ def open_console(spec: InputSpec) -> ConsoleChannel:
         InputError: it is given a file or an option, and has neither.
     """
     if spec.source:
-        raise InputError(
-            f"input {spec.channel}={spec.source}: the console's channel is the browser's and reads no file"
-        )
+        raise InputError(f"input {spec.channel}={spec.source}: the console's channel reads the browser, not a file")
     Node({**spec.settings, **spec.options}, f"input {spec.channel}", raises=InputError).section(())
     return ConsoleChannel(spec.channel)
 

@@ -1,4 +1,4 @@
-"""Faults put on a channel on purpose: what it says is held back, lost or late, and its silence is judged as a real one.
+"""Injected faults: a channel's commands are held back, lost or late, and its silence counts as a real one.
 
 A replay under a fault goes on with the session clock, as an operator goes on who does not know of it. STOP, what takes
 a channel back into service, and who steers pass every fault.

@@ -1,4 +1,4 @@
-"""What the interfaces tell of themselves beside their commands, asked for by the session and shown by the view.
+"""What the interfaces report beside their commands, asked for by the session and shown by the view.
 
 Nothing here reaches the team. An interface whose report fails is asked no more; its commands go on counting.
 """
@@ -29,7 +29,7 @@ _log = logging.getLogger(__name__)
 
 
 class InputReports(NamedTuple):
-    """What the interfaces told last.
+    """The latest reports of the interfaces.
 
     Attributes:
         attention: of the first interface that sees where the operator looks; None = there is none, or nothing yet.
@@ -50,7 +50,7 @@ class Reporter:
     """Asks the interfaces: each control period for what moves with gaze, twice a second for what must be counted."""
 
     def __init__(self, channels: Channels, control_period: float) -> None:
-        """Finds out which interface has what to tell; `control_period` is in seconds."""
+        """Finds out which interface reports what; `control_period` is in seconds."""
         named = [(name, channels.named(name)) for name in channels.names]
         self._attentive = [(name, it) for name, it in named if isinstance(it, Attentive)]
         self._calibrated = [(name, it) for name, it in named if isinstance(it, Calibrated)]

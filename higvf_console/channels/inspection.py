@@ -11,7 +11,7 @@ from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
 
 GROUP = "higvf_console.inspectors"
-_LIST_WIDTH = 100  # letters; a longer list is told item by item
+_LIST_WIDTH = 100  # letters; a longer list is written item by item
 
 
 class Inspector(Protocol):
@@ -32,7 +32,7 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
     Args:
         spec: the file, with the options of the input that it is to become.
         plot: where a picture goes; None = none.
-        steps: whether the steps of the processing are told.
+        steps: whether the steps of the processing are reported.
 
     Raises:
         InputError: no inspector is installed, or none knows the file; the message gives each one's reason.

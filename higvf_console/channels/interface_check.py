@@ -120,7 +120,7 @@ def _check_health(interface: Interface) -> Iterator[Finding]:
     for now in (0.0, 1.0, 1e6, -1.0):
         problem = _try(lambda now=now: wrong.extend(_ill(interface.health(now), now)))
         wrong.extend([problem] if problem else [])
-    yield _finding("health never fails, and tells a state and a detail", wrong, 4)
+    yield _finding("health never fails, and reports a state and a detail", wrong, 4)
 
 
 def _check_close(interface: Interface) -> Iterator[Finding]:

@@ -215,7 +215,7 @@ class Supervisor:
             if was is ChannelState.RECOVERED:
                 self._states[name] = acknowledged(was)
                 withheld = self._withheld.pop(name, 0)
-                text = f"Input '{name}' counts again; {withheld} of its commands were withheld."
+                text = f"Input '{name}' is used again; {withheld} of its commands were withheld."
                 events.append(Event(time, Severity.INFO, "channel", text))
         return tuple(events)
 
@@ -232,7 +232,7 @@ class Supervisor:
         return (Event(time, Severity.WARNING, "channel", text),)
 
     def _detail(self, name: str, seen: ChannelHealth, now: float) -> str:
-        quiet = f"last heard {max(0.0, now - seen.last_seen):.1f} s ago; " if seen.last_seen is not None else ""
+        quiet = f"last seen {max(0.0, now - seen.last_seen):.1f} s ago; " if seen.last_seen is not None else ""
         withheld = self._withheld.get(name, 0)
         return f"{quiet}{seen.detail}" + (f"; {withheld} commands withheld" if withheld else "")
 
@@ -244,12 +244,12 @@ class Supervisor:
             case ChannelState.STALE:
                 severity, text = Severity.INFO, f"Input '{name}' is stale: {quiet}."
             case ChannelState.LOST if self._channels.failed(name):
-                return ()  # told when it failed
+                return ()  # reported when it failed
             case ChannelState.LOST:
                 outcome = f" {_OUTCOME[self.limits[name].on_lost]}" if ended else ""
                 severity, text = Severity.ALARM, f"Input '{name}' is lost: {quiet}.{outcome}"
             case ChannelState.RECOVERED:
-                severity, text = Severity.WARNING, f"Input '{name}' is back; acknowledge it before it counts again."
+                severity, text = Severity.WARNING, f"Input '{name}' is back; acknowledge it to use it again."
             case ChannelState.LIVE if was is ChannelState.STALE:
                 severity, text = Severity.INFO, f"Input '{name}' is live again."
             case _:

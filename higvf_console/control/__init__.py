@@ -1,1 +1,4 @@
-"""The paper, compiled: no clock, files, randomness, threads or user interface. Start with `controller`."""
+"""The paper, compiled; start with `controller`.
+
+No clock, threads, randomness or user interface; no files but for the cache of machine code (`kernel`, `compilation`).
+"""

@@ -25,8 +25,8 @@ from higvf_console.control.guidance.recovery import forgotten, formation_grip, r
 from higvf_console.control.intention.blending import blended_velocity
 from higvf_console.control.intention.formation import formation_velocity
 from higvf_console.control.intention.intention import shared_intention
-from higvf_console.control.intention.messages import delivered
 from higvf_console.control.intention.neighbours import components, within
+from higvf_console.control.intention.packet_loss import delivered
 from higvf_console.control.intention.perception import (
     choose_target,
     fire_value,
@@ -50,6 +50,9 @@ def compute(motion: Motion, intent: Intent, world: World, params: Parameters) ->
         intent: active path, influenced robot, priorities, pause and emergency stop.
         world: obstacles, fires, links and formation.
         params: all tunable parameters.
+
+    Returns:
+        The nominal velocities, and all terms that led to them.
     """
     recovery_stage, flip = recover(motion, intent.influenced if following(motion, intent) else NOBODY, params)
     at = attend(motion, intent, recovery_stage, world, params)
@@ -85,6 +88,9 @@ def attend(motion: Motion, intent: Intent, recovery_stage: Ints, world: World, p
         recovery_stage: (N,) deadlock recovery stages in this period.
         world: obstacles, fires and links.
         params: all tunable parameters.
+
+    Returns:
+        Links and components, what each robot sees and wants, progress on the path, and who is steered or held.
     """
     start, to = links(motion.position, world, params)
     component = components(start, to)
@@ -128,8 +134,7 @@ def links(position: Floats, world: World, params: Parameters) -> tuple[Ints, Int
 def perceive(motion: Motion, priority: Floats, world: World, params: Parameters) -> Sight:
     """Computes each robot's observed fire values (N, M) [rad], target and intention, [10]-[13].
 
-    Prioritised fires are multiplied by their factor, ignoring occlusion. Robots have no target before the start delay
-    is over.
+    Robots have no target before the start delay is over.
 
     Args:
         motion: positions, fires, and the targets so far.
@@ -137,12 +142,39 @@ def perceive(motion: Motion, priority: Floats, world: World, params: Parameters)
         world: obstacles and fire positions.
         params: perception, safety, fire and form parameters.
     """
-    robots, fires = motion.position.shape[0], world.fire_position.shape[0]
-    value = np.zeros((robots, fires))
+    robots = motion.position.shape[0]
+    value = fire_values(motion, priority, world, params)
     target = np.full(robots, NOBODY)
     target_value = np.zeros(robots)
     wanted = np.zeros((robots, 2))
-    waiting = motion.tick * params.safety.control_period < params.fires.start_delay
+    if motion.tick * params.safety.control_period < params.fires.start_delay:
+        return Sight(value, target, target_value, wanted)
+    for i in range(robots):
+        kept = motion.target[i] if motion.target[i] != NOBODY and motion.fire_burning[motion.target[i]] else NOBODY
+        memory = motion.target_value[i] if kept != NOBODY else 0.0
+        target[i], target_value[i] = choose_target(value[i], kept, memory, params.perception.target_margin)
+        j = target[i]
+        if j != NOBODY:
+            wanted[i, 0], wanted[i, 1] = robot_intention(
+                motion.position[i, 0], motion.position[i, 1], value[i, j] if value[i, j] > 0.0 else target_value[i],
+                world.fire_position[j, 0], world.fire_position[j, 1], float(motion.fire_radius[j]), params.perception,
+                params.safety, params.fires, params.forms,
+            )  # fmt: skip
+    return Sight(value, target, target_value, wanted)
+
+
+@kernel
+def fire_values(motion: Motion, priority: Floats, world: World, params: Parameters) -> Floats:
+    """Observed fire values theta (N, M) [rad], [10]; those of prioritised fires times their factor, ignoring occlusion.
+
+    Args:
+        motion: positions and fires.
+        priority: (P, 3) robot, fire and factor of each prioritised fire.
+        world: obstacles and fire positions.
+        params: holds the perception range.
+    """
+    robots, fires = motion.position.shape[0], world.fire_position.shape[0]
+    value = np.zeros((robots, fires))
     hidden = interval_room(world.capsules)
     for i in range(robots):
         x, y = motion.position[i, 0], motion.position[i, 1]
@@ -157,19 +189,7 @@ def perceive(motion: Motion, priority: Floats, world: World, params: Parameters)
             if int(priority[entry, 0]) == i and motion.fire_burning[j]:
                 distance = math.hypot(x - world.fire_position[j, 0], y - world.fire_position[j, 1])
                 value[i, j] = priority[entry, 2] * 2.0 * half_angle(float(motion.fire_radius[j]), distance)
-        if waiting:
-            continue
-        kept = motion.target[i] if motion.target[i] != NOBODY and motion.fire_burning[motion.target[i]] else NOBODY
-        memory = motion.target_value[i] if kept != NOBODY else 0.0
-        target[i], target_value[i] = choose_target(value[i], kept, memory, params.perception.target_margin)
-        j = target[i]
-        if j != NOBODY:
-            wanted[i, 0], wanted[i, 1] = robot_intention(
-                x, y, value[i, j] if value[i, j] > 0.0 else target_value[i], world.fire_position[j, 0],
-                world.fire_position[j, 1], float(motion.fire_radius[j]), params.perception, params.safety, params.fires,
-                params.forms,
-            )  # fmt: skip
-    return Sight(value, target, target_value, wanted)
+    return value
 
 
 @kernel

@@ -1,6 +1,6 @@
 """The doubtful equations of the paper, each in its corrected form or as printed.
 
-A form is a number, 0 corrected and 1 printed, so that the kernels carry all of them in the record of the gains. What
+A form is a number, 0 corrected and 1 printed, so that the kernels carry all of them in the record of parameters. What
 was wrong with an equation is said where it is computed; `higvf reproduce forms` shows each failure as a number.
 """
 

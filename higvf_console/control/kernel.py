@@ -1,7 +1,7 @@
 """The one decorator around Numba: `@kernel` compiles an equation to machine code when it is first called.
 
 Kernels call each other, and Python calls any of them. Numba itself is imported at the first call, so that modules with
-equations are quick to import and change nothing. `compilation.dispatcher` tells how kernels are compiled, and
+equations are quick to import and change nothing. `compilation.dispatcher` says how kernels are compiled, and
 `compilation.cache` where they are kept.
 """
 

@@ -7,10 +7,9 @@ takes all of them as one record (`packed`): passing 45 numbers one by one would 
 import math
 from functools import lru_cache
 from typing import Annotated as A  # noqa: N817 (a table needs narrow columns)
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, Protocol, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from higvf_console.control.forms import CORRECTED, Forms
 from higvf_console.core.quantity import Quantity as Q  # noqa: N817
@@ -19,7 +18,7 @@ INFINITE = float("inf")
 
 
 class PathParameters(NamedTuple):
-    """Guiding vector field of the desired path, [2]."""
+    """Guiding vector field of the desired path (paper, eq. 2)."""
 
     capture_distance: A[
         float, Q("m", 1.0, 500.0, "1/k", "Distance at which the field turns 45 degrees to the path.")
@@ -30,7 +29,7 @@ class PathParameters(NamedTuple):
 
 
 class BoundaryParameters(NamedTuple):
-    """Reactive and repulsive boundaries and bump functions, [3]-[6], [29]-[31]."""
+    """Reactive and repulsive boundaries and bump functions (paper, eq. 3-6, 29-31)."""
 
     reactive_margin: A[float, Q("m", 1.0, 500.0, "R", "Surface to reactive boundary: robots react inside.")] = 25.0
     repulsive_margin: A[float, Q("m", 0.0, 499.0, "Q", "Surface to repulsive boundary: only circulation inside.")] = (
@@ -41,12 +40,13 @@ class BoundaryParameters(NamedTuple):
 
 
 class PerceptionParameters(NamedTuple):
-    """Observed fire value and target choice, [10]-[13]."""
+    """Observed fire value and target choice (paper, eq. 10-13)."""
 
     perception_range: A[float, Q("m", 0.0, INFINITE, "", "Fires farther away are not seen.")] = INFINITE
-    target_band: A[float, Q("m", 0.1, 500.0, "", "Distance from the hold ring over which robot intention fades.")] = (
-        50.0
-    )
+    target_band: A[
+        float,
+        Q("m", 0.1, 500.0, "", "Distance outside the stand-off circle of a fire over which robot intention fades."),
+    ] = 50.0
     target_margin: A[float, Q("", 1.0, 10.0, "", "Factor by which another fire must look larger to win.")] = 1.05
     priority: A[float, Q("", 1.0, 1000.0, "", "Factor by which a robot values a fire more that it was pointed to.")] = (
         8.0
@@ -57,7 +57,7 @@ class PerceptionParameters(NamedTuple):
 
 
 class FormationParameters(NamedTuple):
-    """Formation control, [12], [14]."""
+    """Formation control (paper, eq. 12, 14)."""
 
     communication_range: A[float, Q("m", 0.0, INFINITE, "R_c", "Robots this close exchange intentions.")] = INFINITE
     formation_rate: A[float, Q("1/s", 0.0, 50.0, "k_form", "Stiffness of the formation.")] = 0.5
@@ -65,7 +65,7 @@ class FormationParameters(NamedTuple):
 
 
 class IntentionParameters(NamedTuple):
-    """Shared intention, [15], [16]."""
+    """Shared intention (paper, eq. 15, 16)."""
 
     decay: A[float, Q("1/s", 0.0, 1000.0, "omega_0", "Weight of forgetting.")] = 2.5
     robot_weight: A[float, Q("1/s", 0.0, 1000.0, "omega_1", "Weight of the robot's own intention.")] = 5.0
@@ -75,7 +75,7 @@ class IntentionParameters(NamedTuple):
 
 
 class BlendingParameters(NamedTuple):
-    """Speed and policy blending, [17]-[19]."""
+    """Speed and policy blending (paper, eq. 17-19)."""
 
     cruise_speed: A[float, Q("m/s", 0.1, 400.0, "C", "Desired speed of the team.")] = 60.0
     intention_gain: A[float, Q("", 0.001, 1000.0, "k_s", "Weight of the shared intention in the blend.")] = 1.0
@@ -84,7 +84,7 @@ class BlendingParameters(NamedTuple):
 
 
 class SafetyParameters(NamedTuple):
-    """Safety barrier certificates, [20]-[28]."""
+    """Safety barriers: clearances, class-K gains and speed limit (paper, eq. 20-28)."""
 
     robot_clearance: A[float, Q("m", 0.1, 1000.0, "R_r", "Least distance between robot centres.")] = 25.0
     obstacle_clearance: A[float, Q("m", 0.1, 1000.0, "R_o", "Least distance from robot centre to a surface.")] = 12.0
@@ -92,7 +92,7 @@ class SafetyParameters(NamedTuple):
     obstacle_gain: A[float, Q("1/s", 0.01, 1000.0, "beta", "Rate at which a robot may close in on an obstacle.")] = 20.0
     speed_limit: A[float, Q("m/s", 0.1, 600.0, "v_max", "No robot is ever faster.")] = 90.0
     control_period: A[float, Q("s", 0.001, 0.1, "dt", "Time between two control steps.")] = 0.02
-    h_index: float = CORRECTED  # set by `Parameters.forms`: which margin an obstacle's row takes
+    h_index: float = CORRECTED  # set by `Parameters.forms`: which margin an obstacle's constraint takes
 
 
 class FireParameters(NamedTuple):
@@ -104,7 +104,7 @@ class FireParameters(NamedTuple):
 
 
 class StallParameters(NamedTuple):
-    """The deadlock detector, and the ladder out of a deadlock."""
+    """Deadlock detection, and the stages of the recovery from a deadlock."""
 
     stall_fraction: A[float, Q("", 0.001, 0.5, "", "Slower than this share of the cruise speed is a stall.")] = 0.05
     stall_time: A[float, Q("s", 0.1, 60.0, "", "A stall this long is a deadlock.")] = 1.0
@@ -157,7 +157,18 @@ def current_name(name: str) -> str:
     return RENAMED.get(name, name)
 
 
-PackedParameters: TypeAlias = NDArray[Any]  # (1,) of one record; kernels read `packed[0].path.capture_distance`
+class ParameterRecord(Parameters):
+    """What kernels read as `packed[0]`; for type checkers only."""
+
+    body: SafetyParameters  # the safety parameters of the bodies
+
+
+class PackedParameters(Protocol):
+    """A structured array (1,) of all parameters; kernels read `packed[0].path.capture_distance`."""
+
+    def __getitem__(self, index: int, /) -> ParameterRecord:
+        """The one record, for index 0."""
+        ...
 
 
 def controlled(params: Parameters) -> Parameters:
@@ -189,10 +200,11 @@ def filter_parameters(params: Parameters) -> SafetyParameters:
 def packed(params: Parameters) -> PackedParameters:
     """All tunables of the controlled points as an array (1,) of one record with the same names.
 
-    One more part, `body`, keeps the safety gains of the bodies. Equal gains give the same array.
+    One more part, `body`, keeps the safety parameters of the bodies. Equal parameters give the same array.
     """
     groups = {**controlled(params)._asdict(), "body": params.safety}
     parts = [
         (name, np.dtype((np.record, [(key, np.float64) for key in part._fields]))) for name, part in groups.items()
     ]
-    return np.array([tuple(tuple(part) for part in groups.values())], dtype=np.dtype((np.record, parts)))
+    record = np.array([tuple(tuple(part) for part in groups.values())], dtype=np.dtype((np.record, parts)))
+    return cast(PackedParameters, record)

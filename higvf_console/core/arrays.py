@@ -128,7 +128,7 @@ def _shaped(name: str, value: object, shape: Shape, kinds: str, why: str) -> NDA
     try:
         array = value if type(value) is np.ndarray else np.asarray(_plain(value))
     except (TypeError, ValueError, OverflowError) as problem:
-        raise ArgumentTypeError(f"{name} is {brief(value)}, which is no array; expected {wanted}") from problem
+        raise ArgumentTypeError(f"{name} is {brief(value)}, which is not an array; expected {wanted}") from problem
     if (
         array.size == 0
         and array.ndim <= 1

@@ -150,17 +150,17 @@ class ResetEmergencyStop(Command):
 
 @dataclass(frozen=True)
 class ClearPath(Command):
-    """The human intention ends; the path is removed."""
+    """End the human intention and remove the path."""
 
 
 @dataclass(frozen=True)
 class ReversePath(Command):
-    """The path, the one that waits if one does, is followed the other way round."""
+    """Reverse the pending path or, if none is pending, the active one."""
 
 
 @dataclass(frozen=True)
 class ShapePath(Command):
-    """The path, the one that waits if one does, is followed in another way; None leaves a thing as it is.
+    """Change how the pending path or, if none is pending, the active one is followed; None leaves a term unchanged.
 
     Attributes:
         ending: see `path_terms.PathTerms`.
@@ -177,12 +177,12 @@ class ShapePath(Command):
 
 @dataclass(frozen=True)
 class MovePathPoint(Command):
-    """A point of the path is dragged, of the one that waits if one does; both sides of it give way smoothly.
+    """Move a point of the pending path or, if none is pending, of the active one; the path bends smoothly there.
 
     Attributes:
         grip: (2,) where the path is gripped: its nearest point [m].
         point: (2,) where that goes [m].
-        preview: the bent path waits for a Confirm.
+        preview: whether the changed path is pending until a Confirm.
     """
 
     grip: Floats
@@ -209,7 +209,7 @@ class Prioritise(Command):
     """Robot `robot` (index from 0; None = the influenced one) values `fires` more, and no others.
 
     Attributes:
-        fires: indices from 0; empty = it judges by itself again.
+        fires: indices from 0; empty = it chooses by itself again.
         robot: which one.
         factor: by how much; None = `perception.priority`.
     """
@@ -288,7 +288,7 @@ class LoadScenario(Command):
 
 @dataclass(frozen=True)
 class Undo(Command):
-    """The last thing that was done, and is not undone yet, is undone."""
+    """Undo the latest action that is not undone yet."""
 
 
 @dataclass(frozen=True)
@@ -330,7 +330,7 @@ class ControlChange(StrEnum):
     GRANTED = "granted"
     TAKEN = "taken"
     RELEASED = "released"
-    LOST = "lost"  # whoever had it was not heard of any more
+    LOST = "lost"  # its holder timed out
 
 
 @dataclass(frozen=True)

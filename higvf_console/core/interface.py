@@ -1,4 +1,4 @@
-"""The contracts that every operator interface stands on: what it is opened with, asked, and told."""
+"""The contracts that every operator interface stands on: how it is opened, polled and informed."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -40,7 +40,7 @@ class OperatorContext(NamedTuple):
     Attributes:
         time: session time [s].
         operator: who operates.
-        viewport: how the operator's screen lies over the arena; None until a browser has told.
+        viewport: how the operator's screen lies over the arena; None until a browser has reported it.
         clutch: whether the drawing clutch is held.
         paused: whether the team is paused.
         influenced: index of the influenced robot.
@@ -67,7 +67,7 @@ class ChannelState(StrEnum):
     LIVE = "live"
     STALE = "stale"
     LOST = "lost"
-    RECOVERED = "back, not resumed"  # heard again after a loss; waits for the operator's acknowledgement
+    RECOVERED = "back, not resumed"  # seen again after a loss; waits for the operator's acknowledgement
     ENDED = "ended"  # a replayed log is at its end
 
 
@@ -78,7 +78,7 @@ class ChannelHealth(NamedTuple):
         state: as the interface sees it.
         detail: why.
         last_seen: session time of a live device's last sign of life [s], judged by the session's limits; None where the
-            interface judges itself, as a replay does: silence alone does not mean loss.
+            interface decides itself, as a replay does: silence alone does not mean loss.
     """
 
     state: ChannelState
@@ -161,7 +161,7 @@ class PointerSink(Protocol):
         ...
 
     def heartbeat(self) -> None:
-        """A page has told that it is there; callable from any thread."""
+        """A page has reported its presence; callable from any thread."""
         ...
 
 

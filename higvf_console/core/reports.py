@@ -1,4 +1,4 @@
-"""What an interface may tell of itself beside its commands: attention, decoding, calibration; all of it optional.
+"""What an interface may report beside its commands: attention, decoding, calibration; all of it optional.
 
 The session asks each interface that has one of these methods, shows and writes down the answers, and acts on none.
 """
@@ -166,7 +166,7 @@ class Deciding(Protocol):
 
 @runtime_checkable
 class Calibrated(Protocol):
-    """An interface that maps a screen to the arena, and may be told to learn that map anew."""
+    """An interface that maps a screen to the arena, and can be recalibrated."""
 
     def calibration_report(self) -> CalibrationReport | None:
         """The map in use; None where it is none that was measured."""

@@ -1,8 +1,8 @@
-"""Everything that changes in a run, and the world that does not: NamedTuples of arrays, one row a robot.
+"""Everything that changes in a run, and the world that does not: NamedTuples of arrays, one row per robot.
 
-    SimState = motion   what physics advances each tick (the kernel reads and returns it)
-             + intent   what the operator asks of the team (the kernel reads it, commands write it)
-             + drawing  cursor, growing stroke, what waits to be confirmed (seen on screen, never felt by a robot)
+    SimState = motion         what physics advances each tick (the kernel reads and returns it)
+             + intent         what the operator asks of the team (the kernel reads it, commands write it)
+             + pointer_state  cursor, growing stroke, pending path (seen on screen, without effect on the robots)
 
 Positions are in the world frame, x right, y up, in metres; times in seconds; angles in radians. Indices count from 0,
 the numbers that people see from 1. Arrays are never written in place: a step returns new ones, so that any thread may
@@ -18,6 +18,10 @@ import numpy as np
 from higvf_console.core.arrays import Bools, Floats, Ints, floats
 
 NOBODY = -1  # no robot, no fire
+CAPSULE = 5  # columns of a capsule: ax, ay, bx, by, radius
+# Columns of `World.mover`, and of `World.boundary` behind its capsule.
+MOVER_PART, MOVER_AX, MOVER_AY, MOVER_BX, MOVER_BY, MOVER_SPEED, MOVER_START, MOVER_ENDING = range(8)
+GRID_X, GRID_Y, GRID_CELL, GRID_COLUMNS = range(CAPSULE, CAPSULE + 4)
 
 
 class PathKind(IntEnum):
@@ -96,8 +100,7 @@ NO_PRIORITY = np.zeros((0, 3))
 
 
 class Motion(NamedTuple):
-    """What physics advances: N robots, M fires, K = G + M + V rings (groups of obstacles, fires, moving
-    obstacles).
+    """What physics advances: N robots, M fires, K = G + M + V boundaries (of groups, fires and moving obstacles).
 
     Attributes:
         tick: control periods since the start.
@@ -109,7 +112,7 @@ class Motion(NamedTuple):
         target_value: (N,) largest observed fire value of the target since it was chosen [rad].
         circulation: (N, K) circulation direction round each boundary as this robot's component agreed: 0 open, +-1 set
             by any robot, +-2 set by the influenced robot, +-3 turned over on the way out of a deadlock.
-        stalled: (N,) how long the robot has been stalled against active rows [s].
+        stalled: (N,) how long the robot has been stalled against active constraints [s].
         recovery_stage: (N,) how many ways out of a deadlock have been tried, see `control.guidance.recovery`.
         fire_radius: (M,) [m]; an extinguished fire keeps its last radius.
         fire_progress: (M,) time that enough robots have spent extinguishing it [s].
@@ -150,7 +153,7 @@ class Intent(NamedTuple):
 
     Attributes:
         path: the desired path; NO_PATH when there is none.
-        influenced: index of the robot that feels it.
+        influenced: index of the robot that receives it.
         paused: nominal velocities are zero, the filter still yields.
         stopped: all velocities are zero, latched.
         priority: (P, 3) rows of robot, fire and the factor by which that robot values that fire more.
@@ -164,7 +167,7 @@ class Intent(NamedTuple):
 
 
 class PointerState(NamedTuple):
-    """The operator's hand, seen on screen.
+    """Pointer and pending path of the operator, seen on screen.
 
     Attributes:
         cursor: (2,) where gaze or pointer is [m]; NaN when unseen.
@@ -172,7 +175,7 @@ class PointerState(NamedTuple):
         stroke_source: interface that draws it; empty when nobody does.
         clutch: whether the operator holds the clutch that lets gaze draw.
         ask_reset: whether a latched STOP has been asked to reset and waits for the second step.
-        pending: a drawn path that waits to be confirmed; NO_PATH when none does.
+        pending: a drawn path that waits to be committed; NO_PATH when none does.
         pending_robot: index of the robot that it was drawn for; NOBODY = the one that is influenced then.
         proposed: index of the robot that a decoder is unsure to have been asked for; NOBODY when none is.
         proposed_until: when that proposal lapses [s of session time].
@@ -212,8 +215,8 @@ class World(NamedTuple):
             then bars. An irregular obstacle is a closed chain of bars without width.
         circle_count: P.
         capsule_velocity: (P + Q, 2) over the coming control period [m/s]; zero but in a world of `world_at`.
-        mover: (V, 8) part, its spine ax, ay, bx, by at the start of its course [m], speed [m/s], arc length at time 0
-            [m], and what happens at the end of the course: `obstacles.STOP`, `LOOP` or `ONWARD`.
+        mover: (V, 8), columns `MOVER_...`: part, its spine ax, ay, bx, by at the start of its course [m], speed [m/s],
+            arc length at time 0 [m], and what happens at the end of the course: `obstacles.STOP`, `LOOP` or `ONWARD`.
         course: (C, 3) points of courses, relative to their first [m], and the arc length up to each [m].
         course_start: (V + 1,) mover v's rows in `course`.
         walls: (W, 3) unit inward normal nx, ny and offset w [m]: inside means n.p >= w.
@@ -224,8 +227,8 @@ class World(NamedTuple):
         link_start: (N + 1,) row i's links are link_to[link_start[i]:link_start[i + 1]]; (0,) when the communication
             range decides.
         link_to: (E,) neighbour index, each link twice.
-        boundary: (G, 9) capsule ax, ay, bx, by, radius [m] of a lone part, or the circle round a hull; then the grid of
-            its pocket: x, y of the first node, cell width [m], columns (0 = no pocket).
+        boundary: (G, 9) capsule ax, ay, bx, by, radius [m] of a lone part, or the circle round a hull; then, in the
+            columns `GRID_...`, the grid of its pocket: x, y of the first node, cell width [m], columns (0 = no pocket).
         boundary_start: (3, G + 1) group g's rows in `hull`, `part` and `pocket`.
         hull: (H, 2) corners of convex hulls, counter-clockwise [m]; a lone part has none.
         part: (P + Q - V,) rows of `capsules`, by group.

@@ -71,7 +71,7 @@ class Controller:
             path: the human's desired path; the same path goes on where it was, another one begins, None ends it.
                 With a state, None keeps the state's path.
             headings: (N,) of unicycles, or one for all [rad]; not needed where `robots.look_ahead` is 0.
-            influenced: index of the robot that feels the human intention; None = the one so far.
+            influenced: index of the robot that receives the human intention; None = unchanged.
             paused: whether robots hold, and yield to what moves.
             fire_radius: (M,) measured [m]; None = the model's.
             fire_burning: (M,) measured; None = the model's.

@@ -6,7 +6,7 @@ from time import perf_counter
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.parameters import Parameters, SafetyParameters, controlled
 from higvf_console.control.safety import safety_filter
-from higvf_console.control.safety.barriers.certificate import check_sampling
+from higvf_console.control.safety.barriers.sampling import check_sampling
 from higvf_console.control.safety.hazards import GROWTH
 from higvf_console.core.arrays import Bools, Floats, Ints
 from higvf_console.library.hazards import Hazards

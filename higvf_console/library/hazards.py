@@ -176,7 +176,7 @@ class Hazards:
 
     @cached_property
     def table(self) -> Floats:
-        """(H, 9) all of them as `control.safety.hazards` tells: obstacles, edges of polygons, walls, fires."""
+        """(H, 9) all of them as `control.safety.hazards` defines them: obstacles, edges of polygons, walls, fires."""
         obstacles = [_row(OBSTACLE, item) for item in self.items if item.kind != FIRE]
         edges = [(OBSTACLE, *edge, 0.0, 0.0, 0.0) for edge in edge_bars(self.polygons).tolist()]
         walls = [(WALL, nx, ny, 0.0, 0.0, offset, 0.0, 0.0, 0.0) for nx, ny, offset in self.walls]

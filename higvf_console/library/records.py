@@ -20,7 +20,21 @@ from higvf_console.core.arguments import instance, number, whole
 from higvf_console.core.arrays import FARTHEST, Shape, given_bools, given_floats, given_ints
 from higvf_console.core.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from higvf_console.core.quantity import checked, quantities
-from higvf_console.core.state import NOBODY, Intent, Motion, Path, PathEnding, PathKind, PathStatus, SimState, World
+from higvf_console.core.state import (
+    GRID_CELL,
+    GRID_COLUMNS,
+    MOVER_ENDING,
+    MOVER_PART,
+    NOBODY,
+    Intent,
+    Motion,
+    Path,
+    PathEnding,
+    PathKind,
+    PathStatus,
+    SimState,
+    World,
+)
 
 _Record = TypeVar("_Record", bound=tuple[Any, ...])
 _SPLINE = 4  # nodes along each side that a cubic B-spline takes
@@ -99,7 +113,7 @@ def given_path(path: object, name: str = "path") -> Path:
 
 
 def given_world(world: object, name: str = "world") -> World:
-    """A world whose arrays have the shapes and indices that `core.state.World` tells.
+    """A world whose arrays have the shapes and indices that `core.state.World` documents.
 
     The last few worlds that passed are not checked again: a world's arrays are never written.
 
@@ -149,7 +163,7 @@ def _given_world(w: World, name: str) -> World:
 
 
 def given_state(state: object, world: World, name: str = "state") -> SimState:
-    """A state that fits `world`: one row a robot, a fire, a boundary; every index of one that exists.
+    """A state that fits `world`: one row per robot, fire and boundary; every index refers to one that exists.
 
     Args:
         state: to check.
@@ -238,16 +252,16 @@ def _rises(name: str, start: Any, end: int) -> None:
 
 def _whole_grids(name: str, boundary: Any, start: Any) -> None:
     """Refuses pockets whose nodes do not make at least four whole rows of at least four columns."""
-    cell, columns, nodes = boundary[:, 7], boundary[:, 8], np.diff(start)
+    cell, columns, nodes = boundary[:, GRID_CELL], boundary[:, GRID_COLUMNS], np.diff(start)
     grid = columns != 0.0
     whole_rows = (columns == np.floor(columns)) & (columns >= _SPLINE) & (nodes >= _SPLINE * columns) & (cell > 0.0)
     if (nodes[~grid] != 0).any() or not (whole_rows[grid] & (nodes[grid] % columns[grid] == 0)).all():
-        raise ArgumentError(f"{name}.pocket does not hold the whole rows of nodes that {name}.boundary tells of")
+        raise ArgumentError(f"{name}.pocket does not hold the whole rows of nodes that {name}.boundary needs")
 
 
 def _courses(name: str, mover: Any, course: Any, start: Any, parts: int) -> None:
     """Refuses moving obstacles that are no part, and courses that do not lead on."""
-    part, ending = mover[:, 0], mover[:, 7]
+    part, ending = mover[:, MOVER_PART], mover[:, MOVER_ENDING]
     if not (np.isin(part, np.arange(parts)).all() and len(np.unique(part)) == len(part)):
         raise ArgumentError(
             f"{name}.mover moves parts {part.tolist()[:8]}; expected different ones from 0 to {parts - 1}"

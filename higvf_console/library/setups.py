@@ -89,7 +89,7 @@ def make_setup(
         formation: (N, 2) shape whose pairwise distances the team keeps [m]; None = `positions`.
         links: pairs of robot indices that exchange intentions; None = the communication range decides.
         path: the human's path in force from the start; None = none.
-        influenced: index of the robot that feels the human intention.
+        influenced: index of the robot that receives the human intention.
 
     Raises:
         ArgumentError: an argument has another shape or type, or holds NaN or infinite values.

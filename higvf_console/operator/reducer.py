@@ -6,7 +6,7 @@ history and the world (LoadScenario, Undo, Redo, edits); the reducer ignores the
 """
 
 import math
-from typing import assert_never
+from typing import TypeAlias, assert_never
 
 import numpy as np
 
@@ -81,8 +81,11 @@ from higvf_console.operator.path_commands import (
 )
 from higvf_console.operator.path_edits import bent, redrawn
 from higvf_console.operator.priority import prioritise, prioritise_inside
+from higvf_console.operator.stop_commands import pause_or_stop
 from higvf_console.world.setup import Setup
 
+_PointerCommand: TypeAlias = StrokeBegin | StrokePoints | StrokeEnd | StrokeCancel | Cursor | Clutch
+_PathCommand: TypeAlias = ClearPath | ReversePath | ShapePath | MovePathPoint | TakeUpPath | ForgetPath
 _NO_STROKE = np.zeros((0, 2))
 
 
@@ -99,6 +102,38 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
     """
     time = state.motion.tick * setup.params.safety.control_period
     match command:
+        case StrokeBegin() | StrokePoints() | StrokeEnd() | StrokeCancel() | Cursor() | Clutch():
+            return _point_or_draw(state, command, setup, time)
+        case Pick(robot=robot):
+            return _pick(proposal_dropped(state), robot, time)
+        case ProposePick():
+            return _propose(state, command, time)
+        case Confirm():
+            return _confirm(state, time)
+        case Discard(proposal=robot_too):
+            return _discard(state, time, robot_too=robot_too)
+        case Pause() | Resume() | EmergencyStop() | AskReset() | ResetEmergencyStop():
+            return pause_or_stop(state, command, time)
+        case ClearPath() | ReversePath() | ShapePath() | MovePathPoint() | TakeUpPath() | ForgetPath():
+            return _change_path(state, command, setup, time)
+        case Prioritise():
+            return prioritise(state, command, setup, time)
+        case NextTask():
+            return finish(state, time)
+        case ResetRun():
+            return started_again(state, setup), report(0.0, "reset", "The run restarts.")
+        case HandOver():
+            return state, _control_events(command, time)
+        case StartRun() | ContinueRun() | Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
+            return state, ()
+        case LoadScenario() | Undo() | Redo() | Edit():
+            return state, ()
+        case _:
+            assert_never(command)
+
+
+def _point_or_draw(state: SimState, command: _PointerCommand, setup: Setup, time: float) -> Outcome:  # noqa: PLR0911
+    match command:
         case StrokeBegin():
             return with_pointer_state(state, stroke=_NO_STROKE, stroke_source=command.source), ()
         case StrokePoints(points=points):
@@ -113,28 +148,12 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
             return with_pointer_state(state, cursor=floats(point, 2)), ()
         case Clutch(closed=closed):
             return with_pointer_state(state, clutch=bool(closed)), ()
-        case Pick(robot=robot):
-            return _pick(proposal_dropped(state), robot, time)
-        case ProposePick():
-            return _propose(state, command, time)
-        case Confirm():
-            return _confirm(state, time)
-        case Discard(proposal=robot_too):
-            return _discard(state, time, robot_too=robot_too)
-        case Pause():
-            return _pause(state, True), report(time, "paused", "Paused: the robots hold and only yield to hazards.")
-        case Resume() if state.intent.stopped:
-            return state, refuse(time, "The STOP is active: reset it before you resume.")
-        case Resume():
-            return _pause(state, False), report(time, "resumed", "The team resumes.")
-        case EmergencyStop():
-            return _stop(state, True), (Event(time, Severity.ALARM, "stop", "STOP: all robots stand still."),)
-        case AskReset():
-            return with_pointer_state(state, ask_reset=state.intent.stopped), ()
-        case ResetEmergencyStop() if not state.pointer_state.ask_reset:
-            return state, refuse(time, "A STOP is reset in two steps: request the reset first.")
-        case ResetEmergencyStop():
-            return _stop(state, False), report(time, "stop", "STOP is reset; the team stays paused until you resume.")
+        case _:
+            assert_never(command)
+
+
+def _change_path(state: SimState, command: _PathCommand, setup: Setup, time: float) -> Outcome:
+    match command:
         case ClearPath():
             return follow(state, NO_PATH), report(time, "path", "The path is cleared.")
         case ReversePath():
@@ -148,18 +167,6 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
             return take_up(state, number, time)
         case ForgetPath(number=number):
             return forget(state, number, time)
-        case Prioritise():
-            return prioritise(state, command, setup, time)
-        case NextTask():
-            return finish(state, time)
-        case ResetRun():
-            return started_again(state, setup), report(0.0, "reset", "The run restarts.")
-        case StartRun() | ContinueRun() | Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
-            return state, ()
-        case LoadScenario() | Undo() | Redo() | Edit():
-            return state, ()
-        case HandOver():
-            return state, _control_events(command, time)
         case _:
             assert_never(command)
 
@@ -211,7 +218,7 @@ def _set_pending(state: SimState, path: Path, robot: int, time: float) -> Outcom
     robots = len(state.motion.position)
     if robot != NOBODY and not 0 <= robot < robots:
         return state, no_robot(robot, robots, time)
-    events = report(time, "pending", f"A path of {path.length:.0f} m is pending: confirm or discard it.")
+    events = report(time, "pending", f"A path of {path.length:.0f} m is pending: commit or discard it.")
     return with_pointer_state(state, pending=path, pending_robot=robot, pending_repairs=False), events
 
 
@@ -236,7 +243,8 @@ def _propose(state: SimState, command: ProposePick, time: float) -> Outcome:
     if robot == state.intent.influenced:
         return proposal_dropped(state), ()
     trust = "" if command.confidence is None else f" (confidence {command.confidence:.2f})"
-    events = report(time, "proposed", f"Robot {robot + 1} is proposed{trust}: confirm it within {command.within:g} s.")
+    text = f"Robot {robot + 1} is proposed{trust}: commit or discard it within {command.within:g} s."
+    events = report(time, "proposed", text)
     return with_pointer_state(state, proposed=robot, proposed_until=time + float(command.within)), events
 
 
@@ -244,7 +252,7 @@ def _confirm(state: SimState, time: float) -> Outcome:
     """Picks the proposed robot first, so that it follows the pending path."""
     pointer_state = state.pointer_state
     if not waiting(pointer_state, time):
-        return state, refuse(time, "There is nothing to confirm.")
+        return state, refuse(time, "Nothing is pending.")
     state, events, robot = proposal_dropped(state), (), proposal(pointer_state, time)
     if robot != NOBODY:
         state, events = _pick(state, robot, time)
@@ -304,12 +312,3 @@ def _control_events(command: HandOver, time: float) -> tuple[Event, ...]:
     alerts = command.how in (ControlChange.TAKEN, ControlChange.LOST)
     severity = Severity.WARNING if alerts else Severity.INFO
     return (Event(time, severity, "control", texts[command.how]),)
-
-
-def _pause(state: SimState, paused: bool) -> SimState:
-    return state._replace(intent=state.intent._replace(paused=paused))
-
-
-def _stop(state: SimState, stopped: bool) -> SimState:
-    state = with_pointer_state(path_dropped(proposal_dropped(state)), ask_reset=False)
-    return state._replace(intent=state.intent._replace(stopped=stopped, paused=True))

@@ -1,4 +1,4 @@
-"""What becomes of the team when the engine itself fails: everybody stands, latched, and the operator is told."""
+"""What becomes of the team when the engine itself fails: a latched STOP, and an alarm for the operator."""
 
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import SimState
@@ -11,6 +11,6 @@ def halted(state: SimState) -> SimState:
 
 
 def failure_event(error: Exception, time: float) -> Event:
-    """The alarm that tells the operator of it."""
+    """The alarm that reports it to the operator."""
     text = f"The engine failed; the team stands and the clock is frozen: {type(error).__name__}: {error}"
     return Event(time, Severity.ALARM, "failure", text)

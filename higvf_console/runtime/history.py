@@ -137,7 +137,7 @@ def undo(history: History, now: RunState) -> tuple[History, RunState, str]:
         ScenarioError: there is no action, or no robot could keep its clearance after it.
     """
     if not history.done:
-        raise ScenarioError("there is nothing to undo")
+        raise ScenarioError("nothing to undo")
     action = history.done[-1]
     if action.whole:
         run_state, aside = _restored(now, action.before), ""
@@ -154,7 +154,7 @@ def redo(history: History, now: RunState) -> tuple[History, RunState, str]:
         ScenarioError: there is no action, or no robot could keep its clearance after it.
     """
     if not history.undone:
-        raise ScenarioError("there is nothing to redo")
+        raise ScenarioError("nothing to redo")
     action = history.undone[0]
     if action.whole:
         run_state, aside = _restored(now, action.after), ""

@@ -76,15 +76,15 @@ def _split(rest: str, folder: Path) -> tuple[str, str]:
 
 
 def _refuse_torn(rest: str, folder: Path) -> None:
-    """Refuses what is no file, and would be one and its options but for a blank or a missing value."""
+    """Refuses a source whose first part is a file and whose options hold a blank or lack a value."""
     for colon in re.finditer(":", rest):
         source, options = rest[: colon.start()], rest[colon.end() :]
         if _MEANT.fullmatch(options) and not _OPTIONS.fullmatch(options) and source and _is_file(folder / source):
-            raise InputError(f"{source}: {options!r} behind it is not option=value,option=value, without blanks")
+            raise InputError(f"{source}: {options!r} is not of the form option=value,option=value, without blanks")
 
 
 def _is_file(path: Path) -> bool:
-    """Whether it is a file; what cannot be a name, say of 300 letters, is none."""
+    """Whether it is a file; False for what cannot be a file name, e.g. one of 300 letters."""
     try:
         return path.is_file()
     except OSError:

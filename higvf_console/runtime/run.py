@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import NamedTuple, TypeAlias
 
 from higvf_console.analysis.explain import Moved
+from higvf_console.analysis.violation import violation_text
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, Undo
 from higvf_console.core.errors import ScenarioError
@@ -98,7 +99,7 @@ class Run:
 
     @property
     def setup(self) -> Setup:
-        """World and gains in force, and what a reset starts from."""
+        """World and parameters in force, and what a reset starts from."""
         return self._setup
 
     @property
@@ -138,7 +139,7 @@ class Run:
         """Advances by one control period."""
         before = self.state
         self.state, trace = self._advance(before)
-        events = events_between(before, self.state, self._trace_before, trace, self._setup.params)
+        events = events_between(before, self.state, self._trace_before, trace, self._setup.params, self._violation)
         self.last = Moved(before, self.state.motion, trace)
         self._trace_before = trace
         self.ticks += 1
@@ -157,6 +158,9 @@ class Run:
             return ()
         text = f"The run has ended: {END_TEXTS[self.phase.reason]}."
         return (Event(self.time, Severity.GOOD, "run", text),)
+
+    def _violation(self, robot: int, motion: Motion) -> str:
+        return violation_text(robot, motion, self._setup)
 
 
 def _counted(tally: Tally, before: Motion, after: Motion, trace: Trace, params: Parameters) -> Tally:

@@ -108,7 +108,7 @@ class Session:
             interfaces: polled each tick, in this order.
             seed: of the start positions.
             recorder: writes everything down.
-            markers: tells the laboratory's other devices.
+            markers: reports to the laboratory's other devices.
             attended: whether a person watches the run: its clock stands once it has ended, which the scenario's
                 duration does too.
             waits: whether the clock of the first run waits for a StartRun.
@@ -171,7 +171,7 @@ class Session:
 
     @property
     def input_reports(self) -> InputReports:
-        """What the interfaces tell of themselves at this moment; the snapshot's may be half a second old."""
+        """What the interfaces report at this moment; the snapshot's may be half a second old."""
         return self._reporter.count(self._run.time, self.snapshot.inputs)
 
     @property
@@ -228,7 +228,7 @@ class Session:
         finally:
             if self._recorder is not None:
                 self._record(self._recorder.close)
-                self._publish(perf_counter())  # an event tells if that failed
+                self._publish(perf_counter())  # an event reports if that failed
             if self._markers is not None:
                 self._markers.close()
 

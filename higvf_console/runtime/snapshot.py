@@ -20,7 +20,7 @@ class Snapshot(NamedTuple):
 
     Attributes:
         scenario: what is run; another object once another one is loaded.
-        setup: world and gains in force; another object once they are edited.
+        setup: world and parameters in force; another object once they are edited.
         state: now.
         trace: of the last control period.
         last: the last control period as a whole; at the start of a run, the first one to come.
@@ -32,14 +32,14 @@ class Snapshot(NamedTuple):
         min_clearance: smallest of the run so far [m]; the present one is in the trace.
         tick_ms: how long the tick took [ms].
         lost_time: by which the run lags behind real time, because the computer was busy [s].
-        infeasible_ticks: control periods in which a robot could not meet all barrier rows.
+        infeasible_ticks: control periods in which a robot could not meet all barrier constraints.
         deadlock_s: time in which a robot was deadlocked [s].
         worst: what the certificates of single ticks came to so far.
         extinguished: fire indices in the order in which they went out.
         history: what was done and may be undone.
         channels: how each interface is.
         events: what happened, oldest first; the last `EVENTS_KEPT`.
-        inputs: what the interfaces tell of themselves: attention, decoding, calibration.
+        inputs: what the interfaces report: attention, decoding, calibration.
     """
 
     scenario: Scenario

@@ -316,4 +316,4 @@ def _network_warnings(network: Network, linked: bool) -> tuple[str, ...]:
     if network.components == 1:
         return ()
     cause = "links" if linked else "communication_range"
-    return (f"the team starts in {network.components} parts that do not hear each other; see {cause}",)
+    return (f"the team starts in {network.components} groups that cannot communicate; see {cause}",)

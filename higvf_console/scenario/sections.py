@@ -109,7 +109,7 @@ def read_arena(node: Node) -> tuple[Arena, bool]:
         entries = node.section(tuple(entries), ("x_min", "y_min", "x_max", "y_max"))
         arena = Arena(*(entries[name].number(COORDINATE) for name in Arena._fields))
     if arena.width <= 0.0 or arena.height <= 0.0:
-        raise node.error(f"an arena of {arena.width:g} m x {arena.height:g} m has no inside")
+        raise node.error(f"an arena of {arena.width:g} m x {arena.height:g} m has no area")
     return arena, walls
 
 
@@ -139,7 +139,7 @@ def _headings(entries: dict[str, Node], robots: int) -> Floats:
         return np.full(robots, math.radians(node.number(_ANGLE)))
     given = [math.radians(item.number(_ANGLE)) for item in node.items()]
     if len(given) != robots:
-        raise node.error(f"{len(given)} headings for {robots} robots; give one for all, or one a robot")
+        raise node.error(f"{len(given)} headings for {robots} robots; give one for all robots, or one for each")
     return floats(given)
 
 
@@ -166,7 +166,7 @@ def read_formation(node: Node, robots: int) -> Floats:
     """A shape (N, 2) [m] whose pairwise distances the team keeps."""
     shape = node.points()
     if len(shape) != robots:
-        raise node.error(f"{len(shape)} points for {robots} robots; give one a robot")
+        raise node.error(f"{len(shape)} points for {robots} robots; give one for each")
     return shape
 
 

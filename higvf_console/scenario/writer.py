@@ -75,7 +75,7 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
     try:
         parse_scenario(text, scenario.source if scenario is not None else "scenario.yaml")
     except ScenarioError as error:
-        raise ScenarioError(f"no run can start from what is now: {error}") from error
+        raise ScenarioError(f"the present state cannot be a scenario's start: {error}") from error
     return text
 
 

@@ -4,7 +4,7 @@ sampling         barriers hold between two control steps                        
 formation        explicit Euler on the formation's springs is stable               known before the run
 intention map    the printed update's spectral radius; the corrected one has no limit
 intention bound  |v_s| against its bound, independent of N                          each tick
-connectivity     lambda_2 of the communication links: 0 = parts that do not hear each other
+connectivity     lambda_2 of the communication links: 0 = the team is split into parts without a link
 barrier          the smallest h so far: never negative
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import map_radius
 from higvf_console.control.parameters import Parameters, controlled
-from higvf_console.control.safety.barriers.certificate import SAMPLING_LIMIT, sampling_conditions
+from higvf_console.control.safety.barriers.sampling import SAMPLING_LIMIT, sampling_conditions
 from higvf_console.control.safety.hazards import worst_hazards
 from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.state import Motion, SimState, Trace, World
@@ -25,6 +25,12 @@ FORMATION_LIMIT = 2.0  # of dt k_form 2 deg
 CONNECTED = 1e-6  # lambda_2 of a connected graph is above it
 DENSE = 100  # robots; lambda_2 of a larger team is found by shift and invert: 20 ms in place of 2 s for 1000
 ROUNDING = 1e-9  # of a bound that is met with equality
+_SAMPLING = "If it fails, a robot may violate its clearance between two control steps."
+_FORMATION = "If it fails, the formation oscillates with growing amplitude."
+_INTENTION = "If it fails, a shared intention is stronger than what the robots and the human put into it."
+_DIVERGENT = "If it fails, the shared intention grows without limit."
+_SPLIT = "If it fails, the team is split, and a part of it does not receive the human intention."
+_BARRIER = "If it fails, a robot has violated its clearance in this run."
 _SHIFT = -0.01  # below the least eigenvalue, 0, so that the shifted Laplacian can be inverted
 
 
@@ -34,6 +40,7 @@ class Certificate(NamedTuple):
     Attributes:
         name: what is certified.
         symbol: the value as a formula.
+        meaning: what its failing would mean, in one sentence.
         value: now, or the worst so far.
         limit: what it must not pass.
         least: whether the limit is the least value allowed; else the largest.
@@ -41,6 +48,7 @@ class Certificate(NamedTuple):
 
     name: str
     symbol: str
+    meaning: str
     value: float
     limit: float
     least: bool = False
@@ -133,13 +141,13 @@ def certificates(
     degree = int(np.bincount(trace.links.ravel(), minlength=robots).max(initial=0))
     stiffness = 2.0 * params.safety.control_period * params.formation.formation_rate * degree
     found = [
-        Certificate(f"Sampling ({sampling.kind})", "dt beta h_near²", sampling.value, SAMPLING_LIMIT),
-        Certificate("Formation", "dt k_form 2 deg", stiffness, FORMATION_LIMIT),
-        Certificate("Intention", "largest |v_s| / bound", worst.intention, 1.0),
-        Certificate("Connectivity", "lambda_2", connectivity(trace.links, robots), CONNECTED, least=True),
-        Certificate("Barrier", "least h", worst.barrier, 0.0, least=True),
+        Certificate(f"Sampling ({sampling.kind})", "dt beta h_near²", _SAMPLING, sampling.value, SAMPLING_LIMIT),
+        Certificate("Formation", "dt k_form 2 deg", _FORMATION, stiffness, FORMATION_LIMIT),
+        Certificate("Intention", "largest |v_s| / bound", _INTENTION, worst.intention, 1.0),
+        Certificate("Connectivity", "lambda_2", _SPLIT, connectivity(trace.links, robots), CONNECTED, least=True),
+        Certificate("Barrier", "least h", _BARRIER, worst.barrier, 0.0, least=True),
     ]
     if params.forms.intention == PRINTED:
         radius = map_radius(laplacian(trace.links, robots), state.intent.influenced, params.intention)
-        found[2] = Certificate("Intention map", "spectral radius", radius, 1.0)
+        found[2] = Certificate("Intention map", "spectral radius", _DIVERGENT, radius, 1.0)
     return tuple(found)

@@ -1,12 +1,12 @@
 """Disturbances: errors of measured positions, and what stays safe with them and with lost messages.
 
-Every draw is a hash, see `control.intention.messages`.
+Every draw is a hash, see `control.intention.packet_loss`.
 
 Noise. The controller and the safety filter see p' = p + error, |error| <= e, new for each robot in each tick; physics
-and judges know p. The filter's clearances are enlarged, R' = R + E, with E = e for obstacles and E = 2 e for pairs,
+and metrics know p. The filter's clearances are enlarged, R' = R + E, with E = e for obstacles and E = 2 e for pairs,
 where both robots err. Then a distance d >= R stays so, as long as no robot is flagged infeasible:
 
-    measured outside, d' >= R'. The filter keeps p' + u dt at R' or farther (`barriers.certificate`), and the robot ends
+    measured outside, d' >= R'. The filter keeps p' + u dt at R' or farther (`barriers.sampling`), and the robot ends
     up within E of that: d_next >= R' - E = R.
 
     measured inside, d' < R', and no nearer than R' - 2 E. The row asks for a speed w along the measured direction n,
@@ -17,14 +17,14 @@ where both robots err. Then a distance d >= R stays so, as long as no robot is f
     with E <= c R then c (R' - d') >= g, hence d_next >= R.
 
 A fire's growth is added to both sides, and taken from v; walls have an exact direction and need no condition.
-`noise_limit` is the largest e that meets the conditions. Rows that contradict each other are not ruled out: a robot
-that is measured inside two clearances at once may have no velocity that leaves both. It then takes the least violation,
-and is flagged.
+`noise_limit` is the largest e that meets the conditions. Constraints may contradict each other: a robot that is
+measured inside two clearances at once may have no velocity that leaves both. It then takes the least violation, and is
+flagged.
 
 Losses. A lost link carries nothing in either direction for one tick, as an exchange that is not acknowledged: the
 graph stays undirected, so formation forces cancel in pairs. Only shared intentions and formation use messages. Barriers
 rest on what robots sense themselves, so clearances do not depend on losses; and v_s stays a weighted mean of what is
-heard, whatever that is, so that its bound holds. Sides and leadership are agreed on the whole graph: they are held
+received, so that its bound holds. Sides and leadership are agreed on the whole graph: they are held
 between ticks, and a message lost for 20 ms does not revoke them.
 """
 
@@ -32,7 +32,7 @@ import math
 
 import numpy as np
 
-from higvf_console.control.intention.messages import MEASURING, chance
+from higvf_console.control.intention.packet_loss import MEASURING, chance
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import Parameters, RobotParameters, packed
 from higvf_console.core.arrays import Floats

@@ -1,18 +1,34 @@
 """What happened between two states, in words: fires out, targets changed, paths finished, robots in trouble."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from higvf_console.control.guidance.recovery import ASK, MORE_HUMAN, OTHER_DIRECTION
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Bools
 from higvf_console.core.events import Event, Severity
-from higvf_console.core.state import NOBODY, PathStatus, SimState, Trace
+from higvf_console.core.state import NOBODY, Motion, PathStatus, SimState, Trace
 
 
 def events_between(
-    before: SimState, after: SimState, trace_before: Trace | None, trace: Trace, params: Parameters
+    before: SimState,
+    after: SimState,
+    trace_before: Trace | None,
+    trace: Trace,
+    params: Parameters,
+    violation: Callable[[int, Motion], str],
 ) -> tuple[Event, ...]:
-    """The events of one tick; empty, and found in a few comparisons, when nothing happened."""
+    """The events of one tick; empty, and found in a few comparisons, when nothing happened.
+
+    Args:
+        before: the state before the tick.
+        after: the state after it.
+        trace_before: of the tick before; None = unknown, so that every trouble counts as new.
+        trace: of this tick.
+        params: all tunables.
+        violation: says which clearance a robot violates, as `analysis.violation` does.
+    """
     was, now = before.motion, after.motion
     time = now.tick * params.safety.control_period
     events: list[Event] = []
@@ -29,10 +45,11 @@ def events_between(
             events.append(Event(time, Severity.INFO, "target", f"The team's target is fire {target + 1}."))
     if trace.infeasible.any():
         fresh = trace.infeasible if trace_before is None else trace.infeasible & ~trace_before.infeasible
-        events.extend(_robots(fresh, time, "infeasible"))
+        events.extend(_alarm(time, "infeasible", i, _INFEASIBLE) for i in np.flatnonzero(fresh).tolist())
     if (near := too_near(trace)).any():
         fresh = near if trace_before is None else near & ~too_near(trace_before)
-        events.extend(_robots(fresh & ~trace.infeasible, time, "clearance"))
+        robots = np.flatnonzero(fresh & ~trace.infeasible).tolist()
+        events.extend(_alarm(time, "clearance", i, violation(i, now)) for i in robots)
     if was.recovery_stage.tobytes() != now.recovery_stage.tobytes():
         events.extend(_escalated(was.recovery_stage, now.recovery_stage, time))
     return tuple(events)
@@ -44,10 +61,7 @@ def too_near(trace: Trace) -> Bools:
 
 
 _ROUNDING = 1e-6  # by which h of a robot that the filter holds right at a clearance may be below 0
-_TROUBLE = {
-    "infeasible": "has no safe velocity: it takes the least violation",
-    "clearance": "violates its clearance",
-}
+_INFEASIBLE = "has no safe velocity: it takes the least violation"
 _STAGES = {
     OTHER_DIRECTION: (Severity.INFO, "is held by its barriers: the team tries the other circulation direction"),
     MORE_HUMAN: (
@@ -66,8 +80,8 @@ def _escalated(was: np.ndarray, now: np.ndarray, time: float) -> list[Event]:
     ]
 
 
-def _robots(fresh: Bools, time: float, kind: str) -> list[Event]:
-    return [Event(time, Severity.ALARM, kind, f"Robot {i + 1} {_TROUBLE[kind]}.") for i in np.flatnonzero(fresh)]
+def _alarm(time: float, kind: str, robot: int, trouble: str) -> Event:
+    return Event(time, Severity.ALARM, kind, f"Robot {robot + 1} {trouble}.")
 
 
 def _path_event(before: int, status: int, influenced: int, time: float) -> list[Event]:

@@ -1,4 +1,4 @@
-"""What a run is judged by: loss area, clearance, stalls."""
+"""Metrics of a run: loss area, clearance, stalls."""
 
 import math
 

@@ -71,7 +71,7 @@ def initial_state(position: Floats, fire_radius: Floats, world: World, heading: 
     Args:
         position: (N, 2) controlled points [m].
         fire_radius: (M,) [m].
-        world: for its rings.
+        world: for its boundaries.
         heading: of all unicycles [rad].
     """
     robots, fires = len(position), len(fire_radius)
@@ -202,7 +202,7 @@ def settle(
     motion: Motion, intent: Intent, plan: Plan, crew: Ints, rate: Floats, velocity: Floats, active_constraints: Ints,
     infeasible: Bools, world: World, packed_params: PackedParameters,
 ) -> tuple[Motion, Trace]:  # fmt: skip
-    """All after the safety filter: controlled points move, bodies with them, fires burn, the judges look."""
+    """All after the safety filter: controlled points move, bodies with them, fires burn, metrics are taken."""
     params = packed_params[0]
     if intent.stopped:
         velocity = np.zeros(velocity.shape)

@@ -4,7 +4,7 @@
     session.pointer  <-  roles  <-  commands <-  viser's event loop: keys, pointer, widgets
 
 The view thread alone changes what is shown, and never the state; callbacks push commands and return. So neither a slow
-browser nor a slow panel is ever felt by the robots.
+browser nor a slow panel delays the robots.
 """
 
 import logging

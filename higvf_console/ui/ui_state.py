@@ -168,7 +168,7 @@ def choose(place: EntityRef | None, layout: Layout) -> Change:
 
 
 def keep_choice(layout: Layout) -> Change:
-    """The choice is dropped where things of its kind have come or gone: its number may be another's now."""
+    """The choice is dropped where entities of its kind have come or gone: its number may be another's now."""
 
     def change(state: UiState) -> UiState:
         place = state.selected

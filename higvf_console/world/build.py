@@ -8,7 +8,7 @@ from higvf_console.control.guidance.groups import Groups, group_obstacles
 from higvf_console.control.guidance.obstacles import capsule_table
 from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Floats, Ints, floats, ints
-from higvf_console.core.state import World
+from higvf_console.core.state import MOVER_PART, World
 from higvf_console.core.viewport import Arena
 from higvf_console.world.layout import Layout, Links
 from higvf_console.world.obstacles import Obstacles
@@ -29,7 +29,7 @@ def build_world(layout: Layout, before: World | None = None) -> World:
         bars = np.concatenate([floats(obstacles.bars, -1, 5), edge_bars(obstacles.polygons)])
         capsules = capsule_table(obstacles.circles, bars)
         mover, course, course_start = _courses(obstacles, capsules)
-        still = np.setdiff1d(np.arange(len(capsules)), mover[:, 0].astype(np.int64))
+        still = np.setdiff1d(np.arange(len(capsules)), mover[:, MOVER_PART].astype(np.int64))
         groups = group_obstacles(floats(capsules[still]), controlled(layout.params).safety.obstacle_clearance)
         groups = groups._replace(part=ints(still[groups.part], -1))
     else:

@@ -1,4 +1,4 @@
-"""Checks that a run starts safe: nobody overlaps, nobody stands inside an obstacle, the gains fit the team."""
+"""Checks that a run starts safe: nobody overlaps, nobody stands inside an obstacle, the parameters fit the team."""
 
 from collections.abc import Iterator
 from itertools import chain
@@ -9,7 +9,7 @@ import numpy as np
 from higvf_console.control.forms import PRINTED
 from higvf_console.control.intention.intention import map_radius
 from higvf_console.control.parameters import Parameters, controlled
-from higvf_console.control.safety.barriers.certificate import check_sampling, least_stand_off
+from higvf_console.control.safety.barriers.sampling import check_sampling, least_stand_off
 from higvf_console.control.safety.hazards import worst_hazards
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.errors import FilterError, ScenarioError
@@ -46,7 +46,7 @@ def check_start(
     body, point = params.safety, controlled(params).safety
     _check_pairs(position, point.robot_clearance, _clearance("robot", body.robot_clearance, params), place)
     least = point.obstacle_clearance - ROUNDING
-    for what, gap in chain(obstacle_gaps(position, obstacles), _other_gaps(position, fire_radius, world)):
+    for what, gap in chain(obstacle_gaps(position, obstacles), other_gaps(position, fire_radius, world)):
         robot = int(np.argmin(gap))
         if gap[robot] < least:
             x, y = position[robot]
@@ -86,8 +86,8 @@ def obstacle_gaps(points: Floats, obstacles: Obstacles) -> Iterator[tuple[str, F
         yield f"polygon {number}", signed_distance(chains, points)
 
 
-def _other_gaps(position: Floats, fire_radius: Floats, world: World) -> Iterator[tuple[str, Floats]]:
-    """Fires and walls, in the same way."""
+def other_gaps(position: Floats, fire_radius: Floats, world: World) -> Iterator[tuple[str, Floats]]:
+    """Every fire and wall by name, in the same way."""
     for number, (centre, radius) in enumerate(zip(world.fire_position, fire_radius, strict=True), 1):
         yield f"fire {number}", np.hypot(*(position - centre).T) - radius
     for normal_x, normal_y, offset in world.walls:
@@ -157,7 +157,7 @@ def intention_radius(
     Args:
         position: (N, 2) [m].
         links: given links; None = all pairs within the communication range.
-        influenced: the robot that feels the human.
+        influenced: index of the influenced robot.
         params: weights and communication range.
     """
     robots = len(position)
@@ -173,7 +173,7 @@ def intention_radius(
 def convergent(
     params: Parameters, position: Floats, links: tuple[tuple[int, int], ...] | None, influenced: int
 ) -> tuple[Parameters, tuple[str, ...]]:
-    """The gains with weights for which the printed intention update converges, and a warning if that changed them.
+    """The parameters with weights for which the printed intention update converges, and a warning if that changed them.
 
     Weights that suit the corrected update make the printed one diverge: they are scaled to `PRINTED_RADIUS`.
     """
@@ -247,7 +247,7 @@ def robot_warnings(params: Parameters) -> tuple[str, ...]:
 
 
 def check_barriers(world: World, fire_radius: Floats, params: Parameters, source: str) -> None:
-    """Refuses gains with which the safety barriers do not hold in discrete time, or no robot could hold at a fire.
+    """Refuses parameters with which the safety barriers do not hold in discrete time, or no robot could hold at a fire.
 
     Raises:
         ScenarioError: as `check_rates` and `check_stand_off`.
@@ -257,7 +257,7 @@ def check_barriers(world: World, fire_radius: Floats, params: Parameters, source
 
 
 def check_rates(world: World, fire_radius: Floats, params: Parameters, source: str) -> None:
-    """Refuses gains with which the safety barriers do not hold in discrete time.
+    """Refuses parameters with which the safety barriers do not hold in discrete time.
 
     Raises:
         ScenarioError: the sampling condition is missed; the message gives limit and value.

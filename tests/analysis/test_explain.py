@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from higvf_console.analysis.active_constraints import active_constraints
-from higvf_console.analysis.explain import Explanation, Moved, Part, Say, explain
+from higvf_console.analysis.explain import Authority, Explanation, Moved, Part, explain
 from higvf_console.analysis.sight import hider_names, sights
 from higvf_console.control.forms import FORMS
 from higvf_console.control.parameters import Parameters, controlled
@@ -100,8 +100,8 @@ def test_a_pause_or_stop_is_a_part_of_its_own(command: OperatorCommand) -> None:
     run.step()
     parts = everybody(run.last, CROWD).parts
     assert parts.sum(axis=1) == pytest.approx(run.last.after.velocity, abs=1e-9)
-    assert parts[:, Part.HOLD] == pytest.approx(-run.last.trace.blended)
-    assert not parts[:, Part.ROUND].any()
+    assert parts[:, Part.LIMIT] == pytest.approx(-run.last.trace.blended)
+    assert not parts[:, Part.DETOUR].any()
 
 
 def test_the_weight_of_a_human_that_was_raised_in_a_deadlock_is_found() -> None:
@@ -130,7 +130,7 @@ def test_each_part_belongs_to_whom_it_is_named_after() -> None:
     moved = periods(lone, ticks=1)[0]
     parts = everybody(moved, lone.params).parts[0]
     assert parts[Part.TARGET, 0] > 0.5
-    assert not parts[[Part.HUMAN, Part.NEIGHBOURS, Part.FORMATION, Part.ROUND, Part.HOLD, Part.SAFETY]].any()
+    assert not parts[[Part.HUMAN, Part.NEIGHBOURS, Part.FORMATION, Part.DETOUR, Part.LIMIT, Part.SAFETY]].any()
     led = team([(100.0, 300.0)])
     parts = everybody(periods(led, stroke(PATH), 1)[0], led.params).parts[0]
     assert np.hypot(*parts[Part.HUMAN]) > 1.0
@@ -138,15 +138,15 @@ def test_each_part_belongs_to_whom_it_is_named_after() -> None:
 
 
 def test_shares_of_say_sum_to_one_and_name_who_leads() -> None:
-    alone = [everybody(moved, CROWD).say for moved in periods(crowded(0), ticks=60)]
-    led = [everybody(moved, CROWD).say for moved in periods(crowded(0), stroke(PATH, 4), 60)]
-    for say in (*alone, *led):
-        total = say.sum(axis=1)
+    alone = [everybody(moved, CROWD).authority for moved in periods(crowded(0), ticks=60)]
+    led = [everybody(moved, CROWD).authority for moved in periods(crowded(0), stroke(PATH, 4), 60)]
+    for shares in (*alone, *led):
+        total = shares.sum(axis=1)
         assert ((total == 0.0) | (np.abs(total - 1.0) < 1e-9)).all()  # 0: sees no fire and knows nobody who does
     assert led[-1].any(axis=1).all()
-    assert not any(say[:, Say.HUMAN].any() for say in alone)
-    assert all(say[4, Say.HUMAN] > 0.5 for say in led)
-    assert not any(np.delete(say, 4, axis=0)[:, Say.HUMAN].any() for say in led)
+    assert not any(shares[:, Authority.HUMAN].any() for shares in alone)
+    assert all(shares[4, Authority.HUMAN] > 0.5 for shares in led)
+    assert not any(np.delete(shares, 4, axis=0)[:, Authority.HUMAN].any() for shares in led)
 
 
 def test_some_robots_are_explained_as_in_the_whole_team() -> None:
@@ -154,7 +154,7 @@ def test_some_robots_are_explained_as_in_the_whole_team() -> None:
     some = np.array([7, 4, 0])
     whole, few = everybody(moved, CROWD), explain(moved, CROWD, some)
     assert few.parts == pytest.approx(whole.parts[some], abs=1e-12)
-    assert few.say == pytest.approx(whole.say[some])
+    assert few.authority == pytest.approx(whole.authority[some])
 
 
 def test_tight_rows_are_those_that_the_velocity_meets_with_equality() -> None:
@@ -272,7 +272,7 @@ def test_the_parts_sum_when_a_path_is_over_and_the_wait_at_its_end_is_a_hold(end
     if held:
         parts = everybody(last, CROWD).parts
         led = last.trace.component == last.trace.component[4]
-        assert parts[led, Part.HOLD] == pytest.approx(-last.trace.blended[led])
+        assert parts[led, Part.LIMIT] == pytest.approx(-last.trace.blended[led])
 
 
 def test_the_parts_sum_under_a_priority() -> None:

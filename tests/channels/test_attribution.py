@@ -34,7 +34,7 @@ WITH_PATH = SCENE + "path: {circle: {at_m: [700, 300], radius_m: 100}}\n"
 CIRCLE = floats([[450.0, 200.0], [550.0, 200.0], [550.0, 300.0], [450.0, 300.0]])
 
 
-def told(run: Run, *said: tuple[str, list[OperatorCommand] | OperatorCommand]) -> Attribution:
+def attribution_of(run: Run, *said: tuple[str, list[OperatorCommand] | OperatorCommand]) -> Attribution:
     """What the channels have a claim to, after each has given its commands."""
     attribution = Attribution()
     for channel, commands in said:
@@ -66,18 +66,18 @@ def told(run: Run, *said: tuple[str, list[OperatorCommand] | OperatorCommand]) -
 def test_a_path_is_the_channel_s_that_gave_it_its_course(
     said: list[tuple[str, list[OperatorCommand] | OperatorCommand]], path: str
 ) -> None:
-    assert told(edited_run(), *said).path == path
+    assert attribution_of(edited_run(), *said).path == path
 
 
 def test_a_clutch_is_the_channel_s_that_closed_it() -> None:
     run = edited_run()
-    assert told(run, ("emg", Clutch(closed=True)), ("gaze", Pick(1))).clutch == "emg"
-    assert told(run, ("emg", Clutch(closed=True)), ("emg", Clutch(closed=False))).clutch == ""
+    assert attribution_of(run, ("emg", Clutch(closed=True)), ("gaze", Pick(1))).clutch == "emg"
+    assert attribution_of(run, ("emg", Clutch(closed=True)), ("emg", Clutch(closed=False))).clutch == ""
 
 
 def test_priorities_stay_those_of_their_channel_when_rows_are_renumbered_and_come_back() -> None:
     run = edited_run()
-    attribution = told(
+    attribution = attribution_of(
         run, ("gaze", Prioritise(fires=(1,), robot=2)), ("console", DeleteEntity("fire", 0)),
         ("console", DeleteEntity("robot", 0)), ("console", Undo()),
     )  # fmt: skip
@@ -87,9 +87,9 @@ def test_priorities_stay_those_of_their_channel_when_rows_are_renumbered_and_com
 
 def test_a_priority_that_another_channel_gives_again_is_that_channel_s() -> None:
     run = edited_run()
-    again = told(run, ("gaze", Prioritise((0,), 1)), ("bci", Prioritise((0,), 1)))
+    again = attribution_of(run, ("gaze", Prioritise((0,), 1)), ("bci", Prioritise((0,), 1)))
     assert (again.robots("gaze"), again.robots("bci")) == ([], [1])
     run = edited_run()
     circled: list[OperatorCommand] = [StrokeBegin(), StrokePoints(CIRCLE), StrokeEnd(use=StrokeUse.PRIORITY)]
-    mixed = told(run, ("gaze", Prioritise((0,), 0)), ("gaze", Prioritise((0,), 1)), ("console", circled))
+    mixed = attribution_of(run, ("gaze", Prioritise((0,), 0)), ("gaze", Prioritise((0,), 1)), ("console", circled))
     assert (mixed.robots("gaze"), mixed.robots("console")) == ([1], [0])

@@ -79,7 +79,7 @@ def test_of_two_channels_that_take_the_pointer_the_first_does(team: Scenario) ->
 
 
 def test_a_name_alone_gives_no_capability(team: Scenario) -> None:
-    with pytest.raises(InputError, match="no input takes what the console's pages give; inputs: console"):
+    with pytest.raises(InputError, match=r"no input accepts the pointer and keys .*; inputs: console"):
         _ = Session(team, [FakeInterface("console")]).pointer
 
 

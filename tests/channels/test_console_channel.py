@@ -144,7 +144,7 @@ def test_a_console_that_nobody_uses_is_no_fault(at: ContextAt) -> None:
     console.push(Pause())
     console.poll(at(1.0))
     assert console.health(900.0)[:2] == (ChannelState.LIVE, "last used 899 s ago")
-    assert console.health(900.0).last_seen is None, "no page has ever told that it is there, so none can be missed"
+    assert console.health(900.0).last_seen is None, "no page has ever reported its presence, so none can be missed"
 
 
 def test_once_a_page_has_told_that_it_is_there_its_silence_counts(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -165,6 +165,6 @@ def test_an_unknown_option_is_refused() -> None:
 
 def test_a_file_is_refused() -> None:
     with pytest.raises(
-        InputError, match=r"input console=look\.tsv: the console's channel is the browser's and reads no file"
+        InputError, match=r"input console=look\.tsv: the console's channel reads the browser, not a file"
     ):
         open_console(InputSpec("console", "look.tsv"))

@@ -1,4 +1,4 @@
-"""Inspectors are found by entry point; what they tell is written as text or as JSON."""
+"""Inspectors are found by entry point; what they return is written as text or as JSON."""
 
 import json
 from collections.abc import Mapping
@@ -13,14 +13,14 @@ from higvf_console.cli.main import main
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
 
-TOLD: Mapping[str, object] = {
+DESCRIPTION: Mapping[str, object] = {
     "format": "horoscope", "samples": 3, "rate_hz": 0.5, "frame": None, "gaps": {"count": 2, "lost": {}},
     "streams": [{"name": "moon"}, {"name": "sun"}], "warnings": ["nothing is certain"],
 }  # fmt: skip
 
 
-def tells(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:
-    return {**TOLD, "source": spec.source, "plot": str(plot), "steps": steps, "options": dict(spec.options)}
+def inspects(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:
+    return {**DESCRIPTION, "source": spec.source, "plot": str(plot), "steps": steps, "options": dict(spec.options)}
 
 
 def knows_nothing(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:  # noqa: ARG001
@@ -45,7 +45,7 @@ def point(name: str, inspector: inspection.Inspector) -> SimpleNamespace:
 
 
 def test_the_first_inspector_that_knows_the_file_is_heard(installed: list[SimpleNamespace]) -> None:
-    installed += [point("b", tells), point("a", knows_nothing)]
+    installed += [point("b", inspects), point("a", knows_nothing)]
     assert inspection.inspect(InputSpec("inspect", "f"))["format"] == "horoscope"
 
 
@@ -62,7 +62,7 @@ def test_without_an_inspector_the_way_out_is_said(installed: list[SimpleNamespac
 
 
 def test_text_has_a_line_for_what_there_is_and_warnings_last() -> None:
-    lines = inspection.as_text(TOLD).splitlines()
+    lines = inspection.as_text(DESCRIPTION).splitlines()
     assert lines == [
         "format: horoscope", "samples: 3", "rate hz: 0.5", "gaps:", "  count: 2",
         "streams: name moon, name sun", "Warning: nothing is certain",
@@ -70,17 +70,17 @@ def test_text_has_a_line_for_what_there_is_and_warnings_last() -> None:
 
 
 def test_json_keeps_every_key_and_knows_no_nan() -> None:
-    assert json.loads(inspection.as_json({**TOLD, "rate_hz": float("nan")})) == {**TOLD, "rate_hz": None}
+    assert json.loads(inspection.as_json({**DESCRIPTION, "rate_hz": float("nan")})) == {**DESCRIPTION, "rate_hz": None}
 
 
 def test_the_command_takes_options_behind_the_file(
     installed: list[SimpleNamespace], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    installed.append(point("a", tells))
+    installed.append(point("a", inspects))
     assert main(["inspect", "look.csv:frame=screen,stream=2", "--json", "--steps", "--plot", "p.png"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert (told["source"], told["options"]) == ("look.csv", {"frame": "screen", "stream": "2"})
-    assert (told["plot"], told["steps"]) == ("p.png", True)
+    written = json.loads(capsys.readouterr().out)
+    assert (written["source"], written["options"]) == ("look.csv", {"frame": "screen", "stream": "2"})
+    assert (written["plot"], written["steps"]) == ("p.png", True)
     assert main(["inspect", "look.csv"]) == 0
     assert capsys.readouterr().out.startswith("format: horoscope\n")
 

@@ -138,7 +138,7 @@ def test_a_good_interface_breaks_no_rule(monkeypatch: pytest.MonkeyPatch) -> Non
         (Giving(StrokePoints(np.full((1, 2), np.nan))), "gives points (n, 2) and robots that are there", "not finite"),
         (FailingAfterReset(), "survives a reset of the time to 0", "ValueError: time went back"),
         (LateAfterReset(), "gives commands in order of time, none from the future after a reset", "Pause at 3 s"),
-        (Ill(), "health never fails, and tells a state and a detail", "ZeroDivisionError: no rate yet"),
+        (Ill(), "health never fails, and reports a state and a detail", "ZeroDivisionError: no rate yet"),
         (ClosedOnce(), "close may be called twice", "OSError: already closed"),
     ],
 )

@@ -1,4 +1,4 @@
-"""A run tells the laboratory's other devices what happens, as a marker stream."""
+"""A run reports to the laboratory's other devices what happens, as a marker stream."""
 
 import json
 from types import ModuleType, SimpleNamespace
@@ -63,8 +63,8 @@ def test_commands_and_events_are_told_and_cursors_are_not(team: Scenario, outlet
     labels = [marker["label"] for marker in outlet.pushed]
     assert labels.index("Pick") < labels.index("Pause")
     assert "Cursor" not in labels
-    told = {"label": "Pick", "robot": 1, "source": "bci", "confidence": 0.8, "sequence": 0, "time": 0.1}
-    assert outlet.pushed[labels.index("Pick")] == told
+    expected = {"label": "Pick", "robot": 1, "source": "bci", "confidence": 0.8, "sequence": 0, "time": 0.1}
+    assert outlet.pushed[labels.index("Pick")] == expected
     assert {"paused", "picked"} <= {marker.get("event") for marker in outlet.pushed}
 
 

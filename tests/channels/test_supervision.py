@@ -82,8 +82,8 @@ def test_a_channel_goes_stale_and_lost_by_its_limits_and_the_log_tells(team: Sce
     assert state_of(session) is ChannelState.LIVE
     assert state_of(run_to(session, 1.8)) is ChannelState.STALE
     assert state_of(run_to(session, 3.3)) is ChannelState.LOST
-    told = [event.text for event in session.snapshot.events if event.kind == "channel"]
-    assert [text.split(":")[0] for text in told] == ["Input 'gaze' is stale", "Input 'gaze' is lost"]
+    texts = [event.text for event in session.snapshot.events if event.kind == "channel"]
+    assert [text.split(":")[0] for text in texts] == ["Input 'gaze' is stale", "Input 'gaze' is lost"]
 
 
 def test_the_path_of_a_lost_channel_ends_in_autonomy(team: Scenario) -> None:
@@ -136,13 +136,13 @@ def test_the_path_ends_with_the_page_that_steered_though_another_keeps_the_chann
 
 
 def test_a_change_of_control_gets_through_a_lost_channel_and_a_fault_and_is_no_acknowledgement(team: Scenario) -> None:
-    told = HandOver("Browser 2", ControlChange.TAKEN, source="gaze")
-    session = run_to(Session(team, [Device((3.5, told), silent=0.5)]), 3.6)
+    command = HandOver("Browser 2", ControlChange.TAKEN, source="gaze")
+    session = run_to(Session(team, [Device((3.5, command), silent=0.5)]), 3.6)
     assert state_of(session) is ChannelState.LOST
     assert given(session, HandOver, "gaze") == 1
     line = Line()
     line.inject(InjectFault("gaze", FaultKind.DROP), 0.0)
-    assert line.carry([told], 0.5) == [told]
+    assert line.carry([command], 0.5) == [command]
 
 
 def test_the_human_intention_fades_within_a_few_time_constants_and_without_a_jump(team: Scenario) -> None:

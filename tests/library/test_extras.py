@@ -87,8 +87,8 @@ def test_all_scenarios_are_listed_without_an_extra_that_one_needs() -> None:
 def test_a_command_that_needs_an_extra_names_it_in_one_line(arguments: list[str], line: str) -> None:
     done = run_without_extras(_COMMAND, *arguments)
     assert done.returncode == 2, done.stderr
-    (told,) = [text for text in done.stderr.splitlines() if not text.startswith("Compiling")]
-    assert told.startswith(f"higvf: {line}")
+    (message,) = [text for text in done.stderr.splitlines() if not text.startswith("Compiling")]
+    assert message.startswith(f"higvf: {line}")
 
 
 @pytest.mark.parametrize(("suffix", "content", "module"), [("edf", b"0       " + b" " * 600, "edfio")])

@@ -169,7 +169,7 @@ def test_a_discard_a_stop_a_reset_and_a_new_path_drop_the_pending_path(
     assert state.pointer_state.pending is NO_PATH
     confirmed, events = after(setup, [Confirm()], state)
     assert confirmed.intent.path is NO_PATH
-    assert events[-1].text == "There is nothing to confirm."
+    assert events[-1].text == "Nothing is pending."
 
 
 @pytest.mark.parametrize("end", [StrokeCancel(), StrokeEnd(preview=True), StrokeEnd(use="scribble")])

@@ -1,4 +1,4 @@
-"""An undo takes one deed out of the present; time does not run back, and nobody is set in motion after a STOP."""
+"""An undo reverts one action; elapsed time stays, and no robot moves after a STOP."""
 
 import numpy as np
 import pytest
@@ -38,8 +38,8 @@ WAY = stroke([(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)])
 
 def test_without_a_deed_there_is_nothing_to_undo_or_redo() -> None:
     run = edited_run()
-    assert run.apply(Undo())[0].text == "Not done: there is nothing to undo."
-    assert run.apply(Redo())[0].text == "Not done: there is nothing to redo."
+    assert run.apply(Undo())[0].text == "Not done: nothing to undo."
+    assert run.apply(Redo())[0].text == "Not done: nothing to redo."
 
 
 def test_robots_that_a_deed_did_not_move_stay_where_they_have_come_to() -> None:

@@ -46,7 +46,7 @@ def test_what_follows_an_existing_file_and_is_no_options_is_refused(
     team: Scenario, tmp_path: Path, options: str
 ) -> None:
     (tmp_path / "look.tsv").touch()
-    with pytest.raises(InputError, match=f"look.tsv: '{options}' behind it is not option=value,option=value"):
+    with pytest.raises(InputError, match=f"look.tsv: '{options}' is not of the form option=value,option=value"):
         input_spec(f"gaze={tmp_path}/look.tsv:{options}", team)
     assert input_spec(f"gaze={tmp_path}/look.tsv:30", team).source == f"{tmp_path}/look.tsv:30"
 

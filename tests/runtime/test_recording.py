@@ -254,7 +254,7 @@ def test_every_command_of_the_recording_of_version_0_1_is_obeyed() -> None:
 
 
 OUTLINE = floats([[100.0, 500.0], [200.0, 500.0], [150.0, 600.0 + 1.0 / 3.0]])
-DEEDS: list[tuple[float, OperatorCommand]] = [
+ACTIONS: list[tuple[float, OperatorCommand]] = [
     (0.2, AddEntity("robot", floats([300.0, 600.0]), source="plan")),
     (0.2, AddOutlines((OUTLINE, OUTLINE + 150.0), source="plan")),
     (0.4, MoveEntity("robot", 1, floats([900.0, 1.0 / 3.0 + 100.0]), source="plan")),
@@ -277,11 +277,11 @@ DEEDS: list[tuple[float, OperatorCommand]] = [
 
 
 def test_edits_undo_and_redo_replay_bit_for_bit_and_are_read_back_as_given(team: Scenario, tmp_path: Path) -> None:
-    digest = recorded(team, tmp_path / "run.jsonl", *DEEDS)
+    digest = recorded(team, tmp_path / "run.jsonl", *ACTIONS)
     recording = read_recording(tmp_path / "run.jsonl")
     result = replay(recording)
     assert (result.digest, result.agrees) == (digest, True)
-    given = [command for _, command in DEEDS]
+    given = [command for _, command in ACTIONS]
     read = [command for tick in sorted(recording.commands) for command in recording.commands[tick]]
     assert len(read) == len(given)
     for one, other in zip(given, read, strict=True):

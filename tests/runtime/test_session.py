@@ -121,7 +121,7 @@ def test_a_view_pushes_through_the_interface_that_takes_the_pointer(team: Scenar
 
 
 def test_a_session_without_such_an_interface_says_so_when_asked_for_it(team: Scenario) -> None:
-    with pytest.raises(InputError, match="no input takes what the console's pages give; inputs: emg"):
+    with pytest.raises(InputError, match="no input accepts the pointer and keys of the console's pages; inputs: emg"):
         _ = Session(team, [FakeInterface("emg")]).pointer
 
 

@@ -67,7 +67,7 @@ MISTAKES = {
     "key twice": ("title: a\ntitle: b", "line 6: key 'title' is given twice"),
     "not YAML": ("title: [", "t.yaml: line 5: expected the node content"),
     "key that is no text": ("1: 2", "line 5: key 1 is not text"),
-    "empty arena": ("arena: {x_min: 0, y_min: 0, x_max: 0, y_max: 9}", "arena: an arena of 0 m x 9 m has no inside"),
+    "empty arena": ("arena: {x_min: 0, y_min: 0, x_max: 0, y_max: 9}", "arena: an arena of 0 m x 9 m has no area"),
     "arena twice": ("arena: {size_m: [1, 2], x_min: 0}", "arena: give size_m, or x_min, y_min, x_max and y_max,"),
     "half an arena": ("arena: {x_min: 0, y_min: 0, x_max: 0}", "arena: the key 'y_max' is missing"),
     "no robots": ("robots: {start_m: []}", "robots.start_m: 0 points are too few; give at least 1"),
@@ -162,7 +162,7 @@ MISTAKES = {
     ),
     "link to itself": ("links: [[1, 1]]", "links[1]: [1, 1] is not a link between two robots, such as [1, 2]"),
     "link to nobody": ("links: [[1, 2], [2, 4]]", "links[2][2]: 4 is not a robot's number, a whole number from 1 to 3"),
-    "formation of two": ("formation_m: [[0, 0], [1, 1]]", "formation_m: 2 points for 3 robots; give one a robot"),
+    "formation of two": ("formation_m: [[0, 0], [1, 1]]", "formation_m: 2 points for 3 robots; give one for each"),
     "two paths": ("path: {circle: {}, line: {}}", "path: give exactly one of: line, circle, ellipse, sketch"),
     "a path that is none": (
         "path: {sketch: {points_m: [[1, 1], [1, 1], [1, 1]]}}",
@@ -279,7 +279,9 @@ def test_each_unicycle_is_given_a_heading_or_all_the_same() -> None:
     start = "version: 1\narena: {size_m: [900, 500]}\nrobots: {start_m: [[100, 100], [200, 200]], heading_deg: "
     assert np.degrees(parse_scenario(start + "[10, -20]}\n", "t.yaml").robots.heading) == pytest.approx([10, -20])
     assert np.degrees(parse_scenario(start + "30}\n", "t.yaml").robots.heading) == pytest.approx([30, 30])
-    with pytest.raises(ScenarioError, match=r"robots\.heading_deg: 1 headings for 2 robots; give one for all, or one"):
+    with pytest.raises(
+        ScenarioError, match=r"robots\.heading_deg: 1 headings for 2 robots; give one for all robots, or one for each"
+    ):
         parse_scenario(start + "[10]}\n", "t.yaml")
 
 

@@ -52,7 +52,7 @@ def same_bytes(first: Any, second: Any) -> None:
 
 
 def assert_same_start(run: Run, again: Setup) -> None:
-    """World (of what burns), gains, positions and fires, bit for bit; courses and unicycles up to rounding."""
+    """World (of what burns), parameters, positions and fires, bit for bit; courses and unicycles up to rounding."""
     burning = run.state.motion.fire_burning
     world = run.setup.world
     fires = {name: getattr(world, name)[burning] for name in ("fire_position", "fire_growth", "fire_needs")}
@@ -256,7 +256,7 @@ def test_what_no_run_can_start_from_is_refused_with_the_reason(team: Scenario) -
     too_near = run.state.motion.position.copy()
     too_near[1] = too_near[0] + 5.0
     state = run.state._replace(motion=run.state.motion._replace(position=too_near))
-    with pytest.raises(ScenarioError, match=r"no run can start from what is now: .*robots 1 and 2 start 7\.07 m apart"):
+    with pytest.raises(ScenarioError, match=r"cannot be a scenario's start: .*robots 1 and 2 start 7\.07 m apart"):
         scenario_yaml(run.setup, state, team)
 
 

@@ -116,7 +116,7 @@ def test_without_links_the_communication_range_decides() -> None:
 )
 def test_a_team_in_parts_is_a_warning(line: str, cause: str) -> None:
     (warning,) = parse_scenario(BASE + line, "t.yaml").warnings
-    assert "parts that do not hear each other" in warning
+    assert "groups that cannot communicate" in warning
     assert cause in warning
 
 

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from higvf_console.core.arrays import Ints, ints
-from higvf_console.sim.certificates import DENSE, connectivity, laplacian
+from higvf_console.sim.certificates import DENSE, Worst, certificates, connectivity, laplacian
+from higvf_console.sim.simulation import advance
+from tests.teams import team
 
 
 def chain_of(robots: int) -> Ints:
@@ -28,3 +30,11 @@ def test_lambda_2_of_a_large_team_agrees_with_the_dense_eigenvalues() -> None:
 def test_lambda_2_is_zero_for_a_team_in_two_parts(robots: int) -> None:
     links = chain_of(robots)
     assert connectivity(np.delete(links, 4, axis=0), robots) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_every_certificate_says_in_one_sentence_what_its_failing_would_mean() -> None:
+    setup = team(fires=[(500.0, 250.0, 20.0)])
+    state, trace = advance(setup.start, setup.world, setup.params)
+    found = certificates(setup.world, setup.params, setup.start, state, trace, Worst())
+    assert len({item.meaning for item in found}) == len(found) == 5
+    assert all(item.meaning.startswith("If it fails, ") and item.meaning.count(".") == 1 for item in found)

@@ -1,4 +1,4 @@
-"""Ways out: pockets, the ladder's rungs, fires that grow to obstacles, the break-away and the return."""
+"""Recovery from deadlock: pockets, recovery stages, fires that grow to obstacles, the break-away and the return."""
 
 import math
 

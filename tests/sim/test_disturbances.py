@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from higvf_console.control.intention.messages import MEASURING, chance, delivered
 from higvf_console.control.intention.neighbours import within
+from higvf_console.control.intention.packet_loss import MEASURING, chance, delivered
 from higvf_console.control.parameters import (
     PackedParameters,
     Parameters,

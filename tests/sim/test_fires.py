@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from higvf_console.core.commands import OperatorCommand, Pause, Pick, Resume
-from higvf_console.core.state import SimState
+from higvf_console.core.state import Motion, SimState
 from higvf_console.operator.reducer import apply_command
 from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.events import events_between
@@ -17,6 +17,10 @@ from tests.teams import stroke, team
 PRIORITY = [(520.0, 190.0), (450.0, 130.0), (370.0, 100.0), (300.0, 90.0)]
 HIDDEN = [(640.0, 530.0), (740.0, 520.0), (840.0, 490.0), (920.0, 440.0)]
 ROUND_THE_BAR = [(430.0, 400.0), (540.0, 410.0), (640.0, 410.0), (730.0, 370.0), (780.0, 310.0)]
+
+
+def unnamed(_robot: int, _motion: Motion) -> str:
+    return "is too near"
 
 
 def order_and_loss(
@@ -112,18 +116,19 @@ def test_the_end_of_a_fire_is_an_event_with_its_loss() -> None:
     found: list[str] = []
     for _ in range(4):
         state, trace = advance(before, setup.world, setup.params)
-        found += [e.text for e in events_between(before, state, None, trace, setup.params)]
+        found += [e.text for e in events_between(before, state, None, trace, setup.params, unnamed)]
         before = state
     assert found == ["Fire 1 is out; it burnt 2,827 m²."]
 
 
-def test_a_stopped_robot_that_a_fire_grows_to_is_told_once_and_a_paused_one_yields() -> None:
+def test_a_stopped_robot_that_a_fire_grows_to_is_reported_once_and_a_paused_one_yields() -> None:
     setup = team(robots=[(100.0, 100.0), (400.0, 400.0)], fires=[(130.0, 100.0, 15.0)], growth=2.0)
-    told: dict[bool, list[str]] = {True: [], False: []}
-    for stopped, texts in told.items():
+    found: dict[bool, list[str]] = {True: [], False: []}
+    for stopped, texts in found.items():
         state, trace = setup.start._replace(intent=setup.start.intent._replace(stopped=stopped, paused=True)), None
         for _ in range(500):
             before, last = state, trace
             state, trace = advance(state, setup.world, setup.params)
-            texts += [e.text for e in events_between(before, state, last, trace, setup.params) if e.kind == "clearance"]
-    assert told == {True: ["Robot 1 violates its clearance."], False: []}
+            events = events_between(before, state, last, trace, setup.params, unnamed)
+            texts += [e.text for e in events if e.kind == "clearance"]
+    assert found == {True: ["Robot 1 is too near."], False: []}

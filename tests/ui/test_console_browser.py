@@ -317,7 +317,7 @@ def test_two_pages_see_the_same_and_a_late_one_has_it_all(
     running.push(*running.shipped_stroke())
     late = open_page(running.url)
     for seen in (page, late):
-        wait_until(lambda seen=seen: "on its path" in seen.locator(".hg dl").inner_text())
+        wait_until(lambda seen=seen: "its path" in seen.locator(".hg dl").inner_text())
     assert visible(late, "/hand/ahead")
 
 

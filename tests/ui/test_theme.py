@@ -33,7 +33,7 @@ MARKS = (
     "robot", "operator", "stroke", "fire", "fire_edge", "fighting", "progress", "trouble", "gaze", "obstacle_edge",
     "scorched_edge", "own_target", "neighbours", "so_far", "formation", "way_round", "hold", "safety",
 )  # fmt: skip
-# What must never be taken for each other: in the arena, and among the bands of who has a say.
+# What must never be taken for each other: in the arena, and among the bands of authority shares.
 TOLD_APART = (
     ("robot", "operator", "fire", "trouble"),
     ("operator", "own_target", "neighbours", "safety"),

@@ -28,8 +28,8 @@ from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.interaction.grips import Drag
 from higvf_console.ui.interaction.tools import Tool
 from higvf_console.ui.page.roles import Roles
-from higvf_console.ui.panels.terms import TermsWidgets
 from higvf_console.ui.panels.view import ViewPanel
+from higvf_console.ui.panels.widgets.terms import TermsWidgets
 from higvf_console.ui.theme import LIGHT
 from higvf_console.ui.ui_state import (
     MOST_ALARMS,

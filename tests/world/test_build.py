@@ -1,4 +1,4 @@
-"""The compiled world follows from the layout alone, and a setup never tells two stories about its fires."""
+"""The compiled world follows from the layout alone, and a setup agrees with itself about its fires."""
 
 from itertools import pairwise
 

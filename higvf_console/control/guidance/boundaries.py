@@ -17,7 +17,7 @@ import numpy as np
 from higvf_console.control.guidance.obstacles import capsule_at, spine_point
 from higvf_console.control.kernel import kernel
 from higvf_console.core.arrays import Floats, Ints
-from higvf_console.core.state import NOBODY, Motion, World
+from higvf_console.core.state import MOVER_PART, NOBODY, Motion, World
 
 NO_BOUNDARY = -math.inf  # radius of an extinguished fire, which has no boundary
 ALONE, TOGETHER = 0, 1  # a shape by itself, or merged with its cluster
@@ -50,6 +50,9 @@ def find_boundaries(motion: Motion, world: World, clearance: float) -> Boundarie
         motion: for the fires.
         world: at the same tick, see `obstacles.world_at`.
         clearance: R_o [m].
+
+    Returns:
+        One shape for each group of obstacles, fire and moving obstacle, and the hulls of clusters.
     """
     groups, fires, movers = world.boundary.shape[0], world.fire_position.shape[0], world.mover.shape[0]
     count = groups + fires + movers
@@ -68,7 +71,7 @@ def find_boundaries(motion: Motion, world: World, clearance: float) -> Boundarie
     for v in range(movers):
         k = groups + fires + v
         for column in range(5):
-            capsule[k, column] = world.capsules[int(world.mover[v, 0]), column]
+            capsule[k, column] = world.capsules[int(world.mover[v, MOVER_PART]), column]
         corner_start[0, k + 1] = corner_start[0, k]
     boundaries = Boundaries(capsule, corner_start, world.hull, np.arange(count))
     return _with_clusters(boundaries, groups, clearance)
@@ -112,7 +115,7 @@ def _with_clusters(boundaries: Boundaries, groups: int, clearance: float) -> Bou
 
 @kernel
 def _spine_gap(boundaries: Boundaries, k: int, other: int) -> float:
-    """Gap between the spine of ring k and the surface of another ring [m]: alternating projections on the two."""
+    """Gap between the spine of boundary k and the surface of another one [m]: alternating projections on the two."""
     capsule = boundaries.capsule
     x, y = capsule[k, 0], capsule[k, 1]
     gap, nx, ny = boundary_at(boundaries, ALONE, other, x, y)

@@ -12,6 +12,7 @@ import numpy as np
 
 from higvf_console.control.guidance.boundaries import capsule_corners, convex_hull
 from higvf_console.core.arrays import Bools, Floats, Ints, floats, ints
+from higvf_console.core.state import CAPSULE, GRID_COLUMNS
 
 _CELLS = 48  # most cells of a pocket's grid along its longer side
 _LEAST_CELL = 4.0  # [m]
@@ -38,18 +39,18 @@ def group_obstacles(parts: Floats, clearance: float) -> Groups:
     """
     label = _labels(parts, 2.0 * clearance)
     members = [np.flatnonzero(label == name) for name in range(label.max(initial=-1) + 1)]
-    boundary = np.zeros((len(members), 9))
+    boundary = np.zeros((len(members), GRID_COLUMNS + 1))
     hulls, pockets = [np.zeros((0, 2))], [np.zeros((0, 3))]
     for g, group in enumerate(members):
         if len(group) == 1:
-            boundary[g, :5] = parts[group[0]]
+            boundary[g, :CAPSULE] = parts[group[0]]
             hulls.append(np.zeros((0, 2)))
             pockets.append(np.zeros((0, 3)))
             continue
         hull = _hull(parts[group])
         centre = (hull.min(axis=0) + hull.max(axis=0)) / 2
-        boundary[g, :5] = [*centre, *centre, np.hypot(*(hull - centre).T).max()]
-        boundary[g, 5:], pocket = _pocket(parts[group], hull, clearance)
+        boundary[g, :CAPSULE] = [*centre, *centre, np.hypot(*(hull - centre).T).max()]
+        boundary[g, CAPSULE:], pocket = _pocket(parts[group], hull, clearance)
         hulls.append(hull)
         pockets.append(pocket)
     starts = [np.cumsum([len(piece) for piece in pieces]) for pieces in (hulls, pockets)]

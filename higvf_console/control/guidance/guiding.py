@@ -18,7 +18,7 @@ from higvf_console.control.guidance.paths import nearest
 from higvf_console.control.kernel import kernel
 from higvf_console.control.parameters import BoundaryParameters, PathParameters
 from higvf_console.core.arrays import Bools, Floats, Ints
-from higvf_console.core.state import NOBODY, Motion, Path, World
+from higvf_console.core.state import GRID_CELL, GRID_COLUMNS, GRID_X, GRID_Y, NOBODY, Motion, Path, World
 
 
 @kernel
@@ -79,7 +79,7 @@ def composite_velocity(
         forms: form of the bump.
     """
     speed = math.sqrt(vx * vx + vy * vy)
-    path_weight, bump_sum, turn_x, turn_y = 1.0, 0.0, 0.0, 0.0
+    total = (1.0, 0.0, 0.0, 0.0)  # path weight w_P, sum of Z_k, sum of Z_k tau_k
     for k in range(boundaries.capsule.shape[0]):
         row = row_of(boundaries, k, own_boundary, goal_x, goal_y)
         if row == NOBODY:
@@ -90,35 +90,46 @@ def composite_velocity(
         around = 1.0 if circulation[i, k] >= 0 else -1.0
         hull = has_hull(boundaries, row, k)
         if hull and row == ALONE and opened(boundaries, ALONE, k, goal_x, goal_y):
-            if gap < 0.0 and world.boundary[k, 8] > 0.0:
-                gap, nx, ny = smoothed_gap(k, x, y, world)
-                zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, 0.0, around, False, margins, forms)
-                path_weight *= 1.0 - zero_out
-                bump_sum += zero_out
-                turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
-                continue
-            for p in range(world.boundary_start[1, k], world.boundary_start[1, k + 1]):
-                part = world.part[p]
-                gap, nx, ny = part_at(part, x, y, world)
-                radius = float(world.capsules[part, 4])
-                zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, radius, around, False, margins, forms)
-                path_weight *= 1.0 - zero_out
-                bump_sum += zero_out
-                turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
+            total = _with_parts(total, vx, vy, x, y, k, gap, around, world, margins, forms)
             continue
         if hull and gap < 0.0:
             out_x, out_y = way_out(boundaries, row, k, x, y, world)
             if out_x != 0.0 or out_y != 0.0:
                 return speed * out_x, speed * out_y
         radius = 0.0 if hull else float(boundaries.capsule[k, 4])
-        zero_out, tx, ty = _turn(vx, vy, gap, nx, ny, radius, around, hull, margins, forms)
-        path_weight *= 1.0 - zero_out
-        bump_sum += zero_out
-        turn_x, turn_y = turn_x + zero_out * tx, turn_y + zero_out * ty
+        total = _with_turn(total, _turn(vx, vy, gap, nx, ny, radius, around, hull, margins, forms))
+    path_weight, bump_sum, turn_x, turn_y = total
     if bump_sum == 0.0:
         return vx, vy
     share = speed * (1.0 - path_weight) / bump_sum
     return path_weight * vx + share * turn_x, path_weight * vy + share * turn_y
+
+
+@kernel
+def _with_parts(
+    total: tuple[float, float, float, float], vx: float, vy: float, x: float, y: float, k: int, gap: float,
+    around: float, world: World, margins: BoundaryParameters, forms: Forms,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """Adds group k whose hull contains the robot's goal: its parts one by one, or their smoothed gap in its pocket."""
+    if gap < 0.0 and world.boundary[k, GRID_COLUMNS] > 0.0:
+        room, nx, ny = smoothed_gap(k, x, y, world)
+        return _with_turn(total, _turn(vx, vy, room, nx, ny, 0.0, around, False, margins, forms))
+    for p in range(world.boundary_start[1, k], world.boundary_start[1, k + 1]):
+        part = world.part[p]
+        room, nx, ny = part_at(part, x, y, world)
+        radius = float(world.capsules[part, 4])
+        total = _with_turn(total, _turn(vx, vy, room, nx, ny, radius, around, False, margins, forms))
+    return total
+
+
+@kernel
+def _with_turn(
+    total: tuple[float, float, float, float], turn: tuple[float, float, float]
+) -> tuple[float, float, float, float]:
+    """Adds the bump Z and the circulation vector tau of a shape to w_P, sum Z and sum Z tau."""
+    path_weight, bump_sum, turn_x, turn_y = total
+    zero_out, tx, ty = turn
+    return path_weight * (1.0 - zero_out), bump_sum + zero_out, turn_x + zero_out * tx, turn_y + zero_out * ty
 
 
 @kernel
@@ -143,13 +154,13 @@ def way_out(boundaries: Boundaries, row: int, k: int, x: float, y: float, world:
     """Unit vector of the shortest way out of the hull that contains (x, y); zero if there is no grid for it."""
     for g in range(world.boundary.shape[0]):
         member = g == k if row == ALONE else boundaries.cluster[g] == k
-        columns = int(world.boundary[g, 8])
+        columns = int(world.boundary[g, GRID_COLUMNS])
         if not member or columns == 0 or boundary_at(boundaries, ALONE, g, x, y)[0] >= 0.0:
             continue
         first, last = world.boundary_start[2, g], world.boundary_start[2, g + 1]
         rows = (last - first) // columns
-        u = min(max((x - world.boundary[g, 5]) / world.boundary[g, 7], 0.0), columns - 1.001)
-        v = min(max((y - world.boundary[g, 6]) / world.boundary[g, 7], 0.0), rows - 1.001)
+        u = min(max((x - world.boundary[g, GRID_X]) / world.boundary[g, GRID_CELL], 0.0), columns - 1.001)
+        v = min(max((y - world.boundary[g, GRID_Y]) / world.boundary[g, GRID_CELL], 0.0), rows - 1.001)
         column, line = int(u), int(v)
         u, v = u - column, v - line
         at = first + line * columns + column
@@ -171,12 +182,12 @@ def smoothed_gap(g: int, x: float, y: float, world: World) -> tuple[float, float
     A uniform cubic B-spline, C2, over the distances at the grid nodes: the exact distance is not differentiable where
     parts meet at an angle. Safety constraints use the exact distances.
     """
-    columns = int(world.boundary[g, 8])
+    columns = int(world.boundary[g, GRID_COLUMNS])
     first = world.boundary_start[2, g]
     rows = (world.boundary_start[2, g + 1] - first) // columns
-    cell = world.boundary[g, 7]
-    u = min(max((x - world.boundary[g, 5]) / cell, 1.0), columns - 2.001)
-    v = min(max((y - world.boundary[g, 6]) / cell, 1.0), rows - 2.001)
+    cell = world.boundary[g, GRID_CELL]
+    u = min(max((x - world.boundary[g, GRID_X]) / cell, 1.0), columns - 2.001)
+    v = min(max((y - world.boundary[g, GRID_Y]) / cell, 1.0), rows - 2.001)
     column, line = int(u), int(v)
     gap, slope_x, slope_y = 0.0, 0.0, 0.0
     for down in range(4):

@@ -11,7 +11,17 @@ from numpy.typing import ArrayLike
 
 from higvf_console.control.kernel import kernel
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.core.state import World
+from higvf_console.core.state import (
+    MOVER_AX,
+    MOVER_AY,
+    MOVER_BX,
+    MOVER_BY,
+    MOVER_ENDING,
+    MOVER_PART,
+    MOVER_SPEED,
+    MOVER_START,
+    World,
+)
 
 STOP, LOOP, ONWARD = 0, 1, 2  # at the end of a course: stay there, go on from its start, or straight on for ever
 
@@ -68,12 +78,13 @@ def world_at(world: World, tick: int, period: float) -> World:
     capsules, velocity = world.capsules.copy(), world.capsule_velocity.copy()
     for v in range(world.mover.shape[0]):
         first, last = world.course_start[v], world.course_start[v + 1]
-        speed, start, ending = world.mover[v, 5], world.mover[v, 6], int(world.mover[v, 7])
+        speed, start = world.mover[v, MOVER_SPEED], world.mover[v, MOVER_START]
+        ending = int(world.mover[v, MOVER_ENDING])
         x, y = course_point(world.course, first, last, start + speed * (tick * period), ending)
         next_x, next_y = course_point(world.course, first, last, start + speed * ((tick + 1) * period), ending)
-        part = int(world.mover[v, 0])
-        capsules[part, 0], capsules[part, 1] = world.mover[v, 1] + x, world.mover[v, 2] + y
-        capsules[part, 2], capsules[part, 3] = world.mover[v, 3] + x, world.mover[v, 4] + y
+        part = int(world.mover[v, MOVER_PART])
+        capsules[part, 0], capsules[part, 1] = world.mover[v, MOVER_AX] + x, world.mover[v, MOVER_AY] + y
+        capsules[part, 2], capsules[part, 3] = world.mover[v, MOVER_BX] + x, world.mover[v, MOVER_BY] + y
         velocity[part, 0], velocity[part, 1] = (next_x - x) / period, (next_y - y) / period
     return World(
         capsules=capsules,

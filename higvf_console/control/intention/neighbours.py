@@ -13,24 +13,24 @@ from higvf_console.core.arrays import Floats, Ints
 
 
 @kernel
-def within(position: Floats, reach: float) -> tuple[Ints, Ints]:
+def within(position: Floats, max_distance: float) -> tuple[Ints, Ints]:
     """Lists the neighbours of every robot within a distance, in O(N) for bounded density.
 
     A robot whose position is not finite has no neighbours.
 
     Args:
         position: (N, 2) [m].
-        reach: maximum distance [m]; inf gives the complete graph.
+        max_distance: largest distance of neighbours [m]; inf gives the complete graph.
 
     Returns:
         start (N + 1,) and to (E,): robot i's neighbours are `to[start[i]:start[i + 1]]`, sorted by index.
     """
-    columns, rows, x_min, y_min, width = _grid(position, reach)
+    columns, rows, x_min, y_min, width = _grid(position, max_distance)
     if columns * rows <= 9:
-        return _among_all(position, reach)
+        return _among_all(position, max_distance)
     cell, cell_start, members = _cells(position, columns, rows, x_min, y_min, width)
     count = position.shape[0]
-    square = reach * reach
+    square = max_distance * max_distance
     start = np.zeros(count + 1, np.int64)
     to = np.empty(8 * count, np.int64)
     used = 0
@@ -76,8 +76,8 @@ def components(start: Ints, to: Ints) -> Ints:
 
 
 @kernel
-def _grid(position: Floats, reach: float) -> tuple[int, int, float, float, float]:
-    """Columns, rows, origin [m] and width [m] of O(N) square cells at least `reach` wide; one cell for small teams."""
+def _grid(position: Floats, max_distance: float) -> tuple[int, int, float, float, float]:
+    """Columns, rows, origin [m] and width [m] of O(N) square cells, at least `max_distance` wide; few robots: one."""
     count = position.shape[0]
     x_min, x_max, y_min, y_max = np.inf, -np.inf, np.inf, -np.inf
     for i in range(count):
@@ -86,9 +86,9 @@ def _grid(position: Floats, reach: float) -> tuple[int, int, float, float, float
             x_min, x_max = min(x_min, x), max(x_max, x)
             y_min, y_max = min(y_min, y), max(y_max, y)
     across, up = x_max - x_min, y_max - y_min
-    if not (count > 16 and reach >= 0.0 and across >= 0.0):
+    if not (count > 16 and max_distance >= 0.0 and across >= 0.0):
         return 1, 1, 0.0, 0.0, 1.0
-    width = max(reach * (1.0 + 1e-9), math.sqrt(across * up / count), max(across, up) / count)
+    width = max(max_distance * (1.0 + 1e-9), math.sqrt(across * up / count), max(across, up) / count)
     if not 0.0 < width < np.inf:
         return 1, 1, 0.0, 0.0, 1.0
     return int(across / width) + 1, int(up / width) + 1, x_min, y_min, width
@@ -119,10 +119,10 @@ def _cells(
 
 
 @kernel
-def _among_all(position: Floats, reach: float) -> tuple[Ints, Ints]:
+def _among_all(position: Floats, max_distance: float) -> tuple[Ints, Ints]:
     """Neighbour lists by testing every pair."""
     count = position.shape[0]
-    square = reach * reach if reach >= 0.0 else -1.0
+    square = max_distance * max_distance if max_distance >= 0.0 else -1.0
     start = np.zeros(count + 1, np.int64)
     to = np.empty(count * max(count - 1, 0), np.int64)
     used = 0

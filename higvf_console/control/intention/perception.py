@@ -24,9 +24,9 @@ def half_angle(radius: float, distance: float) -> float:
 
 @kernel
 def fire_value(
-    x: float, y: float, fx: float, fy: float, radius: float, reach: float, capsules: Floats, hidden: Floats
+    x: float, y: float, fx: float, fy: float, radius: float, perception_range: float, capsules: Floats, hidden: Floats
 ) -> float:
-    """Observed fire value theta [rad], [10]: the visible angle of a burning fire, 0 beyond `reach`.
+    """Observed fire value theta [rad], [10]: the visible angle of a burning fire, 0 beyond `perception_range`.
 
     Args:
         x: robot position [m].
@@ -34,14 +34,14 @@ def fire_value(
         fx: fire position [m].
         fy: fire position [m].
         radius: fire radius [m].
-        reach: perception range, to the fire's edge [m].
+        perception_range: to the fire's edge [m].
         capsules: (K, 5) occluders.
         hidden: work space for the hidden intervals, from `interval_room`.
     """
     count = 0
     dx, dy = fx - x, fy - y
     distance = math.sqrt(dx * dx + dy * dy)
-    if distance - radius > reach:
+    if distance - radius > perception_range:
         return 0.0
     beta = half_angle(radius, distance)
     if distance == 0.0:

@@ -1,6 +1,6 @@
 """Hazards: all that a robot keeps clear of, other robots apart, as one table that everything about safety reads.
 
-    table                       a row a hazard: obstacles, walls, burning fires, in this order
+    table                       one row per hazard: obstacles, walls, burning fires, in this order
     hazard_constraint           the linear constraint a.v <= b of one row
     hazard_activation_distance  from where on it cannot matter
 
@@ -26,7 +26,7 @@ from higvf_console.control.safety.barriers.capsule import (
 )
 from higvf_console.control.safety.barriers.linear_constraint import class_k
 from higvf_console.core.arrays import Bools, Floats, bools, floats
-from higvf_console.core.state import World
+from higvf_console.core.state import MOVER_PART, MOVER_SPEED, World
 
 OBSTACLE, WALL, FIRE = 0, 1, 2  # kinds
 KIND, AX, AY, BX, BY, RADIUS, VX, VY, GROWTH = range(9)  # columns
@@ -52,7 +52,7 @@ def hazards_of(circles: ArrayLike, bars: ArrayLike, walls: ArrayLike, fires: Arr
 def worst_hazards(world: World, fire_radius: Floats) -> Floats:
     """The table of hazards (H, 9) of a world whose fires, of radii (M,) [m], all burn; each as fast as it ever is."""
     burning, fastest = bools([True] * len(fire_radius)), np.zeros((len(world.capsules), 2))
-    fastest[world.mover[:, 0].astype(np.int64), 0] = world.mover[:, 5]
+    fastest[world.mover[:, MOVER_PART].astype(np.int64), 0] = world.mover[:, MOVER_SPEED]
     return hazard_table(
         world.capsules, fastest, world.walls, world.fire_position, fire_radius, world.fire_growth, burning
     )  # fmt: skip

@@ -53,7 +53,7 @@ class ArenaInteraction:
             session: whose snapshots are looked at.
             ui: what is chosen; here what a page edits and drags is written.
             roles: takes the commands of the page that steers.
-            show_tool: tells a page which tool it has now.
+            show_tool: shows a page its tool.
         """
         self._session, self._ui, self._roles = session, ui, roles
         self._show_tool = show_tool
@@ -106,7 +106,7 @@ class ArenaInteraction:
             self._push(end_of_stroke(self._ui.state, self._ui.state.drawn_for))
 
     def _drag(self, client_id: int, tool: Tool, phase: pointer.Phase, points: Floats) -> None:
-        """Something is held; where it would go is shown, and is done when the hand lets go."""
+        """Drags what is held: its ghost is shown, and the change is made on release."""
         if phase == "start" and len(points):
             self._ui.update(drag=self._held(client_id, tool, points[0]))
         state = self._ui.change(move_drag(points[-1])) if len(points) else self._ui.state
@@ -145,7 +145,7 @@ class ArenaInteraction:
             self._pick(client_id, point)
 
     def _add(self, client_id: int, tool: Tool, point: Floats) -> None:
-        """Adds a thing, and chooses it where it will be the last of its kind."""
+        """Adds an entity and selects it: it will be the last of its kind."""
         layout, _ = self._run_state()
         self._push(AddEntity(ADDS[tool], floats(point)))
         self.tool(client_id, Tool.EDIT)

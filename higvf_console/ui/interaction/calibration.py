@@ -41,7 +41,7 @@ class Calibration:
 
 
 def shown_target(capture: CaptureReport | None) -> dict[str, object] | None:
-    """The target as the page is told of it; None where nothing is to be looked at."""
+    """The target as it is sent to the page; None when there is none."""
     if capture is None or capture.target is None:
         return None
     progress = round(capture.progress / _PROGRESS_STEP) * _PROGRESS_STEP

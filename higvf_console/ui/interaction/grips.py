@@ -1,4 +1,4 @@
-"""What a hand can hold in the arena: things, their handles, the path, the end of a link; and what comes of letting go.
+"""What can be dragged in the arena: entities, their handles, the path, the end of a link; and what comes of letting go.
 
 square    resizes: radius, length, size
 disc      turns: angle, heading
@@ -24,7 +24,7 @@ _ROBOT = 16.0  # radius of a robot's outline [px]
 
 
 class Handle(NamedTuple):
-    """A point by which a thing is resized or turned.
+    """A point by which an entity is resized or turned.
 
     Attributes:
         name: the number that it changes, of `NUMBERS`.
@@ -43,8 +43,8 @@ class Drag(NamedTuple):
     Attributes:
         start: (2,) where it was gripped [m].
         now: (2,) where the hand is [m].
-        place: the thing that is held.
-        handle: the number that its handle changes; empty = the thing itself moves.
+        place: the entity that is held.
+        handle: the number that its handle changes; empty = the entity itself moves.
         moves_path: whether it is the path that is held.
         link: the robot that a link is drawn from.
     """
@@ -58,7 +58,7 @@ class Drag(NamedTuple):
 
 
 def handles_of(place: EntityRef, layout: Layout, motion: Motion, px: float) -> list[Handle]:
-    """The handles of a thing; `px` is the length of a pixel [m]."""
+    """The handles of an entity; `px` is the length of a pixel [m]."""
     numbers = numbers_of(place, layout, motion)
     middle = floats([numbers["x"], numbers["y"]])
     match place.kind:
@@ -89,7 +89,7 @@ def gripped(
     """What a hand at a point (2,) holds: a handle of what is selected, or whatever lies there."""
     if selected is not None and exists(selected, layout):
         numbers = numbers_of(selected, layout, motion)
-        near = min(reach, math.dist((numbers["x"], numbers["y"]), point))  # the middle of a small thing moves it
+        near = min(reach, math.dist((numbers["x"], numbers["y"]), point))  # the middle of a small entity moves it
         for handle in handles_of(selected, layout, motion, px):
             if math.dist(handle.point, point) <= near:
                 return Drag(point, point, selected, handle.name)
@@ -98,7 +98,7 @@ def gripped(
 
 
 def wished(drag: Drag, layout: Layout, motion: Motion) -> dict[str, float]:
-    """The numbers that the held thing would have if the hand let go now."""
+    """The numbers that the held entity would have on release."""
     if drag.place is None:
         return {}
     numbers = numbers_of(drag.place, layout, motion)
@@ -135,10 +135,10 @@ def result_of(
     if drag.place is None or not exists(drag.place, layout):
         return []
     numbers = wished(drag, layout, motion)
-    thing, row = drag.place
+    kind, row = drag.place
     if drag.handle:
-        return [ChangeEntity(thing, row, drag.handle, round(numbers[drag.handle], 2))]
-    return [MoveEntity(thing, row, floats([numbers["x"], numbers["y"]]))]
+        return [ChangeEntity(kind, row, drag.handle, round(numbers[drag.handle], 2))]
+    return [MoveEntity(kind, row, floats([numbers["x"], numbers["y"]]))]
 
 
 def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
@@ -151,7 +151,7 @@ def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
 
 
 def outlines(place: EntityRef, numbers: dict[str, float], layout: Layout, motion: Motion, px: float) -> list[Floats]:
-    """Closed outlines (n, 2) [m] of a thing with these numbers."""
+    """Closed outlines (n, 2) [m] of an entity with these numbers."""
     x, y, row = numbers["x"], numbers["y"], place.row
     match place.kind:
         case EntityKind.ROBOT:

@@ -88,7 +88,7 @@ def install(server: viser.ViserServer, on_key: Callable[[int, str], None]) -> No
         if name != "stop":
             on_key(client_id, name)
             return
-        # The page repeats a STOP until it hears of it: the team is told once.
+        # The page repeats a STOP until it is acknowledged; only the first is passed on.
         if last_stop.get(client_id) != number:
             on_key(client_id, name)
             last_stop[client_id] = number

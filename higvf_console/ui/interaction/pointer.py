@@ -100,7 +100,7 @@ def _packet(body: page.Body, known: _OpenStroke) -> tuple[Phase, Floats]:
     """
     phase, place = body.get("phase"), (body.get("id"), body.get("sequence"))
     if phase not in get_args(Phase):
-        raise ValueError(f"phase {_short(phase)} is none of {', '.join(get_args(Phase))}")
+        raise ValueError(f"phase {_short(phase)}: expected one of {', '.join(get_args(Phase))}")
     if place != (known.number, known.packets):
         raise ValueError(f"stroke and packet {_short(place)} came where {(known.number, known.packets)} was due")
     points = _numbers(body, "points", None, MAX_COORDINATE)

@@ -71,7 +71,7 @@ TOOLS: dict[Tool, Look] = {
         '<path d="M12 7.5c3 3 3.6 4.4 3.6 5.9a3.6 3.6 0 0 1-7.2 0c0-1.5 2.6-2.4 3.6-5.9z"/>',
     ),
     Tool.EDIT: Look(
-        "edit", "M", "Move and edit things", "Click to select, drag to move; its square resizes it, its disc turns it",
+        "edit", "M", "Move and edit", "Click to select, drag to move; the square resizes, the disc turns",
         '<path d="M5 3l14 8-6 1.6L10 19z"/>', inks=False,
     ),
     Tool.OUTLINE: Look(

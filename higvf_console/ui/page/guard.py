@@ -56,7 +56,7 @@ def open_server(
 
     Args:
         host: address to bind, e.g. "127.0.0.1".
-        port: TCP port; 0 takes a free one, which `get_port()` tells.
+        port: TCP port; 0 takes a free one, which `get_port()` returns.
         token: secret that `login_url` carries.
         label: title of the control panel.
         max_clients: pages that may be open at once.

@@ -35,7 +35,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass
 class PageMessage(_messages.Message, include_in_scene_serialization=False):
-    """What a script of ours sends: a topic and its content, to be validated by whoever listens."""
+    """What a script of ours sends: a topic and its content, which the listener validates."""
 
     topic: str
     body: Body

@@ -2,7 +2,7 @@
 
 A page that watches sees everything and may zoom, pan, change tabs and press STOP. Whatever else it sends is dropped at
 `page.gate`, the widget that it touched shows the true value again, and a strip in the page says who steers. Each page
-tells once a second who it is; the console's channel lives on what the page that steers tells, so that the session's
+reports once a second who it is; the console's channel lives on what the page in control reports, so that the session's
 watch ends the human intention when that page is lost.
 """
 
@@ -128,7 +128,7 @@ class Roles:
                 case "grant" | "refuse":
                     self._follow(control_lease.answered(control, identity, str(name), granted=act == "grant"))
                 case _:
-                    raise ValueError(f"{act!r} is none of ask, take, release, grant, refuse")
+                    raise ValueError(f"{act!r}: expected ask, take, release, grant or refuse")
 
     def _leave(self, client_id: int) -> None:
         with self._lock:
@@ -156,7 +156,7 @@ class Roles:
 
 
 def role_of(control: Control, identity: str) -> page.Body:
-    """What a page is told: its name, who steers, who waits, and how many others there are."""
+    """What a page is sent: its name, who steers, who waits, and how many others there are."""
     return {
         "you": control.name(identity),
         "steers": identity == control.holder,

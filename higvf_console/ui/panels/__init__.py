@@ -1,1 +1,1 @@
-"""One panel, one file, three verbs: build, update, clean up."""
+"""One panel per file; each is built once and updated with every snapshot."""

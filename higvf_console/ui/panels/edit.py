@@ -27,7 +27,7 @@ _DIGITS = 2  # after the point, shown and known: a page puts back what it shows
 _UNANSWERED_S = TYPED_S + SETTLE_S  # [s] from a key stroke until the session must have answered what was typed
 _HELP = (
     "Choose the arrow above the arena (M) and click a robot, a fire or an obstacle. Drag it to move it, its square to "
-    "resize it, its disc to turn it. The tools beside the arrow add things, draw obstacles and link robots."
+    "resize it, its disc to turn it. The tools beside the arrow add entities, draw obstacles and link robots."
 )
 
 
@@ -44,11 +44,10 @@ class EditPanel:
         self._head = gui.add_html("")
         self._fields = [self._make_field(gui, slot) for slot in range(_MOST_NUMBERS)]
         self._delete = gui.add_button(
-            "Delete", icon=viser.Icon.TRASH, color="red", visible=False, hint="Delete the selected thing (Del)"
+            "Delete", icon=viser.Icon.TRASH, color="red", visible=False, hint="Delete the selected entity (Del)"
         )
         self._delete.on_click(reaction(lambda _: self._remove()))
-        self._folder = gui.add_folder("Arena and links", expand_by_default=False)
-        with self._folder:
+        with gui.add_folder("Arena and links", expand_by_default=False):
             self._sides = {name: self._make_side(gui, name, label) for name, label in _SIDES.items()}
             self._walled = gui.add_checkbox("Walls", True, hint="Whether the sides of the arena hold robots back")
             self._walled.on_update(reaction(lambda value: self._set_arena(walls=truth(value))))
@@ -75,7 +74,7 @@ class EditPanel:
             self._typed.note((place, list(NUMBERS[place.kind])[slot]), _number(value))
 
     def _send(self) -> None:
-        """Sends what was typed, once it is meant; the session judges it."""
+        """Sends typed values once typing has paused; the session accepts or refuses them."""
         for (place, name), number in self._typed.meant().items():
             self._sink.push(ChangeEntity(place.kind, place.row, name, number))
         if sides := self._typed_sides.meant():
@@ -127,11 +126,6 @@ class EditPanel:
             field.hint = quantity.text
             if (place, name) not in self._typed:
                 mirror(field, round(value, _DIGITS), settle)
-
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        for widget in (self._head, *self._fields, self._delete, self._folder):
-            widget.remove()
 
 
 def _number(value: object) -> float:

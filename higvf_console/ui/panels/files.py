@@ -40,8 +40,7 @@ class FilesPanel:
         }
         self._choose = files.install(server, kinds, self._refuse)
         gui = server.gui
-        self._folder = gui.add_folder("Files", expand_by_default=False)
-        with self._folder:
+        with gui.add_folder("Files", expand_by_default=False):
             save = gui.add_button(
                 "Save scenario", icon=viser.Icon.DOWNLOAD, hint="The present state as a scenario file"
             )
@@ -138,7 +137,3 @@ class FilesPanel:
             widget.visible = self._ui.state.background is not None
         self._note.visible = bool(self._said)
         self._note.content = block(f'<span class="warn">{text(self._said)}</span>')
-
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        self._folder.remove()

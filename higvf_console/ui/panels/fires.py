@@ -67,11 +67,6 @@ class FiresPanel:
         self._chart.content = chart + summary_html(snapshot.time, total, baseline)
         self._table.content = table_html(snapshot)
 
-    def cleanup(self) -> None:
-        """Removes chart and table."""
-        self._chart.remove()
-        self._table.remove()
-
 
 def chart_html(time: Floats, loss: Floats, baseline: "Baseline | None") -> str:
     """The area burnt in this run [s, m^2] drawn through, in the one that nobody touches dashed."""

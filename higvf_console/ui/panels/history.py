@@ -21,10 +21,9 @@ class HistoryPanel:
     """Two buttons and a list."""
 
     def __init__(self, gui: viser.GuiApi, sink: PointerSink) -> None:
-        """Builds them."""
+        """Adds the list and its buttons, which push Undo and Redo to `sink`."""
         self._shown: History | None = None
-        self._folder = gui.add_folder("History")
-        with self._folder:
+        with gui.add_folder("History"):
             self._buttons = gui.add_button_group("History", (_UNDO, _REDO), hint="Ctrl+Z, Ctrl+Y")
             self._buttons.on_click(reaction(lambda value: sink.push(one_of(value, {_UNDO: Undo(), _REDO: Redo()}))))
             self._list = gui.add_html("")
@@ -34,10 +33,6 @@ class HistoryPanel:
         if snapshot.history is not self._shown:
             self._shown = snapshot.history
             self._list.content = block(history_html(snapshot.history.entries()))
-
-    def cleanup(self) -> None:
-        """Removes them."""
-        self._folder.remove()
 
 
 def history_html(entries: tuple[Entry, ...]) -> str:

@@ -1,4 +1,4 @@
-"""The operator's inputs: how each is and why, what is decoded and looked at, the calibration, faults on purpose."""
+"""The operator's inputs: how each is and why, what is decoded and looked at, the calibration, fault injection."""
 
 from typing import TYPE_CHECKING
 
@@ -7,10 +7,15 @@ import viser
 from higvf_console.core.commands import Acknowledge
 from higvf_console.core.interface import ChannelState, PointerSink
 from higvf_console.core.reports import Calibrated
-from higvf_console.ui.panels.faults import FaultWidgets
-from higvf_console.ui.panels.inputs_tables import attention_html, calibration_html, channels_html, decisions_html
 from higvf_console.ui.panels.widgets.callbacks import reaction
+from higvf_console.ui.panels.widgets.faults import FaultWidgets
 from higvf_console.ui.panels.widgets.html import block
+from higvf_console.ui.panels.widgets.inputs_tables import (
+    attention_html,
+    calibration_html,
+    channels_html,
+    decisions_html,
+)
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
@@ -44,8 +49,8 @@ class InputsPanel:
         self._calibrate = gui.add_button("Calibrate gaze", icon=viser.Icon.TARGET, color="gray")
         self._calibrate.on_click(reaction(lambda _: self._begin()))
         self._calibrate.disabled = True
-        with gui.add_folder("Inject faults", expand_by_default=False):
-            self._faults = FaultWidgets(gui, [name for name, _ in session.snapshot.channels], sink)
+        with gui.add_folder("Fault injection", expand_by_default=False):
+            FaultWidgets(gui, [name for name, _ in session.snapshot.channels], sink)
 
     def _begin(self) -> None:
         if self._gaze is not None:
@@ -64,16 +69,3 @@ class InputsPanel:
         self._calibrate.visible = inputs.capture is not None
         capture = inputs.capture
         self._calibrate.disabled = capture is None or bool(capture.refusal) or capture.target is not None
-
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        self._faults.cleanup()
-        for widget in (
-            self._channels,
-            self._acknowledge,
-            self._decisions,
-            self._attention,
-            self._calibration,
-            self._calibrate,
-        ):
-            widget.remove()

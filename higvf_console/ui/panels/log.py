@@ -60,7 +60,7 @@ class LogPanel:
         page.install(server, "notes", {})
 
     def _read(self, _client_id: int, body: page.Body) -> None:
-        """A page has put a notification away: the alarm that it told is acknowledged."""
+        """A page has closed a notification: its alarm is acknowledged."""
         self._ui.change(acknowledge_alarms(str(body.get("text"))))
 
     def update(self, snapshot: "Snapshot") -> None:
@@ -103,12 +103,7 @@ class LogPanel:
         for event, notification in self._standing:
             if not any(event is alarm for alarm in unread):
                 notification.remove()
-        self._standing = [told for told in self._standing if any(told[0] is alarm for alarm in unread)]
-
-    def cleanup(self) -> None:
-        """Removes button and list."""
-        self._button.remove()
-        self._html.remove()
+        self._standing = [shown for shown in self._standing if any(shown[0] is alarm for alarm in unread)]
 
 
 class Notifications:
@@ -149,8 +144,8 @@ class Notifications:
         return [event for event in chosen if id(event) not in left_out]
 
     def _is_news(self, event: Event, now: float) -> bool:
-        until, told = self._shown.get(event.kind, (now, ""))
-        other_reason = event.kind == REFUSED and event.text != told
+        until, latest = self._shown.get(event.kind, (now, ""))
+        other_reason = event.kind == REFUSED and event.text != latest
         return now >= until or other_reason or event.kind in ("extinguished", "control")
 
 

@@ -31,7 +31,7 @@ class PreviewPanel:
     """The read-out, of a height that hardly changes while the hand is at work; buttons show while something waits."""
 
     def __init__(self, gui: viser.GuiApi, previewer: "Previewer", sink: PointerSink) -> None:
-        """Builds the widgets."""
+        """Adds the comparison and the buttons that commit, redraw or discard what is pending."""
         self._previewer, self._sink = previewer, sink
         self._html = gui.add_html("")
         self._actions = gui.add_button_group(
@@ -57,11 +57,6 @@ class PreviewPanel:
             content = f'<span class="dim">{_help(self._previewer)}</span>'
         self._html.content = block(f'<div class="ahead">{content}</div>')
 
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        for widget in (self._html, self._actions):
-            widget.remove()
-
 
 def _help(previewer: "Previewer") -> str:
     if previewer.failed:
@@ -76,9 +71,9 @@ def preview_html(preview: Preview, proposed: int = NOBODY) -> str:
     if proposed != NOBODY:
         rows.append(("Proposed", f'<span class="operator">robot {proposed + 1}</span>'))
     if preview.start.motion.fire_burning.any():
-        rows += [("Burnt", burnt_line(preview)), ("Fires out", fires_line(preview))]
+        rows += [("Burnt", burnt_line(preview)), ("Order", fires_line(preview))]
     rows += [
-        ("Clearance", nearness(preview.clearance)),
+        ("Safety margin", nearness(preview.clearance)),
         ("Path", path_line(preview)),
     ]
     lines = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in rows)
@@ -102,7 +97,7 @@ def burnt_line(preview: Preview) -> str:
 def fires_line(preview: Preview) -> str:
     """The order in which fires go out, and the other one where it differs."""
     order, other = fire_order(preview.future.fires_out), fire_order(preview.otherwise.fires_out)
-    return order if order == other else f'{order} <span class="dim">without: {other}</span>'
+    return order if order == other else f'{order} <span class="dim">(without your path: {other})</span>'
 
 
 def fire_order(out: FiresOut) -> str:

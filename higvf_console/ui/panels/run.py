@@ -71,11 +71,6 @@ class RunPanel:
         self._reset.label = "Press again to reset the run" if asked else "Reset run"
         self._reset.color = "red" if asked else "gray"
 
-    def cleanup(self) -> None:
-        """Removes the buttons."""
-        for widget in (self._pause, self._clock, self._speed, self._reset):
-            widget.remove()
-
 
 def _pause_label(paused: bool) -> str:
     return "Resume" if paused else "Pause"

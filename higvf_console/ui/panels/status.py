@@ -1,13 +1,14 @@
-"""What the operator must always know: time, mode, who is influenced, inputs, clearance, filter, tick time."""
+"""What the operator must always know: time, mode, influenced robot, inputs, safety margin, filter, computation."""
 
 import math
 from typing import TYPE_CHECKING
 
 import viser
 
+from higvf_console.control.guidance.paths import point_at
 from higvf_console.core.commands import Acknowledge
 from higvf_console.core.interface import ChannelHealth, ChannelState, PointerSink
-from higvf_console.core.state import PathKind, PathStatus, SimState
+from higvf_console.core.state import Motion, Path, PathKind, PathStatus, SimState
 from higvf_console.runtime.phase import Phase
 from higvf_console.sim.events import too_near
 from higvf_console.ui.panels.log import alarms_text
@@ -56,11 +57,6 @@ class StatusPanel:
         if back:
             self._acknowledge.label = f"Acknowledge: {', '.join(back)}"
 
-    def cleanup(self) -> None:
-        """Removes the panel."""
-        self._acknowledge.remove()
-        self._html.remove()
-
 
 def modes_of(state: SimState, phase: Phase, frozen: bool) -> list[tuple[str, str]]:
     """All modes that hold, each in one word with its colour: that of the team, then that of the clock."""
@@ -87,10 +83,10 @@ def status_html(snapshot: "Snapshot", period_ms: float, unread: int = 0) -> str:
         f'<span class="speed">{snapshot.speed:g}{TIMES}</span></div>'
     )
     rows = [
-        ("Operator", operator_line(snapshot.state)),
-        ("Clearance", clearance_line(float(snapshot.trace.clearance.min(initial=math.inf)), snapshot.min_clearance)),
-        ("Filter", filter_line(snapshot)),
-        ("Tick", f'{snapshot.tick_ms:.2f} ms <span class="dim">of {period_ms:g} ms</span>'),
+        ("Steering", steering_line(snapshot.state, snapshot.setup.params.path.capture_distance)),
+        ("Safety margin", margin_line(float(snapshot.trace.clearance.min(initial=math.inf)), snapshot.min_clearance)),
+        ("Safety filter", filter_line(snapshot)),
+        ("Computation", _computation(snapshot, period_ms)),
     ]
     if standing := standing_text(snapshot):
         rows.insert(1, ("Standing", text(standing)))
@@ -100,32 +96,50 @@ def status_html(snapshot: "Snapshot", period_ms: float, unread: int = 0) -> str:
     return block(f"{head}<dl>{lines}</dl>")
 
 
-def operator_line(state: SimState) -> str:
-    """Whom the operator influences, and how far the path has come."""
+def steering_line(state: SimState, near: float) -> str:
+    """The influenced robot, and how far it has come along the path, which it is on when nearer than `near` [m]."""
     intent, motion = state.intent, state.motion
     robot = f'<span class="operator">robot {intent.influenced + 1}</span>'
     if intent.path.kind == PathKind.NONE:
-        return f'{robot} <span class="dim">no path yet</span>'
+        return f'{robot}, <span class="dim">no path yet</span>'
     status = {
         PathStatus.FINISHED: "path finished",
         PathStatus.BREAK_AWAY: "path left for a fire",
         PathStatus.BLOCKED: '<span class="warn">path given up</span>',
     }.get(PathStatus(motion.path_status))
-    if status is None and math.isfinite(intent.path.length) and not intent.path.closed:
-        done = motion.path_parameter if intent.path.direction > 0 else intent.path.length - motion.path_parameter
-        status = f"on its path, {min(max(done / intent.path.length, 0.0), 1.0):.0%}"
-    return f"{robot} {status or 'on its path'}"
+    if status is None:
+        x, y, *_ = point_at(intent.path, motion.path_parameter)
+        away = math.dist((x, y), motion.position[intent.influenced].tolist())
+        status = ("heading for its path" if away > near else "on its path") + _progress(intent.path, motion)
+    return f"{robot}, {status}"
 
 
-def clearance_line(now: float, least: float) -> str:
-    """The smallest distance to anything, now and in the run; a violation stands out."""
-    if not math.isfinite(least):
-        return f"{nearness(least)} so far"
-    return f'{nearness(now)} <span class="dim">now,</span> {nearness(least)} <span class="dim">least</span>'
+def _progress(path: Path, motion: Motion) -> str:
+    """The share of an open path that is done; nothing at its start."""
+    if not math.isfinite(path.length) or path.closed:
+        return ""
+    done = motion.path_parameter if path.direction > 0 else path.length - motion.path_parameter
+    share = min(max(done / path.length, 0.0), 1.0)
+    return f", {share:.0%}" if share >= 0.005 else ""
+
+
+def margin_line(now: float, minimum: float) -> str:
+    """The smallest margin beyond a clearance, now and in the run [m]; a violation stands out."""
+    if not math.isfinite(minimum):
+        return f"{nearness(minimum)} so far"
+    return f'{nearness(now)}<span class="dim">, minimum</span> {nearness(minimum)}'
+
+
+def _computation(snapshot: "Snapshot", period_ms: float) -> str:
+    """How long a control period takes to compute, and by how much the run lags behind real time if it does."""
+    line = f'{snapshot.tick_ms:.2f} <span class="dim">of {period_ms:g} ms</span>'
+    if snapshot.lost_time > 0.0:
+        line += f' <span class="warn">{snapshot.lost_time:.1f} s late</span>'
+    return line
 
 
 def filter_line(snapshot: "Snapshot") -> str:
-    """Whether the safety filter finds a velocity for everybody."""
+    """Whether the safety filter finds a safe velocity for every robot, and what it has cost so far."""
     infeasible, deadlocked = int(snapshot.trace.infeasible.sum()), int(snapshot.trace.deadlocked.sum())
     if infeasible:
         now = f'<span class="alarm">{infeasible} infeasible</span>'
@@ -134,13 +148,13 @@ def filter_line(snapshot: "Snapshot") -> str:
     elif deadlocked:
         now = f'<span class="warn">{deadlocked} held by barriers</span>'
     else:
-        now = "all constraints met"
+        now = "OK"
     past: list[str] = []
     if snapshot.infeasible_ticks:
         past.append(f"{snapshot.infeasible_ticks} ticks infeasible")
     if snapshot.deadlock_s > 0.0:
-        past.append(f"{snapshot.deadlock_s:.1f} s held")
-    return now + (f' <span class="dim">{", ".join(past)}</span>' if past else "")
+        past.append(f"robots held for {snapshot.deadlock_s:.1f} s")
+    return now + (f' <span class="dim">({", ".join(past)})</span>' if past else "")
 
 
 def channel_html(name: str, health: ChannelHealth) -> str:

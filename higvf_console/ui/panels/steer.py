@@ -20,10 +20,10 @@ from higvf_console.core.commands import (
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.state import NO_PATH, Path
 from higvf_console.operator.path_commands import in_hand, path_words
-from higvf_console.ui.panels.terms import TermsWidgets
 from higvf_console.ui.panels.widgets.callbacks import one_of, reaction
 from higvf_console.ui.panels.widgets.html import TIMES, block
 from higvf_console.ui.panels.widgets.picker import RobotPicker
+from higvf_console.ui.panels.widgets.terms import TermsWidgets
 from higvf_console.ui.ui_state import UiStore, end_of_stroke
 
 if TYPE_CHECKING:
@@ -137,13 +137,6 @@ class SteerPanel:
             return
         self._path = path
         self._actions.options = (_CLEAR, _REVERSE, _OPEN if path.closed else _CLOSE, _NEXT)
-
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        self._picker.remove()
-        self._terms.cleanup()
-        for widget in (self._actions, self._drawn, self._again, self._priority, self._unprioritise, self._shown):
-            widget.remove()
 
 
 def priority_html(rows: list[list[float]]) -> str:

@@ -89,7 +89,7 @@ class TunePanel:
         self._ask({name: values[name] for name in values if name.split(".")[0] == group})
 
     def _send(self) -> None:
-        """Sends what was typed, once it is meant; the session judges it."""
+        """Sends typed values once typing has paused; the session accepts or refuses them."""
         for name, value in self._typed.meant().items():
             try:
                 self._ask({name: number_of(value)})
@@ -132,14 +132,6 @@ class TunePanel:
         self._changed.content = block(changed_html(different))
         self._reset.disabled = not any(name.split(".")[0] == self._group for name, *_ in different)
         self._reset_all.disabled = not different
-
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        for widget in (
-            self._preset, self._choice, self._head, *self._fields.values(), self._note, self._reset, self._changed,
-            self._reset_all,
-        ):  # fmt: skip
-            widget.remove()
 
 
 def shown(value: float) -> str:

@@ -36,21 +36,22 @@ class ViewPanel:
     """Switches that write the `UiState`; the keyboard may change the field too."""
 
     def __init__(self, gui: viser.GuiApi, ui: UiStore) -> None:
-        """Builds the switches."""
+        """Adds a switch for each layer, the look of every page, and the legend."""
         self._ui = ui
         self._field = gui.add_dropdown(
             "Field", tuple(FIELDS), hint="Path: toward the path. Composite: also around obstacles. "
             "Blended: what the influenced robot would want if it stood there (V)",
         )  # fmt: skip
         self._field.on_update(reaction(self._choose))
-        self._switches = [self._make_switch(gui, name, *words) for name, words in SWITCHES.items()]
+        for name, words in SWITCHES.items():
+            self._make_switch(gui, name, *words)
         self._theme = gui.add_dropdown("Theme", tuple(THEMES), hint="Applies to every page")
         self._theme.on_update(reaction(lambda value: self._wear(palette=one_of(value, THEMES))))
         self._text = gui.add_dropdown(
             "Text size", tuple(TEXT_SIZES), initial_value="Normal", hint="Applies to every page"
         )
         self._text.on_update(reaction(lambda value: self._wear(text=one_of(value, TEXT_SIZES))))
-        self._key = gui.add_html(block(key_html()))
+        gui.add_html(block(key_html()))
 
     def _choose(self, value: object) -> None:
         self._ui.update(field=one_of(value, FIELDS))
@@ -58,21 +59,15 @@ class ViewPanel:
     def _wear(self, **changes: Any) -> None:
         self._ui.change(change_look(**changes))
 
-    def _make_switch(self, gui: viser.GuiApi, name: str, label: str, hint: str) -> viser.GuiCheckboxHandle:
+    def _make_switch(self, gui: viser.GuiApi, name: str, label: str, hint: str) -> None:
         switch = gui.add_checkbox(label, bool(getattr(self._ui.state, name)), hint=hint)
         switch.on_update(reaction(lambda value: self._ui.update(**{name: truth(value)})))
-        return switch
 
     def update(self, _: "Snapshot") -> None:
         """Shows what is chosen now."""
         mirror(self._field, _name_of(self._ui.state.field, FIELDS))
         mirror(self._theme, _name_of(self._ui.state.look.palette, THEMES))
         mirror(self._text, _name_of(self._ui.state.look.text, TEXT_SIZES))
-
-    def cleanup(self) -> None:
-        """Removes the switches."""
-        for widget in (self._field, *self._switches, self._theme, self._text, self._key):
-            widget.remove()
 
 
 def _name_of(value: object, choices: dict[str, Any]) -> str:
@@ -95,4 +90,4 @@ def key_html() -> str:
         (ring.format(CSS.gaze, "none"), "where you look"),
     ]
     lines = "".join(f'<svg viewBox="0 0 20 14">{mark}</svg><span>{words}</span>' for mark, words in rows)
-    return f'<div class="dim" style="margin:6px 0 4px">Marks</div><div class="key">{lines}</div>'
+    return f'<div class="dim" style="margin:6px 0 4px">Legend</div><div class="key">{lines}</div>'

@@ -1,4 +1,4 @@
-"""Why a robot moves as it does: its velocity in parts, who had a say, what it sees, and whether the method holds."""
+"""Why a robot moves as it does: its velocity in parts, authority shares, what it sees, and whether the method holds."""
 
 from typing import TYPE_CHECKING
 
@@ -10,11 +10,11 @@ from higvf_console.analysis.explain import explain
 from higvf_console.analysis.sight import sights
 from higvf_console.core.arrays import ints
 from higvf_console.sim.certificates import certificates
-from higvf_console.ui.panels.authority import AuthorityHistory, bands_svg, legend_html
-from higvf_console.ui.panels.why_tables import certificate_html, parts_html, rows_html, sight_html
+from higvf_console.ui.panels.widgets.authority import AuthorityHistory, bands_svg, legend_html
 from higvf_console.ui.panels.widgets.callbacks import mirror, reaction, truth
 from higvf_console.ui.panels.widgets.html import block
 from higvf_console.ui.panels.widgets.picker import RobotPicker
+from higvf_console.ui.panels.widgets.why_tables import certificate_html, parts_html, rows_html, sight_html
 from higvf_console.ui.ui_state import UiStore, robot_explained
 
 if TYPE_CHECKING:
@@ -75,18 +75,11 @@ class WhyPanel:
         velocity = snapshot.last.after.velocity[robot]
         tight = active_constraints(robot, snapshot.last, snapshot.setup)
         self._parts.content = block(parts_html(robot, why.parts[row], velocity) + rows_html(tight))
-        self._history.add(snapshot.time, robot, why.say[row], why.say.mean(axis=0))
+        self._history.add(snapshot.time, robot, why.authority[row], why.authority.mean(axis=0))
         time, own, shared = self._history.curves()
         charts = [bands_svg(f"robot {robot + 1}", time, own)]
         if 1 < self._robots <= MOST_SHARED:
             charts.append(bands_svg("team", time, shared))
         self._authority.content = block(
-            f'<div class="title">Who has a say</div>{"".join(charts)}<div>{legend_html()}</div>'
+            f'<div class="title">Authority shares</div>{"".join(charts)}<div>{legend_html()}</div>'
         )
-
-    def cleanup(self) -> None:
-        """Removes everything."""
-        for widget in (
-            self._picker, self._arrows, self._sight, self._parts, self._authority, self._seen, self._certified,
-        ):  # fmt: skip
-            widget.remove()

@@ -1,4 +1,4 @@
-"""What is being edited: the chosen thing's outline and handles, and the ghost of what the hand holds."""
+"""What is being edited: outline and handles of the selected entity, and the ghost of what is dragged."""
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import PathError
@@ -19,7 +19,7 @@ _NOTHING = floats([], 0, 2, 2)
 
 
 class EditLayer:
-    """Dashed outline and handles of the chosen thing; the ghost is drawn through."""
+    """Dashed outline and handles of the selected entity; the ghost is drawn through."""
 
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Starts with nothing chosen."""

@@ -41,8 +41,8 @@ class HeatLayer:
 def heat_picture(report: AttentionReport) -> NDArray[np.uint8]:
     """Red, green, blue and opacity (rows, columns, 4) of the time that gaze spent, blurred by a degree of visual angle.
 
-    From clear over grey blue to the white of the gaze cursor: brightness alone tells, and neither fires nor paths have
-    that hue.
+    From clear over grey blue to the white of the gaze cursor: only brightness carries meaning, and neither fires nor
+    paths have that hue.
     """
     cell = report.extent.width / report.heat.shape[1]
     blurred = floats(cv2.GaussianBlur(report.heat, (0, 0), max(0.8, report.degree / cell)))

@@ -45,13 +45,13 @@ class Ground:
 
 def boundaries(canvas: Canvas, setup: Setup) -> list[Lines]:
     """Reactive boundary R dashed, repulsive boundary Q drawn through."""
-    rings, seen, colour = setup.params.boundaries, setup.arena, canvas.palette.boundary
+    margins, seen, colour = setup.params.boundaries, setup.arena, canvas.palette.boundary
     reactive = canvas.lines(Layer.BOUNDARY, "/ground/reactive", colour, NOMINAL.boundary)
     dash = 5 * canvas.px
-    dashes = joined([shapes.dashed(o, dash, dash) for o in obstacle_outlines(setup, rings.reactive_margin)])
+    dashes = joined([shapes.dashed(o, dash, dash) for o in obstacle_outlines(setup, margins.reactive_margin)])
     reactive.draw(shapes.clipped(dashes, *seen))
     repulsive = canvas.lines(Layer.BOUNDARY, "/ground/repulsive", colour, NOMINAL.boundary)
-    lines = joined([shapes.segments(o) for o in obstacle_outlines(setup, rings.repulsive_margin)])
+    lines = joined([shapes.segments(o) for o in obstacle_outlines(setup, margins.repulsive_margin)])
     repulsive.draw(shapes.clipped(lines, *seen))
     return [reactive, repulsive]
 

@@ -25,7 +25,7 @@ class Movers:
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Draws the courses, and each obstacle at the start of its own."""
         self._setup, self._px = setup, canvas.px
-        ink, rings = canvas.palette, setup.params.boundaries
+        ink, margins = canvas.palette, setup.params.boundaries
         self._movers = setup.layout.obstacles.movers()
         ways = [course_line(*mover, setup) for mover in self._movers]
         dash, gap = _DASH * canvas.px, _GAP * canvas.px
@@ -46,9 +46,9 @@ class Movers:
             self._edges.append(edge)
             reactive = canvas.lines(Layer.BOUNDARY, f"/movers/reactive{number}", ink.boundary, NOMINAL.boundary)
             dashes = 5 * canvas.px
-            reactive.draw(shapes.dashed(_outline(row, setup, rings.reactive_margin), dashes, dashes))
+            reactive.draw(shapes.dashed(_outline(row, setup, margins.reactive_margin), dashes, dashes))
             repulsive = canvas.lines(Layer.BOUNDARY, f"/movers/repulsive{number}", ink.boundary, NOMINAL.boundary)
-            repulsive.draw(shapes.segments(_outline(row, setup, rings.repulsive_margin)))
+            repulsive.draw(shapes.segments(_outline(row, setup, margins.repulsive_margin)))
             self._boundaries += [reactive, repulsive]
 
     def update(self, state: SimState, boundaries: bool) -> None:
@@ -59,10 +59,10 @@ class Movers:
         for number, (_, course) in enumerate(self._movers):
             at = course.offset(self._time(tick))
             self._bodies[number].place(at[None])
-            rings = self._boundaries[2 * number : 2 * number + 2]
-            for lines in (self._edges[number], *rings):
+            boundaries = self._boundaries[2 * number : 2 * number + 2]
+            for lines in (self._edges[number], *boundaries):
                 lines.move(at)
-            for lines in rings:
+            for lines in boundaries:
                 lines.show(boundaries)
         self._arrows.draw(velocity_arrows(self._setup, tick, self._px))
 

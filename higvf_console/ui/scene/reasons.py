@@ -26,10 +26,10 @@ def part_colours(palette: Palette) -> dict[Part, str]:
         Part.TARGET: palette.own_target,
         Part.HUMAN: palette.operator,
         Part.NEIGHBOURS: palette.neighbours,
-        Part.SO_FAR: palette.so_far,
+        Part.CARRIED_OVER: palette.so_far,
         Part.FORMATION: palette.formation,
-        Part.ROUND: palette.way_round,
-        Part.HOLD: palette.hold,
+        Part.DETOUR: palette.way_round,
+        Part.LIMIT: palette.hold,
         Part.SAFETY: palette.safety,
     }
 

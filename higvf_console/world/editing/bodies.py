@@ -259,7 +259,7 @@ def _held_place(
 ) -> tuple[Floats, str]:
     place = nearest_fit(point, body_fits(point, gap, extent, layout, motion), diagonal(layout))
     if place is None:
-        raise ScenarioError(f"there is no place for {what} that leaves every robot its clearance")
+        raise ScenarioError(f"{what} fits nowhere without violating a robot's clearance")
     return place, held_words(place, point)
 
 

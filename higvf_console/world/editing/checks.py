@@ -1,4 +1,4 @@
-"""Conditions that every edit must keep: clearances, barriers that hold in discrete time, gains that fit the team."""
+"""Conditions that every edit must keep: clearances, barriers in discrete time, parameters that fit the team."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -6,7 +6,7 @@ from typing import NamedTuple
 from higvf_console.control.forms import PRINTED
 from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.errors import ScenarioError
-from higvf_console.core.state import Motion, World
+from higvf_console.core.state import MOVER_SPEED, Motion, World
 from higvf_console.core.viewport import Arena
 from higvf_console.world.editing.safe_places import crowded
 from higvf_console.world.layout import Layout
@@ -98,7 +98,7 @@ def _intention(stand: Stand) -> None:
 
 def _robots(stand: Stand) -> None:
     growth = stand.world.fire_growth[stand.motion.fire_burning]
-    speed = stand.world.mover[:, 5]
+    speed = stand.world.mover[:, MOVER_SPEED]
     check_robots(stand.layout.params, max(float(growth.max(initial=0.0)), float(speed.max(initial=0.0))), _SOURCE)
 
 
@@ -139,7 +139,7 @@ def check_walls(arena: Arena, walls: bool, layout: Layout, motion: Motion) -> No
         ScenarioError: with what is outside.
     """
     if not (arena.width > 0.0 and arena.height > 0.0):
-        raise ScenarioError(f"an arena of {arena.width:g} m x {arena.height:g} m has no inside")
+        raise ScenarioError(f"an arena of {arena.width:g} m x {arena.height:g} m has no area")
     for what, points in (("robot", motion.position), ("fire", layout.fire_position)) if walls else ():
         for gap in wall_gaps(points, arena):
             if len(gap) and gap.min() < 0.0:

@@ -74,7 +74,7 @@ class _Draft(NamedTuple):
 
 
 def edited(setup: Setup, state: SimState, command: Edit) -> Edited:
-    """Setup and state after an edit.
+    """Apply one edit to a setup and a state.
 
     Raises:
         ScenarioError: the edit is refused; nothing has changed.
@@ -157,7 +157,7 @@ def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: P
             params, text = with_parameters(layout, values)
             return _plain(layout, layout._replace(params=params), text)
         case _:
-            raise ScenarioError(f"{type(command).__name__} is no edit that this console knows")
+            raise ScenarioError(f"{type(command).__name__} is not an edit that this console knows")
 
 
 def _on_ground(points: Floats) -> Floats:
@@ -165,7 +165,7 @@ def _on_ground(points: Floats) -> Floats:
     points = floats(points, -1, 2)
     for x, y in points[~((points >= COORDINATE.low) & (points <= COORDINATE.high)).all(axis=1)]:
         raise ScenarioError(
-            f"({x:g}, {y:g}) is no place: coordinates are numbers from {COORDINATE.low:g} to {COORDINATE.high:g} m"
+            f"({x:g}, {y:g}) is not a position: coordinates go from {COORDINATE.low:g} to {COORDINATE.high:g} m"
         )
     return points
 
@@ -189,7 +189,7 @@ def _kind(word: str) -> EntityKind:
     try:
         return EntityKind(word)
     except ValueError:
-        raise ScenarioError(f"'{word}' is nothing that can be edited; choose {', '.join(EntityKind)}") from None
+        raise ScenarioError(f"'{word}' cannot be edited; choose {', '.join(EntityKind)}") from None
 
 
 def _entity(layout: Layout, word: str, row: int) -> EntityRef:
@@ -264,7 +264,7 @@ def _change(layout: Layout, motion: Motion, entity: EntityRef, name: str, value:
     text = f"{name_of(entity).capitalize()} has {name} {value:g} {unit}".rstrip() + "."
     if entity.kind is EntityKind.ROBOT:
         if layout.params.robots.look_ahead == 0.0:
-            raise ScenarioError("the robots have no heading: they are no unicycles")
+            raise ScenarioError("the robots have no heading; only unicycles have one")
         return _plain(layout, layout, text)._replace(finish=_turned(layout, entity.row, value))
     if entity.kind is EntityKind.FIRE:
         return _plain(layout, *bodies.fire_changed(layout, motion, entity, name, value, text))._replace(
@@ -318,5 +318,5 @@ def _toggle(layout: Layout, motion: Motion, first: int, second: int) -> tuple[La
         raise ScenarioError(f"robot {low + 1} cannot be linked to itself")
     links = set(bodies.links_now(layout, motion))
     links ^= {(low, high)}
-    now = "are linked" if (low, high) in links else "are linked no more"
-    return layout._replace(links=tuple(sorted(links))), f"Robots {low + 1} and {high + 1} {now}."
+    change = "Linked" if (low, high) in links else "Unlinked"
+    return layout._replace(links=tuple(sorted(links))), f"{change} robots {low + 1} and {high + 1}."

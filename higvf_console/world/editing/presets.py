@@ -8,7 +8,7 @@ from higvf_console.world.editing.parameters import FIXED, parameter, parameter_n
 AS_IN_THE_SCENARIO = "As in the scenario"
 PRESETS: Mapping[str, Mapping[str, float]] = {
     AS_IN_THE_SCENARIO: {},
-    # Slower, and braking earlier: rows of the barriers become active at a larger distance.
+    # Slower, and braking earlier: barrier constraints become active at a larger distance.
     "Cautious": {
         "blending.cruise_speed": 0.6,
         "safety.speed_limit": 0.75,
@@ -17,7 +17,7 @@ PRESETS: Mapping[str, Mapping[str, float]] = {
     },
     # The operator's field prevails over what robot and neighbours intend, and for longer.
     "Human leads": {"intention.human_weight": 3.0, "intention.robot_weight": 0.5, "path.progress_timeout": 2.0},
-    # The operator is one voice among others.
+    # The human intention weighs about as much as the others.
     "Robots lead": {"intention.human_weight": 0.1, "path.progress_timeout": 0.5},
     # A stiffer formation that weighs more in the blend; neighbours agree faster.
     "Tight formation": {

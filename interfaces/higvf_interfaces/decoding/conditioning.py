@@ -31,7 +31,7 @@ class Conditioner:
         """
         top = min(high, _TOP * rate)
         if top < 1.5 * low:
-            raise InputError(f"a rate of {rate:g} Hz cannot carry the band from {low:g} Hz up that the decoder needs")
+            raise InputError(f"a rate of {rate:g} Hz is too low for the decoder's band, which starts at {low:g} Hz")
         band: Any = butter(order, (low, top), btype="bandpass", fs=rate, output="sos")
         hums = [mains * k for k in range(1, _MOST_NOTCHES + 1) if mains > 0 and low < mains * k < top]
         notches = [tf2sos(*iirnotch(hum, _NOTCH_Q, fs=rate)) for hum in hums]

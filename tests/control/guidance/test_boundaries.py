@@ -1,4 +1,4 @@
-"""Rings: hulls of groups, clusters with growing fires, pockets and the way out of them."""
+"""Boundaries: hulls of groups, clusters with growing fires, pockets and the way out of them."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The barrier rows and their optimisation problems once more, slow and plain, to judge the compiled ones by."""
+"""The barrier constraints and their optimisation problems, slow and plain, as a reference for the compiled ones."""
 
 import math
 from collections.abc import Sequence

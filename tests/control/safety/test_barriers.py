@@ -8,9 +8,9 @@ import pytest
 from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.arena import wall_constraint
 from higvf_console.control.safety.barriers.capsule import capsule_activation_distance, capsule_constraint
-from higvf_console.control.safety.barriers.certificate import check_sampling, least_stand_off, sampling_conditions
 from higvf_console.control.safety.barriers.linear_constraint import class_k
 from higvf_console.control.safety.barriers.robot_pair import pair_constraint, sensing_radius
+from higvf_console.control.safety.barriers.sampling import check_sampling, least_stand_off, sampling_conditions
 from higvf_console.control.safety.barriers.speed_limit import clipped
 from higvf_console.control.safety.hazards import VX, VY, hazards_of
 from higvf_console.core.arrays import Floats, floats

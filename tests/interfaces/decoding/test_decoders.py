@@ -125,7 +125,7 @@ def test_the_filter_passes_its_band_and_stops_offset_and_mains() -> None:
     assert gain(60.0) < 0.05
     assert gain(1.0) < 0.05
     assert np.abs(Conditioner(256.0, 8.0, 88.0, 60.0).filtered(floats(np.full((64, 1), 1e4)))).max() < 1e-3
-    with pytest.raises(InputError, match="a rate of 20 Hz cannot carry the band from 20 Hz up"):
+    with pytest.raises(InputError, match=r"a rate of 20 Hz is too low for the decoder's band, which starts at 20 Hz"):
         Conditioner(20.0, 20.0, 450.0, 50.0)
 
 

@@ -31,11 +31,11 @@ def with_pages(*identities: str, at: float = 0.0) -> Control:
 
 
 def done(control: Control, *steps: Callable[[Control], Outcome]) -> tuple[Control, list[Change]]:
-    told: list[Change] = []
+    changes: list[Change] = []
     for step in steps:
         control, change = step(control)
-        told += [change] if change else []
-    return control, told
+        changes += [change] if change else []
+    return control, changes
 
 
 def test_the_first_page_steers_and_those_after_it_watch() -> None:
@@ -48,23 +48,23 @@ def test_the_first_page_steers_and_those_after_it_watch() -> None:
 
 
 def test_who_asks_is_told_and_the_holder_grants_it() -> None:
-    control, told = done(
+    control, changes = done(
         with_pages("a", "b"), lambda c: asked(c, "b"), lambda c: answered(c, "a", "Browser 2", granted=True)
     )
     assert control.holder == "b"
     assert control.waiting == ()
-    assert told == [
+    assert changes == [
         Change(ControlChange.ASKED, "Browser 2", "Browser 2"),
         Change(ControlChange.GRANTED, "Browser 2", "Browser 1"),
     ]
 
 
 def test_a_refused_page_waits_no_more_and_may_ask_again() -> None:
-    control, told = done(
+    control, changes = done(
         with_pages("a", "b"), lambda c: asked(c, "b"), lambda c: answered(c, "a", "Browser 2", granted=False)
     )
     assert (control.holder, control.waiting) == ("a", ())
-    assert told[-1] == Change(ControlChange.REFUSED, "Browser 2", "Browser 1")
+    assert changes[-1] == Change(ControlChange.REFUSED, "Browser 2", "Browser 1")
     assert asked(control, "b")[0].waiting == ("b",)
 
 
@@ -80,17 +80,17 @@ def test_asking_twice_is_asking_once() -> None:
 
 
 def test_anybody_takes_over_and_the_others_that_wait_go_on_waiting() -> None:
-    control, told = done(with_pages("a", "b", "c"), lambda c: asked(c, "b"), lambda c: taken(c, "c"))
+    control, changes = done(with_pages("a", "b", "c"), lambda c: asked(c, "b"), lambda c: taken(c, "c"))
     assert (control.holder, control.waiting) == ("c", ("b",))
-    assert told[-1] == Change(ControlChange.TAKEN, "Browser 3", "Browser 3")
+    assert changes[-1] == Change(ControlChange.TAKEN, "Browser 3", "Browser 3")
 
 
 def test_released_control_goes_to_who_waited_longest_else_to_nobody() -> None:
-    control, told = done(
+    control, changes = done(
         with_pages("a", "b", "c"), lambda c: asked(c, "c"), lambda c: asked(c, "b"), lambda c: released(c, "a")
     )
     assert (control.holder, control.waiting) == ("c", ("b",))
-    assert told[-1] == Change(ControlChange.RELEASED, "Browser 3", "Browser 1")
+    assert changes[-1] == Change(ControlChange.RELEASED, "Browser 3", "Browser 1")
     control, change = released(with_pages("a", "b"), "a")
     assert control.holder == ""
     assert change == Change(ControlChange.RELEASED, "", "Browser 1")
@@ -112,26 +112,26 @@ def test_a_page_that_comes_while_nobody_steers_steers() -> None:
 
 def test_a_reload_keeps_control_name_and_place_in_the_line() -> None:
     control, _ = asked(with_pages("a", "b"), "b")
-    control, told = done(
+    control, changes = done(
         control,
         lambda c: forgotten(c, 7.9, PATIENCE),
         lambda c: heartbeat(c, "b", 7.9),
         lambda c: heartbeat(c, "a", 7.9),
     )
-    assert told == []
+    assert changes == []
     assert (control.holder, control.waiting, control.name("a")) == ("a", ("b",), "Browser 1")
 
 
 def test_a_holder_that_falls_silent_is_lost_and_its_control_goes_to_one_that_waits_and_is_awake() -> None:
     control, _ = done(with_pages("a", "b", "c", "d"), lambda c: asked(c, "b"), lambda c: asked(c, "c"))
-    control, told = done(
+    control, changes = done(
         control,
         lambda c: heartbeat(c, "b", 4.0),
         lambda c: heartbeat(c, "c", 8.0),
         lambda c: forgotten(c, 8.5, PATIENCE),
     )
     assert control.holder == "c", "b has not been heard of for a while either"
-    assert told == [Change(ControlChange.LOST, "Browser 3", "Browser 1")]
+    assert changes == [Change(ControlChange.LOST, "Browser 3", "Browser 1")]
 
 
 def test_a_lost_holder_whom_nobody_asked_leaves_it_to_nobody() -> None:

@@ -9,7 +9,7 @@ from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.browser
 
-# A browser whose frames come when told to, whose clock stands between them, and whose graphics card has a name.
+# A browser whose frames come on demand, whose clock stands between them, and whose graphics card has a name.
 _WORLD = """
 (card) => {
   const world = { now: 0, next: 0, frames: new Map(), rests: [], drawn: [] };
@@ -48,7 +48,7 @@ def world(page: Page, card: str) -> None:
     page.evaluate(_WORLD.replace("SCRIPT", script), card)
 
 
-def told(page: Page, *steps: str) -> list[Any]:
+def stepped(page: Page, *steps: str) -> list[Any]:
     """What the world answers to these calls."""
     return page.evaluate(f"() => [{', '.join(f'world.{step}' for step in steps)}]")
 
@@ -56,31 +56,31 @@ def told(page: Page, *steps: str) -> list[Any]:
 @pytest.mark.parametrize("card", CARDS[1:])
 def test_the_page_rests_as_long_as_a_slow_frame_took_where_the_processor_draws(blank: Page, card: str) -> None:
     world(blank, card)
-    *_, rests, drawn = told(blank, "ask('slow')", "frame(120)", "frame(1)", "awake()", "drawn.length")
+    *_, rests, drawn = stepped(blank, "ask('slow')", "frame(120)", "frame(1)", "awake()", "drawn.length")
     assert (rests, drawn) == ([120], 0)
-    assert told(blank, "frame(16)", "drawn")[1] == [["slow", 137]]
+    assert stepped(blank, "frame(16)", "drawn")[1] == [["slow", 137]]
 
 
 @pytest.mark.parametrize(("card", "took"), [(CARDS[0], 120), (CARDS[1], 30)])
 def test_quick_frames_and_those_of_a_graphics_card_are_drawn_at_once(blank: Page, card: str, took: int) -> None:
     world(blank, card)
-    assert told(blank, "ask('at once')", f"frame({took})", "drawn", "rests")[2:] == [[["at once", took]], []]
+    assert stepped(blank, "ask('at once')", f"frame({took})", "drawn", "rests")[2:] == [[["at once", took]], []]
 
 
 def test_a_page_that_was_hidden_for_long_is_drawn_soon(blank: Page) -> None:
     world(blank, CARDS[1])
-    assert told(blank, "ask('hidden')", "frame(60000)", "awake()")[2] == [200]
+    assert stepped(blank, "ask('hidden')", "frame(60000)", "awake()")[2] == [200]
 
 
 def test_a_frame_is_called_off_before_and_in_a_rest(blank: Page) -> None:
     world(blank, CARDS[1])
-    asked = told(blank, "ask('early')", "ask('late')", "ask('kept')")
+    asked = stepped(blank, "ask('early')", "ask('late')", "ask('kept')")
     blank.evaluate("(number) => cancelAnimationFrame(number)", asked[0])
-    told(blank, "frame(120)")
+    stepped(blank, "frame(120)")
     blank.evaluate("(number) => cancelAnimationFrame(number)", asked[1])
-    assert told(blank, "awake()", "frame(16)", "drawn")[2] == [["kept", 136]]
+    assert stepped(blank, "awake()", "frame(16)", "drawn")[2] == [["kept", 136]]
 
 
 def test_without_the_script_the_browser_draws_as_before(blank: Page) -> None:
     world(blank, CARDS[1])
-    assert told(blank, "part.remove()", "ask('after')", "frame(120)", "drawn")[3] == [["after", 120]]
+    assert stepped(blank, "part.remove()", "ask('after')", "frame(120)", "drawn")[3] == [["after", 120]]

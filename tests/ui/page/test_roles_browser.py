@@ -244,10 +244,10 @@ def test_released_control_is_anybody_s(first: Page, second: Page, running: Runni
 
 
 def test_a_page_that_is_reloaded_keeps_its_control(first: Page, second: Page, running: Running) -> None:
-    for page, told in ((first, "You steer"), (second, "Browser 1 steers, you watch")):
+    for page, words in ((first, "You steer"), (second, "Browser 1 steers, you watch")):
         page.reload()
         wait_for_console(page)
-        wait_until(lambda page=page, told=told: says(page, told))
+        wait_until(lambda page=page, words=words: says(page, words))
     assert changes(running) == []
     first.keyboard.press("2")
     wait_until(lambda: running.state.intent.influenced == 1)

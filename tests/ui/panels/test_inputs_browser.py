@@ -34,7 +34,7 @@ def page(chromium: Browser, running: Running) -> Iterator[Page]:
         yield page
 
 
-def told(page: Page, words: str) -> str:
+def section(page: Page, words: str) -> str:
     """The text of the table that has some words in it."""
     return page.locator(".hg", has_text=words).last.inner_text()
 
@@ -59,9 +59,9 @@ def test_the_ring_fills_while_gaze_rests_on_the_button(page: Page, running: Runn
 def test_the_panel_tells_what_was_looked_at_and_what_was_decided(page: Page, running: Running) -> None:
     running.push(Freeze(False), SetSpeed(8.0))
     wait_until(lambda: running.session.snapshot.time > 20.0)
-    wait_until(lambda: "Fire 3" in told(page, "Fixation rate"))
-    wait_until(lambda: "right passed" in told(page, "Decisions of bci"))
-    assert "Decisions of emg" in told(page, "Decisions of bci")
+    wait_until(lambda: "Fire 3" in section(page, "Fixation rate"))
+    wait_until(lambda: "right passed" in section(page, "Decisions of bci"))
+    assert "Decisions of emg" in section(page, "Decisions of bci")
     screenshot(page, "inputs-panel")
     page.get_by_role("button", name="Calibrate gaze").scroll_into_view_if_needed()
     page.wait_for_timeout(300)
@@ -70,7 +70,7 @@ def test_the_panel_tells_what_was_looked_at_and_what_was_decided(page: Page, run
 
 def test_a_recording_cannot_be_calibrated_and_the_panel_says_why(page: Page) -> None:
     assert page.get_by_role("button", name="Calibrate gaze").is_disabled()
-    assert "Gaze is replayed" in told(page, "Calibration")
+    assert "Gaze is replayed" in section(page, "Calibration")
 
 
 def test_the_heat_map_is_shown_when_it_is_wanted(page: Page, running: Running) -> None:

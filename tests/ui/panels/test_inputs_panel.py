@@ -6,7 +6,7 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.interface import ChannelHealth, ChannelState
 from higvf_console.core.reports import AttentionReport, CalibrationReport, CaptureReport, DecisionReport
 from higvf_console.core.viewport import Arena
-from higvf_console.ui.panels.inputs_tables import (
+from higvf_console.ui.panels.widgets.inputs_tables import (
     MOST_ROBOTS,
     STAGE_WORDS,
     attention_html,
@@ -42,10 +42,10 @@ def attention(fires: list[float], robots: list[float], elsewhere: float = 0.0) -
 
 
 def test_each_input_is_told_with_its_state_and_why() -> None:
-    html = channels_html([("gaze", ChannelHealth(ChannelState.LOST, "last heard <3 s ago"))])
+    html = channels_html([("gaze", ChannelHealth(ChannelState.LOST, "last seen <3 s ago"))])
     assert "gaze" in html
     assert "lost" in html
-    assert "last heard &lt;3 s ago" in html
+    assert "last seen &lt;3 s ago" in html
 
 
 def test_the_stages_of_a_debouncer_are_told_in_their_order_with_what_they_held() -> None:
@@ -76,7 +76,7 @@ def test_attention_is_told_in_seconds_and_shares() -> None:
     html = attention_html(attention([3.0, 0.0], [1.0], 4.0))
     for words in ("Fire 1", "Robot 1", "Elsewhere", "3.0", "38%", "12%", "50%", "2.50 /s", "310 ms", "0.42"):
         assert words in html
-    assert "No input tells" in attention_html(None)
+    assert "No input reports" in attention_html(None)
 
 
 def test_a_large_team_shares_one_line_and_loses_no_time() -> None:

@@ -25,10 +25,10 @@ from higvf_console.ui.panels.run import nearest_speed
 from higvf_console.ui.panels.status import (
     CHANNEL_MARK,
     channel_html,
-    clearance_line,
     filter_line,
+    margin_line,
     modes_of,
-    operator_line,
+    steering_line,
 )
 from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, one_of, reaction, truth
 from higvf_console.ui.panels.widgets.chart import Curve, chart_svg
@@ -65,24 +65,36 @@ def test_the_mode_of_the_team_and_that_of_the_clock_are_both_shown(
     assert [mode for mode, _ in modes_of(with_intent(**intent), phase, frozen)] == modes
 
 
-def test_the_operator_line_names_robot_and_progress_either_way_round() -> None:
+def test_the_steering_line_names_robot_and_progress_either_way_round() -> None:
     path = sketch_path(floats([[100, 100], [200, 100], [300, 100]]), 0.0)
     state = with_intent(influenced=2, path=path)
     quarter = state._replace(motion=state.motion._replace(path_parameter=50.0, path_status=int(PathStatus.FOLLOWING)))
     back = quarter._replace(intent=quarter.intent._replace(path=path._replace(direction=-1.0)))
     done = quarter._replace(motion=quarter.motion._replace(path_status=int(PathStatus.FINISHED)))
-    assert "robot 3" in operator_line(quarter)
-    assert "25%" in operator_line(quarter)
-    assert "75%" in operator_line(back)
-    assert "finished" in operator_line(done)
-    assert "no path" in operator_line(STATE)
+    assert "robot 3</span>, on its path, 25%" in steering_line(quarter, near=300.0)
+    assert "75%" in steering_line(back, near=300.0)
+    assert "finished" in steering_line(done, near=300.0)
+    assert 'robot 1</span>, <span class="dim">no path yet' in steering_line(STATE, near=300.0)
+
+
+def test_a_robot_far_from_its_path_is_heading_for_it() -> None:
+    path = sketch_path(floats([[100, 100], [200, 100], [300, 100]]), 0.0)
+    state = with_intent(path=path)
+    far = state._replace(motion=state.motion._replace(path_status=int(PathStatus.FOLLOWING), path_parameter=0.0))
+    assert steering_line(far, near=40.0).endswith("heading for its path")
+    half_way = far._replace(motion=far.motion._replace(path_parameter=100.0))
+    assert steering_line(half_way, near=40.0).endswith("heading for its path, 50%")
+    on_it = far.motion.position.copy()
+    on_it[0] = (100.0, 139.0)
+    assert steering_line(far._replace(motion=far.motion._replace(position=on_it)), near=40.0).endswith("on its path")
 
 
 def test_a_violated_clearance_stands_out_and_where_nothing_is_near_that_is_said() -> None:
-    assert "alarm" in clearance_line(4.0, -0.2)
-    assert "alarm" not in clearance_line(4.0, 0.2)
-    assert clearance_line(math.inf, math.inf) == "nothing near so far"
-    assert clearance_line(math.inf, 0.2).startswith("nothing near ")
+    assert "alarm" in margin_line(4.0, -0.2)
+    assert "alarm" not in margin_line(4.0, 0.2)
+    assert margin_line(math.inf, math.inf) == "nothing near so far"
+    assert margin_line(4.13, 1.8) == '4.1 m<span class="dim">, minimum</span> 1.8 m'
+    assert margin_line(math.inf, 0.2).startswith("nothing near")
 
 
 def test_the_filter_line_counts_robots_without_a_safe_velocity() -> None:
@@ -90,9 +102,9 @@ def test_the_filter_line_counts_robots_without_a_safe_velocity() -> None:
     trouble = SimpleNamespace(
         trace=TRACE._replace(infeasible=np.array([True, True, False])), infeasible_ticks=7, deadlock_s=1.5
     )
-    assert filter_line(calm) == "all constraints met"  # pyright: ignore[reportArgumentType]
+    assert filter_line(calm) == "OK"  # pyright: ignore[reportArgumentType]
     assert "2 infeasible" in filter_line(trouble)  # pyright: ignore[reportArgumentType]
-    assert "7 ticks" in filter_line(trouble)  # pyright: ignore[reportArgumentType]
+    assert "(7 ticks infeasible, robots held for 1.5 s)" in filter_line(trouble)  # pyright: ignore[reportArgumentType]
 
 
 def test_the_filter_line_counts_robots_that_stand_too_near() -> None:
@@ -284,7 +296,7 @@ def test_the_preview_compares_with_doing_nothing() -> None:
     assert "3\u202f000 m²" in html
     assert "\u22121\u202f000 m², \u221225.0%" in html
     assert "2 \u2192 1" in html
-    assert "without: 1" in html
+    assert "(without your path: 1)" in html
     assert "2.5 m" in html
     assert "finished in 7.5 s" in html
     assert "warn" not in html

@@ -20,8 +20,8 @@ from higvf_console.ui.panels.tune import (
 from higvf_console.ui.panels.widgets.typed import TYPED_S, Typed
 from higvf_console.world.editing.parameters import FIXED, parameter_names, quantity_of
 
-GAINS = Parameters()
-FASTER = GAINS._replace(blending=GAINS.blending._replace(cruise_speed=75.0))
+PARAMETERS = Parameters()
+FASTER = PARAMETERS._replace(blending=PARAMETERS.blending._replace(cruise_speed=75.0))
 
 
 @pytest.mark.parametrize("name", parameter_names())
@@ -31,7 +31,7 @@ def test_every_tunable_tells_its_unit_range_symbol_and_meaning(name: str) -> Non
     for part in (quantity.text, quantity.symbol, f"{quantity.low:g}", shown(quantity.high), quantity.unit):
         assert part in hint
     assert ("fixed during a run" in hint) == (name in FIXED)
-    assert about(GAINS, name.split(".", maxsplit=1)[0])
+    assert about(PARAMETERS, name.split(".", maxsplit=1)[0])
     assert math.isinf(quantity.high) or step_of(quantity, 0.0) > 0.0
 
 
@@ -48,9 +48,9 @@ def test_no_limit_is_a_word_and_other_words_are_none() -> None:
 
 
 def test_what_differs_from_the_scenario_is_listed_with_both_values() -> None:
-    assert differences(GAINS, GAINS) == ()
-    assert differences(FASTER, GAINS) == (("blending.cruise_speed", 60.0, 75.0),)
-    html = changed_html(differences(FASTER, GAINS))
+    assert differences(PARAMETERS, PARAMETERS) == ()
+    assert differences(FASTER, PARAMETERS) == (("blending.cruise_speed", 60.0, 75.0),)
+    html = changed_html(differences(FASTER, PARAMETERS))
     for part in ("Cruise speed m/s", "<td>60</td><td>75</td>"):
         assert part in html
     assert "Nothing" in changed_html(())

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from higvf_console.analysis.active_constraints import ActiveConstraint
-from higvf_console.analysis.explain import Part, Say
+from higvf_console.analysis.explain import Authority, Part
 from higvf_console.analysis.sight import sights
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand, Pick
@@ -19,8 +19,15 @@ from higvf_console.runtime.snapshot import Snapshot
 from higvf_console.sim.certificates import Certificate
 from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.page.roles import Roles
-from higvf_console.ui.panels.authority import SPAN, AuthorityHistory, bands_svg, legend_html
-from higvf_console.ui.panels.why_tables import MOST_ROWS, certificate_html, parts_html, rows_html, sight_html, signed
+from higvf_console.ui.panels.widgets.authority import SPAN, AuthorityHistory, bands_svg, legend_html
+from higvf_console.ui.panels.widgets.why_tables import (
+    MOST_ROWS,
+    certificate_html,
+    parts_html,
+    rows_html,
+    sight_html,
+    signed,
+)
 from higvf_console.ui.scene.reasons import arrow, chain, part_colours, part_outline, sight_lines
 from higvf_console.ui.theme import DARK, LIGHT, Palette, vertex_rgb
 from higvf_console.ui.ui_state import UiState, UiStore
@@ -107,20 +114,23 @@ def test_target_scores_say_what_hides_a_fire_and_which_one_is_wanted() -> None:
 
 
 def test_a_condition_that_is_not_met_stands_out() -> None:
-    good, bad = Certificate("A", "a", 0.5, 1.0), Certificate("B", "b", 0.0, 1e-6, least=True)
+    good = Certificate("A", "a", "If it fails, A.", 0.5, 1.0)
+    bad = Certificate("B", "b", "If it fails, B.", 0.0, 1e-6, least=True)
     assert "alarm" not in certificate_html([good])
     assert "&lt;" not in certificate_html([bad])
     assert "> 0</td>" in certificate_html([bad])
     assert "not met" in certificate_html([bad])
+    assert ">If it fails, B.</td>" in certificate_html([bad])
+    assert ">If it fails, A.</td>" not in certificate_html([good])
 
 
-def test_the_history_of_say_begins_anew_for_another_robot_or_a_reset_run() -> None:
+def test_the_history_of_authority_begins_anew_for_another_robot_or_a_reset_run() -> None:
     history = AuthorityHistory()
     for tick in range(2000):
         history.add(0.02 * tick, 0, EVEN, EVEN)
     time, own, _ = history.curves()
     assert time[-1] - time[0] == pytest.approx(SPAN, abs=0.25)
-    assert own.shape == (len(time), len(Say))
+    assert own.shape == (len(time), len(Authority))
     assert len(time) < 200
     history.add(40.0, 1, EVEN, EVEN)
     assert len(history.curves()[0]) == 1
@@ -128,7 +138,7 @@ def test_the_history_of_say_begins_anew_for_another_robot_or_a_reset_run() -> No
     assert history.curves()[0].tolist() == [0.0]
 
 
-def test_bands_fill_the_height_and_are_left_out_for_who_has_no_say() -> None:
+def test_bands_fill_the_height_and_are_left_out_for_who_has_no_authority() -> None:
     time, authority = floats([0.0, 15.0]), floats([[0.0, 1.0, 0.0, 0.0], [0.0, 0.5, 0.5, 0.0]])
     svg = bands_svg("team", time, authority)
     assert svg.count("<polygon") == 2
@@ -136,7 +146,7 @@ def test_bands_fill_the_height_and_are_left_out_for_who_has_no_say() -> None:
     assert min(levels) == 4.0
     assert max(levels) == 56.0
     assert "<polygon" not in bands_svg("team", time[:0], authority[:0])
-    assert legend_html().count("swatch") == len(Say)
+    assert legend_html().count("swatch") == len(Authority)
 
 
 def test_a_click_on_the_steered_robot_shows_and_hides_its_reasons() -> None:

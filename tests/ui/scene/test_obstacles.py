@@ -59,11 +59,11 @@ def test_boundaries_are_drawn_where_the_field_turns_robots_and_once_for_parts_wi
         circles=[(200.0, 200.0, 20.0), (255.0, 210.0, 25.0), (600.0, 500.0, 40.0)],
         bars=[(900.0, 200.0, 900.0, 400.0, 6.0), (905.0, 420.0, 1000.0, 430.0, 4.0)],
     )
-    rings = find_boundaries(setup.start.motion, setup.world, setup.params.safety.obstacle_clearance)
+    boundaries = find_boundaries(setup.start.motion, setup.world, setup.params.safety.obstacle_clearance)
     outlines = obstacle_outlines(setup, 25.0)
     assert len(outlines) == 3
     for group, outline in enumerate(outlines):
-        gaps = [boundary_at(rings, ALONE, group, x, y)[0] for x, y in outline]
+        gaps = [boundary_at(boundaries, ALONE, group, x, y)[0] for x, y in outline]
         assert gaps == pytest.approx([25.0] * len(gaps))
 
 

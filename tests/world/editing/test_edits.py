@@ -30,8 +30,8 @@ from tests.teams import stroke
 from tests.world.editing.actions import HAIR, assert_same, edited_run, give, refused, shortfalls
 
 
-def numbers(run: Run, thing: EntityKind, row: int) -> dict[str, float]:
-    return numbers_of(EntityRef(thing, row), run.setup.layout, run.state.motion)
+def numbers(run: Run, kind: EntityKind, row: int) -> dict[str, float]:
+    return numbers_of(EntityRef(kind, row), run.setup.layout, run.state.motion)
 
 
 def at(x: float, y: float) -> Floats:
@@ -201,7 +201,7 @@ def test_a_unicycle_is_moved_by_its_centre_and_turns_about_it() -> None:
 
 
 REFUSALS = [
-    (AddEntity("lake", at(1.0, 1.0)), "'lake' is nothing that can be edited; choose robot, fire, circle, bar, polygon"),
+    (AddEntity("lake", at(1.0, 1.0)), "'lake' cannot be edited; choose robot, fire, circle, bar, polygon"),
     (AddEntity("polygon", at(1.0, 1.0)), "a polygon needs an outline: draw one"),
     (MoveEntity("circle", 7, at(1.0, 1.0)), "there is no circle 8: there are circles 1 to 2"),
     (DeleteEntity("fire", -1), "there is no fire 0"),
@@ -211,10 +211,10 @@ REFUSALS = [
     (ChangeEntity("circle", 1, "radius", 100.0), "robot 2 would be inside circle 2; 12 m is the least"),
     (ChangeEntity("fire", 0, "needs", 2.5), "needs of fire 1: 2.5 is not a whole number within the team of 4"),
     (ChangeEntity("fire", 0, "needs", 9.0), "needs of fire 1: 9 is not a whole number within the team of 4"),
-    (ChangeEntity("robot", 0, "heading", 3.0), "the robots have no heading: they are no unicycles"),
+    (ChangeEntity("robot", 0, "heading", 3.0), "the robots have no heading; only unicycles have one"),
     (ToggleLink(1, 1), "robot 2 cannot be linked to itself"),
     (ToggleLink(1, 9), "there is no robot 10: there are robots 1 to 4"),
-    (SetArena(floats([5.0, 0.0, 5.0, 9.0]), walls=True), "an arena of 0 m x 9 m has no inside"),
+    (SetArena(floats([5.0, 0.0, 5.0, 9.0]), walls=True), "an arena of 0 m x 9 m has no area"),
     (SetArena(floats([690.0, 0.0, 1200.0, 700.0]), walls=True), "robot 4 would be outside the walls; move it first"),
     (SetParameters({"safety.robot_clearence": 3.0}), "(did you mean 'safety.robot_clearance'?)"),
     (SetParameters({"safety.robot_clearance": 0.0}), "robot_clearance: 0.0 is not a number from 0.1"),
@@ -228,9 +228,9 @@ REFUSALS = [
     (AddOutlines((floats([[690, 290], [710, 290], [700, 320]]),)), "robot 1 would be inside the obstacle"),
     (AddOutlines((floats([[706, 285], [716, 285], [716, 315], [706, 315]]),)), "too near to robot 1: 6.0 m from it"),
     (AddOutlines((floats([[550, 490], [560, 490], [560, 700]]),)), "cross or touch"),
-    (SetArena(floats([0.0, 0.0, math.inf, 9.0]), walls=False), "(inf, 9) is no place: coordinates are numbers from"),
-    (AddOutlines((floats([[0, 0], [math.nan, 10], [10, 0]]),)), "(nan, 10) is no place"),
-    (Edit(), "Edit is no edit that this console knows"),
+    (SetArena(floats([0.0, 0.0, math.inf, 9.0]), walls=False), "(inf, 9) is not a position: coordinates go from"),
+    (AddOutlines((floats([[0, 0], [math.nan, 10], [10, 0]]),)), "(nan, 10) is not a position"),
+    (Edit(), "Edit is not an edit that this console knows"),
 ]  # fmt: skip
 
 

@@ -60,7 +60,7 @@ def capsule_outruns(
 ) -> bool:  # fmt: skip
     """Whether no velocity within v_max keeps h from falling below 0, or from falling further where it is below.
 
-    How fast a violation must be left is not asked: out of a hazard that stands still any robot comes in time.
+    A violation need not end at a certain rate: a robot always leaves a hazard that stands still.
 
     Args:
         x: the robot [m].

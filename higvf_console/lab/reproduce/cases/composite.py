@@ -10,8 +10,8 @@ from higvf_console.control.guidance.obstacles import part_at
 from higvf_console.core.arrays import Bools, Floats, floats, ints
 from higvf_console.lab.reproduce.case import Case, Findings, Picture, within
 from higvf_console.lab.reproduce.cases.fields import WIDE, draw_obstacle_boundaries
+from higvf_console.lab.reproduce.figures.arrows import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, dress_map, new_figure
-from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.maps import draw_obstacles, draw_path
 from higvf_console.lab.reproduce.runs import Runs
 from higvf_console.scenario.scenario import parse_scenario

@@ -14,8 +14,8 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.state import World
 from higvf_console.core.viewport import Arena
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
+from higvf_console.lab.reproduce.figures.arrows import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.canvas import INK, PAGE, dress_map, new_figure
-from higvf_console.lab.reproduce.figures.fields import draw_arrows, grid_points
 from higvf_console.lab.reproduce.figures.maps import boundary, capsule, draw_obstacles, draw_path
 from higvf_console.lab.reproduce.runs import Runs
 from higvf_console.scenario.scenario import parse_scenario

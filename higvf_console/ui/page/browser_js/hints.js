@@ -111,7 +111,7 @@
   const following = setInterval(place, FOLLOW_MS);
 
   return {
-    // Hears what the page tells the server.
+    // Called with what the page sends to the server.
     sent(topic, body) {
       if (topic === "stroke" && body.phase === "end") tick("draw");
       if (topic === "click" || (topic === "key" && body.name.startsWith("pick_"))) tick("pick");

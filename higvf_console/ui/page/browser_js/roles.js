@@ -1,6 +1,6 @@
 // Who steers and who watches: a strip above the arena, at its right; one click asks for control, grants, takes or releases it.
 (page) => {
-  const TELL_EVERY_MS = 1000;
+  const SEND_EVERY_MS = 1000;
   const CHECK_MS = 150;
   const NOTE_MS = 4000;
   const BESIDE_PX = 900; // narrower, and the strip goes below that of the tools
@@ -48,8 +48,8 @@
   const [strip, text, acts] = [$(".roles"), $(".text"), $(".acts")];
 
   const now = () => performance.now();
-  const told = { connection: null, at: -Infinity };
-  let role = null; // as the server told last
+  const sent = { connection: null, at: -Infinity };
+  let role = null; // as the server last reported
   let note = { text: "", until: -Infinity };
 
   const who = (role) => (role.holder ? `${role.holder} steers` : "Nobody steers");
@@ -112,13 +112,13 @@
     show();
   }
 
-  function tell() {
-    [told.connection, told.at] = [page.connection(), now()];
+  function sendPresence() {
+    [sent.connection, sent.at] = [page.connection(), now()];
     page.send("hello", { identity });
   }
 
   function check() {
-    if (page.connection() !== told.connection || now() - told.at > TELL_EVERY_MS) tell();
+    if (page.connection() !== sent.connection || now() - sent.at > SEND_EVERY_MS) sendPresence();
     show();
   }
 
@@ -155,7 +155,7 @@
     // Another page goes by this identity.
     renew() {
       identity = fresh();
-      tell();
+      sendPresence();
     },
 
     remove() {

@@ -1,1 +1,1 @@
-"""Widgets that several panels share."""
+"""What panels are made of: shared widgets, groups of widgets, charts and tables."""

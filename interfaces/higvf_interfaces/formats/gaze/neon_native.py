@@ -84,7 +84,7 @@ def _raw_files(folder: Path) -> list[Path]:
 def _part(raw: Path, types: np.dtype[Any], notes: list[str]) -> _Part:
     time, worn = raw.with_suffix(".time"), raw.with_name(raw.name.replace("gaze", "worn"))
     if not time.is_file():
-        raise InputError(f"{raw}: has no times beside it ({time.name})")
+        raise InputError(f"{raw}: the file of its time stamps, {time.name}, is missing")
     points, times = raw.stat().st_size / types.itemsize, time.stat().st_size / _NANOSECONDS.itemsize
     samples = int(min(points, times))
     if points != times:

@@ -79,8 +79,3 @@ class TermsWidgets:
             (self._at_once, state.commit_at_once), (self._horizon, state.horizon),
         ):  # fmt: skip
             mirror(widget, value)
-
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        for widget in (self._end, self._speed, self._time, self._smoothing, self._at_once, self._horizon):
-            widget.remove()

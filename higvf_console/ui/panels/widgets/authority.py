@@ -1,11 +1,11 @@
-"""Who had a say over time: shares as stacked bands, for one robot and for the team."""
+"""Authority shares over time as stacked bands, for one robot and for the team."""
 
 from collections import deque
 from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.analysis.explain import Say
+from higvf_console.analysis.explain import Authority
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.ui.panels.widgets.chart import WIDTH
 from higvf_console.ui.panels.widgets.html import text
@@ -14,17 +14,17 @@ from higvf_console.ui.theme import CSS
 SPAN = 30.0  # of session time that is shown [s]
 PERIOD = 0.2  # between two samples [s]
 HEIGHT = 74  # [CSS px]
-SAY_LOOK = {
-    Say.HUMAN: ("human", CSS.operator),
-    Say.ROBOT: ("own target", CSS.own_target),
-    Say.NEIGHBOURS: ("neighbours", CSS.neighbours),
-    Say.SAFETY: ("safety", CSS.safety),
+AUTHORITY_LOOK = {
+    Authority.HUMAN: ("human", CSS.operator),
+    Authority.ROBOT: ("own target", CSS.own_target),
+    Authority.NEIGHBOURS: ("neighbours", CSS.neighbours),
+    Authority.SAFETY: ("safety", CSS.safety),
 }
 _LEFT, _BOTTOM = 48, 18
 
 
 class Sample(NamedTuple):
-    """Shares by `Say` at one time [s]."""
+    """Shares by `Authority` at one time [s]."""
 
     time: float
     robot: Floats
@@ -55,8 +55,8 @@ class AuthorityHistory:
         samples = list(self._samples)
         return (
             floats([sample.time for sample in samples]),
-            floats([sample.robot for sample in samples], -1, len(Say)),
-            floats([sample.team for sample in samples], -1, len(Say)),
+            floats([sample.robot for sample in samples], -1, len(Authority)),
+            floats([sample.team for sample in samples], -1, len(Authority)),
         )
 
 
@@ -64,20 +64,20 @@ def legend_html() -> str:
     """The bands' names and colours."""
     return "".join(
         f'<span class="channel"><span class="swatch" style="background:{colour}"></span>{text(name)}</span>'
-        for name, colour in SAY_LOOK.values()
+        for name, colour in AUTHORITY_LOOK.values()
     )
 
 
 def bands_svg(title: str, time: Floats, authority: Floats) -> str:
-    """Shares (n, 4) over time (n,) [s] as bands of the full height; a gap where nobody has a say."""
+    """Shares (n, 4) over time (n,) [s] as bands of the full height; a gap where nobody has authority."""
     right, bottom = WIDTH - 8, HEIGHT - _BOTTOM
     end = max(float(time[-1]) if len(time) else 0.0, SPAN)
     x = _LEFT + (right - _LEFT) * (1.0 - (end - time) / SPAN)
     edges = bottom - (bottom - 4) * np.concatenate([np.zeros((len(time), 1)), np.cumsum(authority, axis=1)], axis=1)
     bands = [
-        f'<polygon points="{_points(x, edges[:, say], edges[:, say + 1])}" fill="{SAY_LOOK[say][1]}"/>'
-        for say in Say
-        if len(time) > 1 and authority[:, say].any()
+        f'<polygon points="{_points(x, edges[:, source], edges[:, source + 1])}" fill="{AUTHORITY_LOOK[source][1]}"/>'
+        for source in Authority
+        if len(time) > 1 and authority[:, source].any()
     ]
     frame = f'<path class="rule" d="M{_LEFT} 4H{right}V{bottom}H{_LEFT}Z"/>'
     lettering = (

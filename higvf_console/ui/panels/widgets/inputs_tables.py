@@ -1,4 +1,4 @@
-"""What the Inputs panel tells: each channel and why, the debouncer's stages, what was looked at, the calibration."""
+"""The tables of the Inputs panel: each channel and why, the debouncer's stages, what was looked at, the calibration."""
 
 import math
 from collections.abc import Sequence
@@ -87,7 +87,7 @@ def attention_html(report: AttentionReport | None) -> str:
     """Time of fixations on each fire and robot with its share, and the signs of workload."""
     title = '<div class="title">Attention</div>'
     if report is None:
-        return f'{title}<span class="dim">No input tells where you look.</span>'
+        return f'{title}<span class="dim">No input reports your gaze.</span>'
     total = float(report.fires.sum() + report.robots.sum()) + report.elsewhere
     named = [(f"Fire {k + 1}", float(spent)) for k, spent in enumerate(report.fires.tolist())]
     robots = [(f"Robot {k + 1}", float(spent)) for k, spent in enumerate(report.robots.tolist())]

@@ -1,4 +1,4 @@
-"""Faults on purpose: an input freezes, drops out or lags, so that operator and team can be seen to cope."""
+"""Fault injection: an input freezes, drops out or lags, so that operator and team can be seen to cope."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,14 +22,13 @@ class FaultWidgets:
     """Which input, which fault, for how long, and the button."""
 
     def __init__(self, gui: viser.GuiApi, channels: Sequence[str], sink: PointerSink) -> None:
-        """Builds the widgets.
+        """Adds the fields of one fault and the button that injects it.
 
         Args:
             gui: where.
             channels: names of the inputs, at least one.
             sink: takes the fault.
         """
-        self._sink = sink
         names: dict[str, Any] = {name: name for name in channels}
         self._fault = InjectFault(channel=channels[-1])
         self._channel = gui.add_dropdown("Input", tuple(names), initial_value=self._fault.channel)
@@ -47,8 +46,3 @@ class FaultWidgets:
 
     def _choose(self, **changes: Any) -> None:
         self._fault = replace(self._fault, **changes)
-
-    def cleanup(self) -> None:
-        """Removes the widgets."""
-        for widget in (self._channel, self._kind, self._seconds, self._delay, self._inject):
-            widget.remove()

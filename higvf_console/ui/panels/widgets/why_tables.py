@@ -1,4 +1,4 @@
-"""The tables of the panel that explains a robot: parts of its velocity, active barrier rows, target scores, proofs."""
+"""The tables that explain a robot: parts of its velocity, active constraints, fires in sight, certificates."""
 
 import math
 from collections.abc import Sequence
@@ -23,14 +23,14 @@ PART_NAMES = {
     Part.TARGET: ("Own target", "Robot intention v_t"),
     Part.HUMAN: ("Human", "Human intention v_h"),
     Part.NEIGHBOURS: ("Neighbours", "Their shared intentions"),
-    Part.SO_FAR: ("So far", "What the shared intention was a moment ago"),
+    Part.CARRIED_OVER: ("Carried over", "The shared intention of the last control period"),
     Part.FORMATION: ("Formation", "Formation velocity v_f"),
-    Part.ROUND: ("Way round", "Bump functions and circulation round obstacles"),
-    Part.HOLD: ("Limit, pause", "Speed limit; or a pause, or STOP"),
+    Part.DETOUR: ("Detour", "Bump functions and circulation round obstacles"),
+    Part.LIMIT: ("Speed limit or pause", "Speed limit; or a pause, or STOP"),
     Part.SAFETY: ("Safety", "What the safety filter corrects"),
 }
 PART_COLOUR = part_colours(CSS)
-MOST_ROWS = 4  # active barrier rows that are named
+MOST_ROWS = 4  # active constraints that are named
 MOST_HIDERS = 2  # obstacles that are named for one fire
 _MINUS, _LEAST, _MOST = "\u2212", "\u2265", "\u2264"
 
@@ -74,7 +74,7 @@ def rows_html(rows: Sequence[ActiveConstraint]) -> str:
 
 def sight_html(found: Sequence[Sight], snapshot: "Snapshot", robot: int, setup: Setup) -> str:
     """The target score of each burning fire, what it would be unhidden, and what hides it; the target is marked."""
-    title = '<div class="title">What it sees</div>'
+    title = '<div class="title">Seen fires</div>'
     if not found:
         return f'{title}<span class="dim">No fire burns.</span>'
     target = snapshot.last.after.target[robot]
@@ -84,7 +84,7 @@ def sight_html(found: Sequence[Sight], snapshot: "Snapshot", robot: int, setup: 
         f"<td>{math.degrees(sight.whole):.1f}°</td></tr>"
         for sight in found
     )
-    head = "<tr><th>Fire</th><th>Hidden by</th><th>Score</th><th>of</th></tr>"
+    head = "<tr><th>Fire</th><th>Hidden by</th><th>Seen</th><th>unobstructed</th></tr>"
     return f"{title}<table><thead>{head}</thead><tbody>{rows}</tbody></table>"
 
 
@@ -101,17 +101,22 @@ def _why_hidden(sight: Sight, setup: Setup) -> str:
 
 
 def certificate_html(found: Sequence[Certificate]) -> str:
-    """Each condition with its value, its limit, and whether it is met."""
-    rows = "".join(
-        f'<tr title="{text(certificate.symbol)}"><td>{text(certificate.name)}</td><td>{_number(certificate.value)}</td>'
-        f"<td>{_limit(certificate)}</td>"
-        f"<td>{'met' if certificate.met else '<span class=alarm>not met</span>'}</td></tr>"
-        for certificate in found
-    )
+    """Each condition with its value, its limit, whether it is met and, where it is not, what that means."""
     head = "<tr><th>Condition</th><th>Value</th><th>Limit</th><th></th></tr>"
     return (
         f'<div class="title">Does the method hold?</div><table class="numbers"><thead>{head}</thead>'
-        f"<tbody>{rows}</tbody></table>"
+        f"<tbody>{''.join(map(_certificate_row, found))}</tbody></table>"
+    )
+
+
+def _certificate_row(certificate: Certificate) -> str:
+    meaning = text(certificate.meaning)
+    met, failing = "met", ""
+    if not certificate.met:
+        met, failing = "<span class=alarm>not met</span>", f'<tr><td colspan="4" class="warn">{meaning}</td></tr>'
+    return (
+        f'<tr title="{text(certificate.symbol)}. {meaning}"><td>{text(certificate.name)}</td>'
+        f"<td>{_number(certificate.value)}</td><td>{_limit(certificate)}</td><td>{met}</td></tr>{failing}"
     )
 
 
