@@ -1,6 +1,7 @@
 """The loop between operator and team, ticked by hand and, where the clock is the point, paced."""
 
 import logging
+import math
 import threading
 import time
 from typing import Any
@@ -9,16 +10,21 @@ import numpy as np
 import pytest
 
 from higvf_console.analysis.baseline import compute_baseline
+from higvf_console.channels.console import ConsoleChannel
 from higvf_console.core.commands import (
+    AskReset,
     Clutch,
     Cursor,
     EmergencyStop,
     Freeze,
     InjectFault,
+    LoadScenario,
     OperatorCommand,
     Pause,
     Pick,
+    ResetEmergencyStop,
     ResetRun,
+    Resume,
     SetSpeed,
     Step,
     StrokeBegin,
@@ -26,10 +32,11 @@ from higvf_console.core.commands import (
     StrokePoints,
 )
 from higvf_console.core.errors import InputError
-from higvf_console.core.interface import ChannelState
+from higvf_console.core.interface import ChannelState, OperatorContext
 from higvf_console.core.state import PathStatus
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.session import EVENTS_KEPT, Session
+from higvf_console.runtime.worker import Worker
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario
 from higvf_console.sim.simulation import advance
 from tests.fake_interfaces import BrokenInterface, FakeConsole, FakeInterface
@@ -361,3 +368,92 @@ def test_a_baseline_is_not_computed_without_fires_nor_after_the_end(team: Scenar
     assert compute_baseline(load_scenario("empty").setup(), 10.0, ended) is None
     ended.set()
     assert compute_baseline(team.setup(), 10.0, ended) is None
+
+
+def crowded(team: Scenario) -> tuple[Session, ConsoleChannel]:
+    """A session that has time for one command a tick, with many that wait."""
+    console = ConsoleChannel()
+    session = Session(team, [console])
+    session._command_time = 0.0
+    for k in range(300):
+        console.push(Pick(k % 2))
+    return session, console
+
+
+def test_what_does_not_fit_into_a_control_period_waits_in_order(team: Scenario) -> None:
+    session, _ = crowded(team)
+    for _ in range(3):
+        session.tick()
+    assert [applied.command.robot for applied in session.commands if isinstance(applied.command, Pick)] == [0, 1, 0]
+    assert session.ticks == 3
+
+
+def test_a_stop_waits_for_no_command_and_no_queue(team: Scenario) -> None:
+    session, console = crowded(team)
+    session.tick()
+    console.push(EmergencyStop())
+    session.tick()
+    assert session.snapshot.state.intent.stopped
+    assert not session.snapshot.state.motion.velocity.any()
+    assert len(session.commands) == 2
+
+
+def test_a_stop_is_looked_for_between_two_commands(team: Scenario) -> None:
+    console = ConsoleChannel()
+
+    class Stopping(FakeInterface):
+        def poll(self, context: OperatorContext) -> list[OperatorCommand]:
+            super().poll(context)
+            console.push(EmergencyStop())  # the console has been polled already in this tick
+            return [Pick(1), Pick(0)]
+
+    session = Session(team, [console, Stopping("late")])
+    session.tick()
+    assert [type(applied.command) for applied in session.commands] == [EmergencyStop, Pick, Pick]
+
+
+def test_resets_that_were_given_before_a_stop_do_not_release_it(team: Scenario) -> None:
+    session, console = crowded(team)
+    console.push(EmergencyStop())
+    session.tick()
+    for command in (AskReset(), ResetEmergencyStop(), Resume(), EmergencyStop()):
+        console.push(command)
+    session._command_time = math.inf
+    session.tick()
+    session.tick()
+    assert session.snapshot.state.intent.stopped
+
+
+def test_a_repeated_stop_costs_nothing(team: Scenario) -> None:
+    session = Session(team, [device := FakeInterface("bci")])
+    for _ in range(1000):
+        device.push(EmergencyStop())
+    session.tick()
+    device.push(EmergencyStop())
+    session.tick()
+    assert len(session.commands) == 1
+    assert kinds(session).count("stop") == 1
+
+
+def test_a_stop_takes_back_a_reset_that_was_begun(team: Scenario) -> None:
+    session = Session(team, [device := FakeInterface("bci")])
+    for command in (EmergencyStop(), AskReset(), EmergencyStop(), ResetEmergencyStop()):
+        device.push(command)
+        session.tick()
+    assert session.snapshot.state.intent.stopped
+
+
+def test_a_scenario_is_read_by_the_worker_while_the_team_goes_on(team: Scenario) -> None:
+    worker = Worker()
+    session = Session(team, [device := FakeInterface("console")], worker=worker)
+    device.push(LoadScenario(text=team.text.replace("title: ", "title: New "), name="new.yaml"))
+    device.push(LoadScenario(text="title: [", name="bad.yaml"))
+    session.tick()
+    assert session.scenario is team
+    wait_until(lambda: session.tick() or "refused" in kinds(session))
+    assert session.scenario.title.startswith("New ")
+    assert "Not done: bad.yaml: line 1" in next(
+        event.text for event in session.snapshot.events if event.kind == "refused"
+    )
+    session.close()
+    worker.close()
