@@ -65,7 +65,7 @@ MISTAKES = {
     "flag wanted": ("arena: {size_m: [1200, 700], walls: off}", "arena.walls: 'off' is not true or false"),
     "unknown word": ("filter: fast", "filter: 'fast' is not one of distributed, centralised"),
     "key twice": ("title: a\ntitle: b", "line 6: key 'title' is given twice"),
-    "not YAML": ("title: [", "t.yaml: line 5: expected the node content"),
+    "not YAML": ("title: [", "t.yaml: line 5: did not find expected node content"),
     "key that is no text": ("1: 2", "line 5: key 1 is not text"),
     "empty arena": ("arena: {x_min: 0, y_min: 0, x_max: 0, y_max: 9}", "arena: an arena of 0 m x 9 m has no area"),
     "arena twice": ("arena: {size_m: [1, 2], x_min: 0}", "arena: give size_m, or x_min, y_min, x_max and y_max,"),

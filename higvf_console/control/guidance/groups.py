@@ -14,6 +14,7 @@ from higvf_console.control.guidance.boundaries import capsule_corners, convex_hu
 from higvf_console.core.arrays import Bools, Floats, Ints, floats, ints
 from higvf_console.core.state import CAPSULE, GRID_COLUMNS
 
+_BLOCK = 1_000_000  # pairs of boxes that are looked at in one piece
 _CELLS = 48  # most cells of a pocket's grid along its longer side
 _LEAST_CELL = 4.0  # [m]
 _CROWDED = 30.0  # extra cost of a metre where a robot violates the clearance
@@ -37,8 +38,7 @@ def group_obstacles(parts: Floats, clearance: float) -> Groups:
         parts: (K, 5) capsules ax, ay, bx, by, radius [m].
         clearance: R_o [m].
     """
-    label = _labels(parts, 2.0 * clearance)
-    members = [np.flatnonzero(label == name) for name in range(label.max(initial=-1) + 1)]
+    members = _members(_labels(parts, 2.0 * clearance))
     boundary = np.zeros((len(members), GRID_COLUMNS + 1))
     hulls, pockets = [np.zeros((0, 2))], [np.zeros((0, 3))]
     for g, group in enumerate(members):
@@ -66,52 +66,104 @@ def group_obstacles(parts: Floats, clearance: float) -> Groups:
 
 def _labels(parts: Floats, least: float) -> Ints:
     """Group (n,) of each part: by the gaps between parts, then repeatedly by the gaps between the hulls."""
-    label = _joined(len(parts), _gaps(parts) < least)
+    low = np.minimum(parts[:, :2], parts[:, 2:4]) - parts[:, 4:]
+    high = np.maximum(parts[:, :2], parts[:, 2:4]) + parts[:, 4:]
+    pairs = _near_boxes(low, high, least)
+    label = _joined(len(parts), pairs[_gaps(parts[pairs[:, 0]], parts[pairs[:, 1]]) < least])
+    corners = [capsule_corners(floats(part)) for part in parts]
+    low, high = (floats([extreme(points, axis=0) for points in corners], -1, 2) for extreme in (np.min, np.max))
     while True:
-        sizes = np.bincount(label)
-        hulls = [_hull(parts[label == name]) for name in range(len(sizes))]
-        near = np.zeros((len(hulls), len(hulls)), np.bool_)
-        for i, j in _neighbours(hulls, least):
-            near[i, j] = max(sizes[i], sizes[j]) > 1 and _polygon_gap(hulls[i], hulls[j]) < least
-        if not near.any():
+        members = _members(label)
+        groups = len(members)
+        group_low, group_high = np.full((groups, 2), np.inf), np.full((groups, 2), -np.inf)
+        np.minimum.at(group_low, label, low)
+        np.maximum.at(group_high, label, high)
+        hulls: dict[int, Floats] = {}
+        near: list[tuple[int, int]] = []
+        for i, j in _near_boxes(group_low, group_high, least).tolist():
+            if len(members[i]) > 1 or len(members[j]) > 1:
+                a, b = (_hull_of(k, members, corners, hulls) for k in (i, j))
+                if _polygon_gap(a, b) < least:
+                    near.append((i, j))
+        if not near:
             return label
-        label = _joined(len(hulls), near)[label]
+        label = _joined(groups, ints(near, -1, 2))[label]
 
 
-def _joined(count: int, near: Bools) -> Ints:
+def _members(label: Ints) -> list[Ints]:
+    """Rows of each group, in ascending order, by the groups (n,) of all rows."""
+    sizes = np.bincount(label)
+    return (
+        [ints(rows) for rows in np.split(np.argsort(label, kind="stable"), np.cumsum(sizes)[:-1])] if len(sizes) else []
+    )
+
+
+def _hull_of(group: int, members: list[Ints], corners: list[Floats], hulls: dict[int, Floats]) -> Floats:
+    """Hull (h, 2) of a group [m]; kept in `hulls`."""
+    if group not in hulls:
+        hulls[group] = convex_hull(floats(np.concatenate([corners[k] for k in members[group]])))
+    return hulls[group]
+
+
+def _joined(count: int, pairs: Ints) -> Ints:
+    """Component (count,) of each node of a graph with edges (E, 2)."""
     from scipy.sparse import coo_array  # noqa: PLC0415 (slow to import)
     from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
 
-    return ints(connected_components(coo_array(near), directed=False)[1]) if count else ints([])
+    if count == 0:
+        return ints([])
+    edges = coo_array((np.ones(len(pairs), np.bool_), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return ints(connected_components(edges, directed=False)[1])
 
 
-def _neighbours(hulls: list[Floats], least: float) -> list[tuple[int, int]]:
-    """Pairs i > j of hulls whose bounding boxes are nearer than `least` [m]."""
-    if not hulls:
-        return []
-    low, high = (np.array([extreme(hull, axis=0) for hull in hulls]) for extreme in (np.min, np.max))
-    apart = np.maximum(low[:, None] - high[None], low[None] - high[:, None]).max(axis=2)
-    return [(int(i), int(j)) for i, j in np.argwhere(np.tril(apart < least, -1))]
+def _near_boxes(low: Floats, high: Floats, least: float) -> Ints:
+    """Pairs (E, 2) i < j of boxes, from corners (n, 2) `low` to `high` [m], that are nearer than `least` on both axes.
+
+    The boxes are swept from left to right, so that memory grows with the number of pairs and not with its square.
+    """
+    order = np.argsort(low[:, 0], kind="stable")
+    low, high = low[order], high[order]
+    last = np.searchsorted(low[:, 0], high[:, 0] + least, side="left")  # behind the last box that begins in reach
+    pairs: list[Ints] = [ints([], 0, 2)]
+    first = 0
+    while first < len(low):
+        count = np.maximum(last[first:] - np.arange(first + 1, len(low) + 1), 0)
+        block = max(1, int(np.searchsorted(np.cumsum(count), _BLOCK, side="right")))
+        count = count[:block]
+        i = np.repeat(np.arange(first, first + len(count)), count)
+        j = i + 1 + np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count)
+        near = np.maximum(low[j, 1] - high[i, 1], low[i, 1] - high[j, 1]) < least
+        found = order[np.stack([i[near], j[near]], axis=1)]
+        pairs.append(ints(np.sort(found, axis=1)))
+        first += len(count)
+    return ints(np.concatenate(pairs))
 
 
 def _hull(parts: Floats) -> Floats:
     return convex_hull(floats(np.concatenate([capsule_corners(floats(part)) for part in parts])))
 
 
-def _gaps(parts: Floats) -> Floats:
-    """Gaps (n, n) between capsules (n, 5) [m]; at most 0 where they touch."""
-    a, b, radius = parts[:, :2], parts[:, 2:4], parts[:, 4]
-    ends = np.minimum(_to_spines(a, a, b), _to_spines(b, a, b))
-    distance = np.minimum(ends, ends.T)
-    across = _orientation(a, b, a) * _orientation(a, b, b) < 0.0
-    distance[across & across.T] = 0.0
-    return distance - radius[:, None] - radius[None]
+def _gaps(first: Floats, second: Floats) -> Floats:
+    """Gaps (E,) between capsules (E, 5) and (E, 5) [m]; at most 0 where they touch."""
+    a, b, c, d = first[:, :2], first[:, 2:4], second[:, :2], second[:, 2:4]
+    ends = (_to_spine(a, c, d), _to_spine(b, c, d), _to_spine(c, a, b), _to_spine(d, a, b))
+    distance = np.minimum(np.minimum(ends[0], ends[1]), np.minimum(ends[2], ends[3]))
+    across = _orientation(a, b, c) * _orientation(a, b, d) < 0.0
+    distance[across & (_orientation(c, d, a) * _orientation(c, d, b) < 0.0)] = 0.0
+    return distance - first[:, 4] - second[:, 4]
 
 
 def _orientation(a: Floats, b: Floats, points: Floats) -> Floats:
-    """Orientation (n, m) of point j of (m, 2) about the line i through a (n, 2) and b (n, 2); positive to the left."""
-    along, to = (b - a)[:, None], points[None] - a[:, None]
-    return along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]
+    """Orientation (E,) of points (E, 2) about the lines through a (E, 2) and b (E, 2); positive to the left."""
+    along, to = b - a, points - a
+    return along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0]
+
+
+def _to_spine(points: Floats, a: Floats, b: Floats) -> Floats:
+    """Distance (E,) of points (E, 2) from the segments a-b (E, 2), each from its own [m]."""
+    along, to = b - a, points - a
+    share = np.clip((to * along).sum(axis=1) / np.maximum((along * along).sum(axis=1), 1e-300), 0.0, 1.0)
+    return np.hypot(*(to - share[:, None] * along).T)
 
 
 def _to_spines(points: Floats, a: Floats, b: Floats) -> Floats:
@@ -155,7 +207,8 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
     xs, ys = low[0] + cell * (np.arange(columns) - 1), low[1] + cell * (np.arange(rows) - 1)
     nodes = np.stack([axis.ravel() for axis in np.meshgrid(xs, ys)], axis=1)
     depth = _depth(hull, nodes)
-    room = (_to_spines(nodes, parts[:, :2], parts[:, 2:4]) - parts[None, :, 4]).min(axis=1)
+    pieces = np.array_split(parts, math.ceil(len(parts) * len(nodes) / _BLOCK))
+    room = np.min([(_to_spines(nodes, p[:, :2], p[:, 2:4]) - p[None, :, 4]).min(axis=1) for p in pieces], axis=0)
     free = (room >= clearance).reshape(rows, columns)
     region = np.zeros(free.shape, np.int64)
     label(free, output=region)

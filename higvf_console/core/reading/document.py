@@ -20,7 +20,11 @@ DEEPEST = 100  # brackets; PyYAML's scanner takes minutes for a few thousand
 MOST_REPEATED = 100_000  # values that aliases repeat
 
 
-class _StrictLoader(yaml.SafeLoader):
+# libyaml reads ten times faster than PyYAML's own parser, which stands in where it is not installed.
+_SafeLoader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class _StrictLoader(_SafeLoader):
     """A safe loader with the scalar types of YAML 1.2 and without double keys."""
 
     yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}  # noqa: RUF012 (PyYAML reads it off the class)
@@ -86,7 +90,8 @@ def read_yaml(text: str, source: str, raises: type[HigvfError] = ScenarioError) 
     try:
         content = _loaded(text)
     except yaml.MarkedYAMLError as error:
-        line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
+        last = text.rstrip().count("\n")  # where the text ends, its end is reported on the line behind
+        line = f"line {min(error.problem_mark.line, last) + 1}: " if error.problem_mark else ""
         raise raises(f"{source}: {line}{error.problem}") from error
     except yaml.YAMLError as error:
         raise raises(f"{source}: {str(error).splitlines()[0]}") from error
