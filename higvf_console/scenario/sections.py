@@ -26,6 +26,8 @@ from higvf_console.world.layout import Fire, Links
 from higvf_console.world.obstacles import Course, Obstacles
 
 MOST_ROBOTS = 100_000
+MOST_OBSTACLES = 20_000  # circles, and bars
+MOST_FIRES = 1000
 RENAMED_FORMS = {"fire_row": "fire_constraint"}  # of version 0.1, which are still read
 SPEED_LIMIT_FACTOR = 1.5  # v_max of a scenario that names only the cruise speed C
 
@@ -173,7 +175,7 @@ def read_formation(node: Node, robots: int) -> Floats:
 def read_fires(node: Node, robots: int) -> tuple[Fire, ...]:
     """The fires, in the order of their numbers."""
     fires: list[Fire] = []
-    for item in node.items():
+    for item in node.items(MOST_FIRES):
         entries = item.section(("at_m", "radius_m", "growth_m_per_s", "robots_needed"), ("at_m", "radius_m"))
         growth = entries["growth_m_per_s"].number(_GROWTH) if "growth_m_per_s" in entries else 1.0
         needs = min(2, robots)
@@ -194,14 +196,16 @@ def read_obstacles(node: Node, folders: Sequence[FilePath], polygons: tuple[Floa
     entries = node.section(("circles", "bars", "capsules", "polygons", "masks"))
     circles: list[tuple[float, ...]] = []
     circle_courses: list[Course | None] = []
-    for item in entries["circles"].items() if "circles" in entries else ():
+    for item in entries["circles"].items(MOST_OBSTACLES) if "circles" in entries else ():
         part = item.section(("at_m", "radius_m", *COURSE_KEYS), ("at_m", "radius_m"))
         x, y = part["at_m"].point()
         circles.append((x, y, part["radius_m"].number(_LENGTH)))
         circle_courses.append(read_course(item, part, (x, y)))
     bars: list[tuple[float, ...]] = []
     bar_courses: list[Course | None] = []
-    for item in chain.from_iterable(entries[key].items() for key in ("bars", "capsules") if key in entries):
+    for item in chain.from_iterable(
+        entries[key].items(MOST_OBSTACLES) for key in ("bars", "capsules") if key in entries
+    ):
         part = item.section(("from_m", "to_m", "half_width_m", *COURSE_KEYS), ("from_m", "to_m", "half_width_m"))
         (ax, ay), (bx, by) = part["from_m"].point(), part["to_m"].point()
         bars.append((ax, ay, bx, by, part["half_width_m"].number(_LENGTH)))

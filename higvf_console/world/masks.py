@@ -1,6 +1,9 @@
 """Obstacles from a picture seen from above: what is dark, or bright, becomes chains of points."""
 
+import io
+import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
@@ -16,8 +19,10 @@ from higvf_console.world.polygons import MOST_EDGES, crossing, oriented, signed_
 if TYPE_CHECKING:
     import cv2
     from cv2.typing import MatLike
+    from PIL import Image
 else:
     cv2, MatLike = optional("cv2", "images"), np.ndarray
+    Image = optional("PIL.Image", "images")
 
 Grey: TypeAlias = NDArray[np.uint8]
 
@@ -58,14 +63,39 @@ def read_grey(name: str, folders: Sequence[Path]) -> Grey:
         raise ScenarioError(f"{file or shown(name)}: {error.strerror}") from error
     if file is None or coded is None:
         raise ScenarioError(f"no image '{name}' in {' or '.join(str(folder.resolve()) for folder in folders)}")
-    image = cv2.imdecode(coded, cv2.IMREAD_UNCHANGED) if coded.size else None
+    try:
+        return grey(decoded(coded.tobytes(), cv2.IMREAD_UNCHANGED))
+    except ScenarioError as error:
+        raise ScenarioError(f"{file}: {error}") from error
+
+
+def decoded(content: bytes, colours: int) -> MatLike:
+    """An image file's content, decoded; its header is asked for its size first, for a small file can hold a huge image.
+
+    Args:
+        content: of the file.
+        colours: as OpenCV's `imdecode` takes them.
+
+    Raises:
+        ScenarioError: it is no image, or has too many pixels.
+    """
+    with suppress(OSError), warnings.catch_warnings():  # what Pillow does not know, OpenCV may
+        warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+        try:
+            with Image.open(io.BytesIO(content)) as header:
+                _check_size(*header.size)
+        except Image.DecompressionBombError as error:
+            raise ScenarioError(f"over 100 million pixels; give at most {MOST_PIXELS / 1e6:g} million") from error
+    image = cv2.imdecode(np.frombuffer(content, np.uint8), colours) if content else None
     if image is None:
-        raise ScenarioError(f"{file}: not an image that OpenCV can read, such as PNG, JPEG or TIFF")
-    if image.shape[0] * image.shape[1] > MOST_PIXELS:
-        raise ScenarioError(
-            f"{file}: {image.shape[1]} x {image.shape[0]} pixels; give at most {MOST_PIXELS / 1e6:g} million"
-        )
-    return grey(image)
+        raise ScenarioError("not an image that OpenCV can read, such as PNG, JPEG or TIFF")
+    _check_size(image.shape[1], image.shape[0])
+    return image
+
+
+def _check_size(width: int, height: int) -> None:
+    if width * height > MOST_PIXELS:
+        raise ScenarioError(f"{width} x {height} pixels; give at most {MOST_PIXELS / 1e6:g} million")
 
 
 def grey(image: MatLike) -> Grey:

@@ -301,3 +301,16 @@ def test_how_a_path_is_followed_is_checked(way: str, message: str) -> None:
     scenario = parse_scenario(start + path + "ending: loop, pace: 0.5, duration_s: 9}\n", "t.yaml")
     assert (scenario.path.ending, scenario.path.pace, scenario.path.duration) == (PathEnding.LOOP, 0.5, 9.0)
     assert scenario.setup().start.motion.path_left == 9.0
+
+
+@pytest.mark.parametrize(
+    ("section", "count", "sentence"),
+    [
+        ("obstacles: {{circles: [{}]}}", 20_001, "obstacles.circles: 20001 entries; give at most 20000"),
+        ("fires: [{}]", 1001, "fires: 1001 entries; give at most 1000"),
+        ("strokes: [{}]", 100_001, "strokes: 100001 entries; give at most 100000"),
+    ],
+)
+def test_lists_that_no_run_could_bear_are_refused(section: str, count: int, sentence: str) -> None:
+    with pytest.raises(ScenarioError, match=sentence):
+        parse_scenario(with_line(section.format(", ".join(["0"] * count))), "t.yaml")

@@ -1,5 +1,7 @@
 """A picture becomes the obstacles that a person sees in it: upright, in place, with their yards, never crossing."""
 
+import struct
+import zlib
 from pathlib import Path
 
 import cv2
@@ -9,7 +11,7 @@ from cv2.typing import MatLike
 
 from higvf_console.core.arrays import Bools, floats
 from higvf_console.core.errors import ScenarioError
-from higvf_console.world.masks import MaskPlace, read_grey, trace
+from higvf_console.world.masks import MaskPlace, decoded, read_grey, trace
 from higvf_console.world.polygons import crossing, obstacles_of, signed_area, signed_distance
 
 
@@ -129,3 +131,25 @@ def test_an_image_that_is_missing_or_unreadable_is_told_with_the_places(tmp_path
         (tmp_path / "plan.png").write_bytes(content)
         with pytest.raises(ScenarioError, match=r"plan\.png: not an image that OpenCV can read"):
             read_grey("plan.png", (tmp_path,))
+
+
+def png(width: int, height: int) -> bytes:
+    """A small file whose header promises an image of any size."""
+
+    def chunk(kind: bytes, content: bytes) -> bytes:
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")
+
+
+@pytest.mark.parametrize(
+    ("size", "line"),
+    [((5000, 5000), r"5000 x 5000 pixels; give at most 16 million"), ((30_000, 30_000), "over 100 million pixels")],
+)
+def test_a_huge_image_is_refused_by_its_header(
+    size: tuple[int, int], line: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cv2.imdecode", lambda *_: pytest.fail("decoded"))
+    with pytest.raises(ScenarioError, match=line):
+        decoded(png(*size), 1)

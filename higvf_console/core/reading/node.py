@@ -10,6 +10,7 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import HigvfError, ScenarioError, closest
 from higvf_console.core.quantity import COORDINATE, Quantity, checked, shown
 
+MOST_ITEMS = 100_000  # of a list
 NOTHING_RENAMED: Mapping[str, str] = MappingProxyType({})
 
 
@@ -95,11 +96,13 @@ class Node:
         values: Mapping[Any, Any] = self.value
         return {name: self.entry(str(name), value) for name, value in values.items()}
 
-    def items(self) -> "list[Node]":
-        """The items of a list."""
+    def items(self, most: int = MOST_ITEMS) -> "list[Node]":
+        """The items of a list, which may have `most` of them."""
         if not isinstance(self.value, list):
             raise self.wrong("a list")
         values: list[Any] = self.value
+        if len(values) > most:
+            raise self.error(f"{len(values)} entries; give at most {most}")
         return [
             Node(value, self.source, f"{self.place}[{number}]", self.raises, self.warnings)
             for number, value in enumerate(values, 1)

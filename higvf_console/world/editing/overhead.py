@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.optional import optional
-from higvf_console.world.masks import MOST_PIXELS, MaskPlace, grey, trace
+from higvf_console.world.masks import MaskPlace, decoded, grey, trace
 from higvf_console.world.polygons import MOST_EDGES, signed_area
 
 if TYPE_CHECKING:
@@ -27,14 +27,7 @@ def read_picture(content: bytes) -> Pixels:
     Raises:
         ScenarioError: it is no image, or a huge one.
     """
-    coded = np.frombuffer(content, np.uint8)
-    image = cv2.imdecode(coded, cv2.IMREAD_COLOR) if coded.size else None
-    if image is None:
-        raise ScenarioError("not an image that OpenCV can read, such as PNG, JPEG or TIFF")
-    if image.shape[0] * image.shape[1] > MOST_PIXELS:
-        raise ScenarioError(
-            f"{image.shape[1]} x {image.shape[0]} pixels are too many; give at most {MOST_PIXELS / 1e6:g} million"
-        )
+    image = decoded(content, cv2.IMREAD_COLOR)
     return np.asarray(np.ascontiguousarray(image[:, :, ::-1]), np.uint8)
 
 
