@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run setup test check docs coverage lock bench browser clean
+.PHONY: run setup test check docs coverage lock licences sbom bench browser clean
 
 run: setup
 	$(BIN)/higvf run firefighting
@@ -51,6 +51,19 @@ lock: setup
 	$(LOCK) $(UPGRADE) --output-file constraints.txt
 	$(LOCK) --constraint constraints.txt --generate-hashes --output-file requirements-hashed.txt
 
+# Of everything that `make setup` installs: licences as a table, and a bill of materials for a release. The tools have an
+# environment of their own, so that they do not list themselves.
+TOOLS := .venv-release
+$(TOOLS): constraints.txt
+	$(PYTHON) -m venv $@
+	$@/bin/pip install --quiet --disable-pip-version-check --constraint constraints.txt cyclonedx-bom pip-licenses
+
+licences: setup $(TOOLS)
+	$(TOOLS)/bin/pip-licenses --python=$(BIN)/python --from=mixed --format=markdown --order=name --output-file=LICENCES.md
+
+sbom: setup $(TOOLS)
+	$(TOOLS)/bin/cyclonedx-py environment --pyproject pyproject.toml --output-file sbom.json $(BIN)/python
+
 bench: setup
 	$(BIN)/higvf bench --suite filter
 	$(BIN)/higvf bench --suite tick
@@ -64,4 +77,4 @@ browser:
 	else echo "chromium is not installed: browser tests will be skipped (install the package 'chromium')" >&2; fi
 
 clean:
-	rm -rf $(VENV) .pytest_cache .ruff_cache .import_linter_cache .hypothesis docs/_build .coverage .coverage.*
+	rm -rf $(VENV) $(TOOLS) sbom.json .pytest_cache .ruff_cache .import_linter_cache .hypothesis docs/_build .coverage .coverage.*
