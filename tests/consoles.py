@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Generator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import NamedTuple
 
 import viser
@@ -21,6 +22,7 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.interface import InputSpec, Interface
 from higvf_console.core.state import SimState
+from higvf_console.runtime.drafts import Drafts
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.warm_up import warm_up
@@ -60,13 +62,23 @@ class Running(NamedTuple):
 
 
 @contextmanager
-def console_at_work(scenario: str, *interfaces: Interface) -> Generator[Running]:
-    """A scenario, live, with the console's channel and what else there is."""
-    session = Session(load_scenario(scenario), [open_interface(InputSpec("console")), *interfaces])
+def console_at_work(
+    scenario: str, *interfaces: Interface, attended: bool = False, folder: Path | None = None
+) -> Generator[Running]:
+    """A scenario, live, with the console's channel and what else there is.
+
+    Args:
+        scenario: name of a shipped one, or a file.
+        interfaces: besides the console's channel.
+        attended: whether the clock waits for its start and stands at the end; else it runs at once and never stands.
+        folder: where drafts and files opened lately are kept; None = nowhere.
+    """
+    console_channel = open_interface(InputSpec("console"))
+    session = Session(load_scenario(scenario), [console_channel, *interfaces], attended=attended, waits=attended)
     warm_up(session.setup.start, session.setup.world, session.setup.params)
     token = guard.new_token()
     server = guard.open_server("127.0.0.1", 0, token, "Console")
-    console = Console(session, server)
+    console = Console(session, server, Drafts(session, folder) if folder is not None else None)
     stopping = threading.Event()
     loop = threading.Thread(target=session.run, args=(stopping,), daemon=True)
     loop.start()

@@ -157,17 +157,22 @@ def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace
         if not given.no_browser and _has_display():
             webbrowser.open(login_url(server, token))
         with loading(server, "Loading the engine ..."):
+            from higvf_console.runtime.drafts import Drafts
+            from higvf_console.scenario.kept import state_folder
             from higvf_console.ui.console import Console
 
             scheduling.stand_back()
             session = start()
             scheduling.go_first()
-            console = Console(session, server)
+            drafts = Drafts(session, state_folder())
+            console = Console(session, server, drafts)
         console.start()
         ends.callback(console.close)
         loop = Thread(target=session.run, args=(stopping,), name="session")
-        loop.start()
-        ends.callback(loop.join)
+        keeper = Thread(target=drafts.run, args=(stopping,), name="drafts")
+        for thread in (loop, keeper):
+            thread.start()
+            ends.callback(thread.join)
         ends.callback(stopping.set)
         scheduling.stand_back()
         while given.duration is None or not _over(session.snapshot, given.duration):

@@ -24,11 +24,18 @@ class Clock:
         self._steps_due = 0
         self._credit = 0.0  # ticks of a slowed clock
 
-    def command(self, command: OperatorCommand) -> str:
-        """Follows a command on the clock; returns why it is refused, empty where it is not."""
+    def command(self, command: OperatorCommand, *, stands: bool = False) -> str:
+        """Follows a command on the clock; returns why it is refused, empty where it is not.
+
+        Args:
+            command: any; those that are not on the clock change nothing.
+            stands: whether the run has not begun, or has ended, so that no step can be made.
+        """
         match command:
             case Freeze(frozen=frozen):
                 self.frozen, self._steps_due = bool(frozen), 0
+            case Step() if stands:
+                return "No step: start the run, or continue one that has ended, first."
             case Step():
                 self._steps_due += 1
             case SetSpeed(factor=factor):

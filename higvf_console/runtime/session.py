@@ -322,7 +322,7 @@ class Session:
         changed = self._run.history is not history and isinstance(command, Edit | Undo | Redo)
         rows = rows_before(self._run.history, undone=isinstance(command, Undo)) if changed else None
         self._add(self._supervisor.applied(Said(channel, command), self._run.time, before, self._run.state, rows))
-        self._refuse(self._clock.command(command))
+        self._refuse(self._clock.command(command, stands=self._stands))
         self._follow(scenario)
 
     def _follow(self, former: Scenario | None) -> None:

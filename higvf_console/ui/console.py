@@ -21,6 +21,7 @@ from higvf_console.operator.path_commands import in_hand
 from higvf_console.runtime.history import History
 from higvf_console.runtime.previewer import Choice, Previewer
 from higvf_console.ui import theme
+from higvf_console.ui.cards.run_card import RunCard
 from higvf_console.ui.interaction import camera, hints, keys, pointer, tools
 from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.interaction.calibration import Calibration
@@ -44,9 +45,11 @@ from higvf_console.ui.scene.scene import Scene
 from higvf_console.ui.ui_state import UiState, UiStore, add_alarms, begin_scenario, follow_path, keep_choice
 
 if TYPE_CHECKING:
+    from higvf_console.runtime.drafts import Drafts
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
     from higvf_console.scenario.scenario import Scenario
+    from higvf_console.world.setup import Setup
 
 FRAME = 1 / 30  # [s]
 # Between two frames, at least [s]: viser looks 60 times a second whether there is anything to send, and sends nothing
@@ -81,9 +84,15 @@ class Console:
         ui: what is chosen to be seen, drawn and edited.
     """
 
-    def __init__(self, session: "Session", server: viser.ViserServer) -> None:
-        """Builds everything; nothing moves before `run` or `start`."""
-        self._session, self._server = session, server
+    def __init__(self, session: "Session", server: viser.ViserServer, drafts: "Drafts | None" = None) -> None:
+        """Builds everything; nothing moves before `run` or `start`.
+
+        Args:
+            session: what is shown.
+            server: whose pages show it.
+            drafts: keeps the edited world; None = nothing is kept.
+        """
+        self._session, self._server, self._drafts = session, server, drafts
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
         self.ui = UiStore(begin_scenario(_smoothing(session.scenario))(UiState()))
@@ -113,6 +122,7 @@ class Console:
 
     def _build_panels(self) -> None:
         gui, session, sink, ui = self._server.gui, self._session, self._roles, self.ui
+        card = RunCard(self._server, session, sink, self._drafts, self._choose_file)
         self._style = gui.add_html(style_html(self.ui.state.look))
         status = StatusPanel(gui, session.setup.params.safety.control_period, sink, ui)
         run = RunPanel(gui, sink)
@@ -128,7 +138,7 @@ class Console:
         with tabs.add_tab("Edit"):
             edit = EditPanel(gui, sink, ui)
             history = HistoryPanel(gui, sink)
-            file = FilesPanel(self._server, session, sink, ui)
+            self._file = FilesPanel(self._server, session, sink, ui, self._saved, card.open_scenarios)
         with tabs.add_tab("Tune"):
             tune = TunePanel(gui, session, sink)
         with tabs.add_tab("Inputs"):
@@ -137,7 +147,29 @@ class Console:
             view = ViewPanel(gui, ui)
         with tabs.add_tab("Log"):
             log = LogPanel(self._server, ui)
-        self._panels = (status, run, steer, preview, fires, why, edit, history, file, tune, inputs, view, log)
+        self._panels = (
+            card,
+            status,
+            run,
+            steer,
+            preview,
+            fires,
+            why,
+            edit,
+            history,
+            self._file,
+            tune,
+            inputs,
+            view,
+            log,
+        )
+
+    def _choose_file(self, client_id: int) -> None:
+        self._file.choose_scenario(client_id)
+
+    def _saved(self, setup: "Setup") -> None:
+        if self._drafts is not None:
+            self._drafts.saved(setup)
 
     def _show_tool(self, tool: tools.Tool, client_id: int) -> None:
         tools.show(self._server, tool, client_id)

@@ -173,9 +173,15 @@ def test_a_console_is_served_until_it_is_interrupted(tmp_path: Path, interruptio
 
 
 def test_a_live_run_ends_after_its_duration() -> None:
-    command = [sys.executable, "-m", "higvf_console", "run", "empty", "--port", "auto", "--no-browser"]
+    options = ["--port", "auto", "--no-browser", "--start-at-once"]
+    command = [sys.executable, "-m", "higvf_console", "run", "empty", *options]
     done = subprocess.run([*command, "--duration", "0.1", "--token", "abc"], capture_output=True, text=True, check=True)
     assert "/?token=abc\n" in done.stdout
+
+
+def test_a_headless_run_that_is_told_to_start_at_once_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "empty", "--headless", "--start-at-once"]) == 2
+    assert "a headless run always starts at once" in capsys.readouterr().err
 
 
 def test_an_address_that_cannot_be_served_is_one_line_and_exit_2(capsys: pytest.CaptureFixture[str]) -> None:

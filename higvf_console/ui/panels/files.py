@@ -1,6 +1,7 @@
 """Scenarios to and from the operator's computer, and an overhead image with the obstacles in it."""
 
 import logging
+from collections.abc import Callable
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from higvf_console.ui.scene.background import Background
 from higvf_console.ui.ui_state import UiStore, move_background
 from higvf_console.world.editing.overhead import outlines_in, read_picture
 from higvf_console.world.masks import MaskPlace
+from higvf_console.world.setup import Setup
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session, Snapshot
@@ -30,9 +32,26 @@ _log = logging.getLogger(__name__)
 class FilesPanel:
     """Buttons, and fields that place the image; what cannot be used is said below them."""
 
-    def __init__(self, server: viser.ViserServer, session: "Session", sink: PointerSink, ui: UiStore) -> None:
-        """Builds the widgets, and lets pages send files."""
-        self._session, self._sink, self._ui = session, sink, ui
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        session: "Session",
+        sink: PointerSink,
+        ui: UiStore,
+        on_saved: Callable[[Setup], None],
+        open_scenarios: Callable[[int], None],
+    ) -> None:
+        """Builds the widgets, and lets pages send files.
+
+        Args:
+            server: whose pages.
+            session: whose world is saved.
+            sink: takes the commands.
+            ui: what is chosen in the page.
+            on_saved: hears what was saved.
+            open_scenarios: shows a page (client) the scenarios to choose from.
+        """
+        self._session, self._sink, self._ui, self._on_saved = session, sink, ui, on_saved
         self._said = ""
         kinds = {
             _SCENARIO: files.FileKind(".yaml,.yml", self._load),
@@ -45,19 +64,24 @@ class FilesPanel:
                 "Save scenario", icon=viser.Icon.DOWNLOAD, hint="The present state as a scenario file"
             )
             save.on_click(self._save)
-            self._make_chooser(gui, "Load scenario", _SCENARIO, "Starts a new run; this can be undone")
-            self._make_chooser(gui, "Overhead image", _IMAGE, "Shown on the ground; obstacles can be made from it")
+            open_one = "Shipped scenarios and your own files; starts a new run, which can be undone"
+            self._make_button(gui, "Open scenario", viser.Icon.FOLDER_OPEN, open_one, open_scenarios)
+            image = "Shown on the ground; obstacles can be made from it"
+            self._make_button(gui, "Overhead image", viser.Icon.UPLOAD, image, self._choose_image)
             self._fields = self._make_fields(gui)
             self._note = gui.add_html("", visible=False)
 
-    def _make_chooser(self, gui: viser.GuiApi, label: str, kind: str, hint: str) -> None:
-        button = gui.add_button(label, icon=viser.Icon.UPLOAD, color="gray", hint=hint)
+    def _make_button(
+        self, gui: viser.GuiApi, label: str, icon: viser.IconName, hint: str, act: Callable[[int], None]
+    ) -> None:
+        """A button that acts for the page (client) that presses it."""
+        button = gui.add_button(label, icon=icon, color="gray", hint=hint)
 
-        async def choose(event: viser.GuiEvent[Any]) -> None:
+        async def pressed(event: viser.GuiEvent[Any]) -> None:
             if event.client_id is not None:
-                self._choose(kind, event.client_id)
+                act(event.client_id)
 
-        button.on_click(choose)
+        button.on_click(pressed)
 
     def _make_fields(self, gui: viser.GuiApi) -> list[Any]:
         self._scale = gui.add_number("Metres per pixel", 1.0, min=1e-4, max=1e4, step=0.01, visible=False)
@@ -88,13 +112,21 @@ class FilesPanel:
             return
         event.client.send_file_download(f"{scenario.name}.yaml", content.encode(), save_immediately=True)
         self._said = ""
+        self._on_saved(snapshot.setup)
+
+    def choose_scenario(self, client_id: int) -> None:
+        """Opens the chooser of scenario files of a page that has just been clicked."""
+        self._choose(_SCENARIO, client_id)
+
+    def _choose_image(self, client_id: int) -> None:
+        self._choose(_IMAGE, client_id)
 
     def _load(self, name: str, content: bytes) -> None:
         try:
             text = content.decode("utf-8-sig")
         except UnicodeDecodeError as error:
             raise ValueError("not UTF-8 text") from error
-        self._sink.push(LoadScenario(text=text, name=PurePath(name).name))
+        self._sink.push(LoadScenario(text=text, name=PurePath(name).name, waits=self._session.waits))
         self._said = ""
 
     def _lay(self, _name: str, content: bytes) -> None:

@@ -45,7 +45,7 @@ def _at_fires(snapshot: "Snapshot") -> str:
     if fought:
         return f"The team puts out fire {' and '.join(fought)}."
     if len(wanted) > 1:
-        return f"The team disagrees: {'; '.join(_wish(fire, robots) for fire, robots in wishes)}. A path decides."
+        return f"The team disagrees: {'; '.join(_wish(fire, robots) for fire, robots in wishes)}."
     fire, robots = wanted[0]
     return f"{_capital(_wish(fire, robots))}, which takes {needs[fire]} robots; {snapshot.trace.crew[fire]} there."
 

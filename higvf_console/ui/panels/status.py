@@ -14,7 +14,7 @@ from higvf_console.sim.events import too_near
 from higvf_console.ui.panels.log import alarms_text
 from higvf_console.ui.panels.standing import standing_text
 from higvf_console.ui.panels.widgets.callbacks import reaction
-from higvf_console.ui.panels.widgets.html import TIMES, block, clock, nearness, text
+from higvf_console.ui.panels.widgets.html import DASH, TIMES, block, clock, nearness, text
 from higvf_console.ui.theme import CSS
 from higvf_console.ui.ui_state import UiStore
 
@@ -62,11 +62,9 @@ def modes_of(state: SimState, phase: Phase, frozen: bool) -> list[tuple[str, str
     """All modes that hold, each in one word with its colour: that of the team, then that of the clock."""
     team = ("STOPPED", CSS.alarm) if state.intent.stopped else ("PAUSED", CSS.warning)
     modes = [team] if state.intent.stopped or state.intent.paused else []
-    if phase is Phase.READY:
-        modes.append(("READY", CSS.robot))
-    elif phase is Phase.ENDED:
-        modes.append(("ENDED", CSS.robot))
-    elif frozen:
+    if phase in (Phase.READY, Phase.ENDED):
+        modes.append((phase.value.upper(), CSS.robot))
+    if frozen:
         modes.append(("FROZEN", CSS.robot))
     return modes or [("RUNNING", CSS.progress)]
 
@@ -88,8 +86,8 @@ def status_html(snapshot: "Snapshot", period_ms: float, unread: int = 0) -> str:
         ("Safety filter", filter_line(snapshot)),
         ("Computation", _computation(snapshot, period_ms)),
     ]
-    if standing := standing_text(snapshot):
-        rows.insert(1, ("Standing", text(standing)))
+    standing = text(standing_text(snapshot)) or f'<span class="dim">{DASH}</span>'
+    rows.insert(1, ("Stands", f'<div style="min-height: 3em">{standing}</div>'))  # two lines, so that nothing jumps
     if snapshot.channels:
         rows.append(("Inputs", " ".join(channel_html(name, health) for name, health in snapshot.channels)))
     lines = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in rows)

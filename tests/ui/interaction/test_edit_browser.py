@@ -241,14 +241,16 @@ def test_a_scenario_is_saved_and_loaded_again(page: Page, running: Running, tmp_
     saved = parse_scenario(file.read_text(), "saved.yaml").setup()
     assert saved.world.circles.tolist() == running.session.setup.world.circles.tolist()
     file.write_text("version: 1\narena: {size_m: [300, 200]}\nrobots: {start_m: [[50, 50]]}\ntitle: A small one\n")
-    choose(page, "Load scenario", file)
+    press(page, "Open scenario")
+    choose(page, "Open a file …", file)
     wait_until(lambda: running.given(LoadScenario))
     wait_until(shown(page, "A small one"))
     assert len(running.state.motion.position) == 1
     wait_until(lambda: running.session.snapshot.history.done)
     screenshot(page, "edit-loaded")
     file.write_text("version: 1\narena: {}\n")
-    choose(page, "Load scenario", file)
+    press(page, "Open scenario")
+    choose(page, "Open a file …", file)
     wait_until(lambda: running.session.snapshot.events[-1].kind == "refused")
     assert "robots" in running.session.snapshot.events[-1].text
 

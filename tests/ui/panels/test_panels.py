@@ -55,7 +55,7 @@ def event(kind: str, severity: Severity = Severity.INFO, text: str = "It happene
         ({"paused": True}, Phase.RUNNING, False, ["PAUSED"]),
         ({"paused": True}, Phase.RUNNING, True, ["PAUSED", "FROZEN"]),
         ({"paused": True, "stopped": True}, Phase.RUNNING, True, ["STOPPED", "FROZEN"]),
-        ({}, Phase.READY, True, ["READY"]),
+        ({}, Phase.READY, True, ["READY", "FROZEN"]),
         ({"paused": True}, Phase.ENDED, False, ["PAUSED", "ENDED"]),
     ],
 )

@@ -35,7 +35,7 @@ def shown(*, time: float = 20.0, crew: tuple[int, int] = (0, 0), paused: bool = 
     [
         (
             {"target": ints([0, 0, 1])},
-            "The team disagrees: robots 1 and 2 want fire 1; robot 3 wants fire 2. A path decides.",
+            "The team disagrees: robots 1 and 2 want fire 1; robot 3 wants fire 2.",
         ),
         ({"target": ints([0, 1, NOBODY])}, "robot 3 wants no fire"),
         ({"target": ints([0, 0, 0]), "crew": (2, 0)}, "The team puts out fire 1."),
