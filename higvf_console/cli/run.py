@@ -21,6 +21,7 @@ from higvf_console.core.optional import require
 from higvf_console.runtime import scheduling
 
 if TYPE_CHECKING:
+    from higvf_console.runtime.checkpoints import Checkpoint
     from higvf_console.runtime.recording import Recorder
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
@@ -90,13 +91,44 @@ def _start_session(
     if worker is not None:
         closing.callback(worker.close)
     session = Session(
-        scenario, interfaces, given.seed, recorder, markers, attended=attended, waits=waits, worker=worker
+        scenario,
+        interfaces,
+        given.seed,
+        recorder,
+        markers,
+        attended=attended,
+        waits=waits,
+        worker=worker,
+        interrupted=_interrupted(given, scenario) if attended else None,
     )
     closing.callback(session.close)
     session.set_speed(given.speed)
     for event in session.snapshot.events:  # nothing has run yet: the warnings of scenario and inputs
         log(f"Warning: {event.text}")
     return session
+
+
+def _interrupted(given: argparse.Namespace, scenario: "Scenario") -> "Checkpoint | None":
+    """The run of this scenario whose console was killed, if there is one that can be restored."""
+    from higvf_console.runtime.checkpoints import left_checkpoints, remove, restored
+    from higvf_console.scenario.kept import state_folder
+
+    for file in left_checkpoints(state_folder()):
+        try:
+            found = restored(file)
+        except HigvfError as error:
+            log(f"Warning: a run that was interrupted cannot be restored: {error}")
+            remove(file)
+            continue
+        of = found.run_state.scenario
+        if of is None or of.text != scenario.text:
+            continue
+        remove(file)
+        if given.record is not None:
+            log("Warning: a run of this scenario was interrupted; it is not restored, for a recording starts anew")
+            return None
+        return found
+    return None
 
 
 def _open_interfaces(given: argparse.Namespace, scenario: "Scenario") -> list[Any]:
@@ -157,6 +189,7 @@ def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace
         if not given.no_browser and _has_display():
             webbrowser.open(login_url(server, token))
         with loading(server, "Loading the engine ..."):
+            from higvf_console.runtime.checkpoints import Checkpoints
             from higvf_console.runtime.drafts import Drafts
             from higvf_console.scenario.kept import state_folder
             from higvf_console.ui.console import Console
@@ -165,12 +198,14 @@ def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace
             session = start()
             scheduling.go_first()
             drafts = Drafts(session, state_folder())
+            checkpoints = Checkpoints(session, state_folder())
             console = Console(session, server, drafts)
         console.start()
         ends.callback(console.close)
         loop = Thread(target=session.run, args=(stopping,), name="session")
         keeper = Thread(target=drafts.run, args=(stopping,), name="drafts")
-        for thread in (loop, keeper):
+        writer = Thread(target=checkpoints.run, args=(stopping,), name="checkpoints")
+        for thread in (loop, keeper, writer):
             thread.start()
             ends.callback(thread.join)
         ends.callback(stopping.set)

@@ -97,6 +97,12 @@ class Run:
         self.last = Moved(self.state, ahead.motion, trace)
         self._trace_before: Trace | None = None
 
+    def restore(self, run_state: RunState, ticks: int) -> None:
+        """Goes on from another run state, after so many control periods; there is nothing to undo."""
+        _, self.state, self.tally, self.filter, self.scenario, self.phase = run_state
+        self.ticks, self.history = ticks, History()
+        self._take(run_state.setup)
+
     @property
     def setup(self) -> Setup:
         """World and parameters in force, and what a reset starts from."""

@@ -42,10 +42,11 @@ from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.admission import Admission
 from higvf_console.runtime.baseline_thread import keep_baseline
+from higvf_console.runtime.checkpoints import Checkpoint
 from higvf_console.runtime.clock import Clock
 from higvf_console.runtime.compiling import announce
 from higvf_console.runtime.dispatch import Prepared, seed_of
-from higvf_console.runtime.failsafe import failure_event, halted
+from higvf_console.runtime.failsafe import failure_event, halted, interruption_event
 from higvf_console.runtime.history import rows_before
 from higvf_console.runtime.inputs import opening_warnings
 from higvf_console.runtime.loader import Loaded, Loader
@@ -85,6 +86,9 @@ class Session:
         error: what halted the engine; None while all is well.
         attended: whether the clock stands once a run has ended.
         waits: whether the clock of a run that a person begins waits for a StartRun.
+        interrupted: session time [s] at which a console was killed whose run this is, until the operator has decided
+            what becomes of it; None = it is not.
+        checkpoint: the run, to be kept on disk.
         worker: for what must not hold up the loop; None = there is none.
         answered: set when there is an answer to the operator to show, such as what a command did; the view clears it.
     """
@@ -100,6 +104,7 @@ class Session:
         attended: bool = False,
         waits: bool = False,
         worker: Worker | None = None,
+        interrupted: Checkpoint | None = None,
     ) -> None:
         """Sets the run up and publishes its first moment; nothing moves before `tick` or `run`.
 
@@ -113,6 +118,7 @@ class Session:
                 duration does too.
             waits: whether the clock of the first run waits for a StartRun.
             worker: reads what is loaded during the run, so that the team does not wait; None = the session itself does.
+            interrupted: a run to go on with, stopped.
 
         Raises:
             ScenarioError: the start is not safe with this seed.
@@ -130,6 +136,9 @@ class Session:
         phase = RunPhase(Phase.READY if waits else Phase.RUNNING)
         self.attended, self.waits = attended, waits
         self._run = Run(scenario.setup(seed), scenario.filter, scenario, phase, timed=attended)
+        self.interrupted = None if interrupted is None else interrupted.time
+        if interrupted is not None:
+            self._run.restore(*interrupted.stopped())
         self._channels = Channels(interfaces)
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
@@ -143,6 +152,8 @@ class Session:
         self._loader = None if worker is None else Loader(worker)
         self._heartbeats = 0
         self._events = opening_warnings(scenario, self._channels)
+        if self.interrupted is not None:
+            self._add((interruption_event(self.interrupted),))
         self._publish(perf_counter())
 
     @property
@@ -370,6 +381,7 @@ class Session:
 
     def _publish(self, started: float) -> None:
         run, inputs = self._run, self._reporter.take(self._run.time)
+        self.checkpoint = Checkpoint(run.run_state, run.ticks)
         for channel, report in self._reporter.new_calibrations():
             self._add((calibration_event(channel, report, run.time),))
             if self._recorder is not None:

@@ -57,17 +57,17 @@ def state_folder() -> Path:
     return Path(root) / "higvf"
 
 
-def write_whole(file: Path, text: str) -> None:
-    """Writes a file as a whole or not at all, and its folder where it is missing.
+def write_whole(file: Path, content: str | bytes) -> None:
+    """Writes a file that its owner alone may read, as a whole or not at all, and its folder where it is missing.
 
     Raises:
         OSError: it cannot be written; a former file is as it was.
     """
-    file.parent.mkdir(parents=True, exist_ok=True)
+    file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     beside = file.with_name(f".{file.name}.{os.getpid()}")
     try:
-        with beside.open("w", encoding="utf-8") as stream:
-            stream.write(text)
+        with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as stream:
+            stream.write(content.encode() if isinstance(content, str) else content)
             stream.flush()
             os.fsync(stream.fileno())
         beside.replace(file)
@@ -85,7 +85,7 @@ def left_drafts(folder: Path) -> list[Draft]:
     found = list[Draft]()
     for file in (folder / _DRAFTS).glob("*.yaml"):
         with suppress(OSError, ScenarioError):  # gone meanwhile, or not readable
-            if not file.stem.isdecimal() or not _runs(int(file.stem)):
+            if not file.stem.isdecimal() or not process_runs(int(file.stem)):
                 found.append(Draft(file, read_text(file), file.stat().st_mtime))
     return sorted(found, key=lambda draft: (-draft.saved, draft.file.name))
 
@@ -118,7 +118,7 @@ def remember(folder: Path, opened: Recent) -> None:
     write_whole(folder / _RECENT, json.dumps(entries, ensure_ascii=False, indent=1) + "\n")
 
 
-def _runs(process: int) -> bool:
+def process_runs(process: int) -> bool:
     """Whether a process of that number runs; on Windows, where asking would end it, only this one is known to."""
     if process == os.getpid():
         return True

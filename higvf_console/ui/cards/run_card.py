@@ -19,6 +19,7 @@ from higvf_console.ui.cards.briefing import ready_html
 from higvf_console.ui.cards.result_sheet import result_html
 from higvf_console.ui.cards.scenarios import Choice, recent_choices, scenarios_html, shipped_choices
 from higvf_console.ui.page import cards
+from higvf_console.ui.panels.widgets.html import clock
 
 if TYPE_CHECKING:
     from higvf_console.runtime.drafts import Drafts
@@ -71,6 +72,8 @@ class RunCard:
     def _card(self, snapshot: "Snapshot") -> tuple[str, str]:
         offered = self._drafts.offered if self._drafts is not None else None
         match snapshot.phase.phase:
+            case _ if self._session.interrupted is not None:
+                return "interrupted", interrupted_html(self._session.interrupted)
             case Phase.READY:
                 return "ready", self._ready_html(snapshot, offered)
             case Phase.ENDED if self._session.attended:
@@ -91,7 +94,8 @@ class RunCard:
     def _act(self, client_id: int, act: str, value: str) -> None:
         acts: dict[str, Callable[[], object]] = {
             "start": lambda: self._sink.push(StartRun()),
-            "again": lambda: self._sink.push(ResetRun()),
+            "again": self._again,
+            "keep": self._decided,
             "continue": lambda: self._sink.push(ContinueRun()),
             "report": lambda: self._save_report(client_id),
             "scenarios": lambda: self.open_scenarios(client_id),
@@ -103,6 +107,13 @@ class RunCard:
         if act not in acts:
             raise ValueError(f"no act {act!r}; acts: {', '.join(acts)}")
         acts[act]()
+
+    def _again(self) -> None:
+        self._decided()
+        self._sink.push(ResetRun())
+
+    def _decided(self) -> None:
+        self._session.interrupted = None
 
     def open_scenarios(self, client_id: int) -> None:
         """Opens the scenarios on a page; their pictures are drawn on a thread of their own, the first time."""
@@ -135,6 +146,17 @@ class RunCard:
             content = json.dumps(watched_report(self._session), indent=2, allow_nan=False) + "\n"
             name = f"{self._session.scenario.name}-report.json"
             client.send_file_download(name, content.encode(), save_immediately=True)
+
+
+def interrupted_html(time: float) -> str:
+    """The question what becomes of a run whose console was killed at session `time` [s]."""
+    return (
+        f"<header><h2>The console was killed at {clock(time)}</h2></header>"
+        '<div class="body"><p>Its run is restored as it was within the last second. STOP is active: reset it when the '
+        "team may move.</p></div>"
+        '<footer><button class="act first" data-act="keep">Keep this run</button>'
+        '<button class="act" data-act="again">Start anew</button></footer>'
+    )
 
 
 def draft_html(draft: Draft) -> str:
