@@ -22,6 +22,7 @@ from higvf_console.runtime.history import History
 from higvf_console.runtime.previewer import Choice, Previewer
 from higvf_console.ui import theme
 from higvf_console.ui.cards.run_card import RunCard
+from higvf_console.ui.frame_pace import FramePace
 from higvf_console.ui.interaction import camera, hints, keys, pointer, tools
 from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.interaction.calibration import Calibration
@@ -51,7 +52,6 @@ if TYPE_CHECKING:
     from higvf_console.scenario.scenario import Scenario
     from higvf_console.world.setup import Setup
 
-FRAME = 1 / 30  # [s]
 # Between two frames, at least [s]: viser looks 60 times a second whether there is anything to send, and sends nothing
 # while a frame is being shown. Frames without a gap between them would starve the pages.
 REST = 1 / 50
@@ -190,16 +190,18 @@ class Console:
         self._thread.start()
 
     def run(self, stopping: threading.Event) -> None:
-        """Shows the latest snapshot 30 times a second, on a busy machine less often, until `stopping` is set.
+        """Shows the latest snapshot 30 times a second, or less often while the run is late, until `stopping` is set.
 
         What answers the operator is shown out of turn: who acts waits for the control period, not for a frame besides.
         """
-        due, answered = time.perf_counter(), self._session.answered
+        due, answered, pace = time.perf_counter(), self._session.answered, FramePace()
         while not stopping.is_set():
             answered.clear()
-            self.show(self._session.snapshot)
+            snapshot = self._session.snapshot
+            self.show(snapshot)
             now = time.perf_counter()
-            due = max(due + FRAME if now >= due else due, now + REST)
+            frame = pace.frame(snapshot.lost_time, now)
+            due = max(due + frame if now >= due else due, now + REST)
             answered.wait(due - now)
 
     def show(self, snapshot: "Snapshot") -> None:

@@ -8,7 +8,8 @@ from typing import cast
 
 import pytest
 
-from higvf_console.ui.console import FRAME, REST, Console
+from higvf_console.ui.console import REST, Console
+from higvf_console.ui.frame_pace import FRAME
 
 
 class Clock:
@@ -39,7 +40,8 @@ class Clock:
 
 def run(monkeypatch: pytest.MonkeyPatch, clock: Clock) -> None:
     monkeypatch.setattr(time, "perf_counter", lambda: clock.now)
-    view = SimpleNamespace(show=clock.show, _session=SimpleNamespace(snapshot=None, answered=clock))
+    snapshot = SimpleNamespace(lost_time=0.0)
+    view = SimpleNamespace(show=clock.show, _session=SimpleNamespace(snapshot=snapshot, answered=clock))
     Console.run(cast(Console, view), cast(threading.Event, clock))
 
 
