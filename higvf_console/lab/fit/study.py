@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import yaml
 
 from higvf_console.core.errors import ScenarioError
-from higvf_console.core.interface import Interface
+from higvf_console.lab.fit.firefighting import Branch
 from higvf_console.lab.fit.report import sensitivity, spread
 from higvf_console.lab.fit.search import POPULATION, RESTARTS, Trial, acceptable, attempt, choose, search, widest
 from higvf_console.lab.fit.space import BAR_HALF_WIDTH, DURATION, NAMES, SPACE, Sample, sample_of, unit, world_of
@@ -98,7 +98,7 @@ def predicted(sample: Sample, base: Setup) -> Columns | None:
 
 
 @cache
-def _strokes() -> dict[str, Interface]:
+def _strokes() -> dict[str, Branch]:
     return open_strokes(load_scenario(BASE))
 
 

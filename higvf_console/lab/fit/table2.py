@@ -8,12 +8,12 @@ Columns 2 and 3 are predictions: they use the world of column 1, `scenarios/tabl
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from higvf_console.channels.channels import open_interface
-from higvf_console.core.interface import InputSpec, Interface
-from higvf_console.lab.fit.firefighting import FirefightingRun, run_firefighting
+from higvf_console.core.interface import InputSpec
+from higvf_console.lab.fit.firefighting import Branch, FirefightingRun, Milestone, milestones, result, run_branch
 from higvf_console.lab.reproduce.paper import COLUMNS, Column
 from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
 from higvf_console.world.setup import Setup
@@ -22,8 +22,25 @@ SCENARIO = "table2"
 FIRE_LIMIT = 0.05  # relative error of a fire of column 1
 TOTAL_LIMIT = 0.02  # relative error of a column's total
 REDUCTION_LIMIT = 0.01  # error of a reduction, as a share of the total without a human
-STROKES: Mapping[str, str] = {"change_priority": "table2-priority.yaml", "find_hidden": "table2-hidden.yaml"}
 ALONE = "without_human"
+
+
+class Stroke(NamedTuple):
+    """The scripted operator of a column.
+
+    Attributes:
+        file: name of the script.
+        after: number of the fire that must be out, from 1; the operator does nothing before.
+    """
+
+    file: str
+    after: int
+
+
+STROKES: Mapping[str, Stroke] = {
+    "change_priority": Stroke("table2-priority.yaml", 1),
+    "find_hidden": Stroke("table2-hidden.yaml", 4),
+}
 
 
 class Verdict(NamedTuple):
@@ -49,7 +66,7 @@ class Verdict(NamedTuple):
 Columns = Mapping[str, FirefightingRun]  # by the name of the column in the paper
 
 
-def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Interface]) -> Columns:
+def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Branch]) -> Columns:
     """Runs one world in all three situations.
 
     Args:
@@ -57,10 +74,18 @@ def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Interface])
         duration: maximum duration of a run [s].
         strokes: operators from `open_strokes`.
     """
-    return {name: run_firefighting(setup, duration, strokes.get(name)) for name in COLUMNS}
+    return columns_of(milestones(setup, duration), setup, duration, strokes)
 
 
-def open_strokes(scenario: Scenario) -> dict[str, Interface]:
+def columns_of(
+    alone: Sequence[Milestone], setup: Setup, duration: float, strokes: Mapping[str, Branch]
+) -> Columns:  # fmt: skip
+    """All three columns of a world, from the milestones of its run without an operator."""
+    branches = {name: run_branch(alone, branch, setup, duration) for name, branch in strokes.items()}
+    return {ALONE: result(alone), **branches}
+
+
+def open_strokes(scenario: Scenario) -> dict[str, Branch]:
     """Opens the scripted operator of each column that has one; each may serve many runs.
 
     Raises:
@@ -68,8 +93,11 @@ def open_strokes(scenario: Scenario) -> dict[str, Interface]:
     """
     folder, robots = data_folder() / "scenarios" / "scripts", len(scenario.robots.points)
     return {
-        name: open_interface(InputSpec("script", str(folder / file), {}, {}, scenario.arena, robots))
-        for name, file in STROKES.items()
+        name: Branch(
+            open_interface(InputSpec("script", str(folder / stroke.file), {}, {}, scenario.arena, robots)),
+            stroke.after - 1,
+        )
+        for name, stroke in STROKES.items()
     }
 
 
