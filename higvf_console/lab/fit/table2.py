@@ -119,8 +119,8 @@ def kept_fit() -> dict[str, Any]:
     return json.loads((data_folder() / "scenarios" / f"{SCENARIO}-fit.json").read_text(encoding="utf-8"))
 
 
-def as_json(runs: Columns) -> dict[str, Any]:
-    """Three runs and the columns of the paper in the form that `table2` returns."""
+def as_json(runs: Columns, *, every_loss: bool = False) -> dict[str, Any]:
+    """Three runs and the columns of the paper in the form that `table2` returns; `every_loss` as in `verdicts`."""
     return {
         "table2": {name: _column(run.order, run.loss_area.tolist(), total(run)) for name, run in runs.items()},
         "paper": {
@@ -130,7 +130,7 @@ def as_json(runs: Columns) -> dict[str, Any]:
             name: {"loss_area": relative_errors(run, COLUMNS[name]), "total": total(run) / summed(COLUMNS[name]) - 1.0}
             for name, run in runs.items()
         },
-        "targets": [verdict._asdict() for verdict in verdicts(runs)],
+        "targets": [verdict._asdict() for verdict in verdicts(runs, every_loss=every_loss)],
     }
 
 
@@ -158,21 +158,31 @@ def reduction(runs: Columns, name: str) -> float:
     return total(runs[name]) / total(runs[ALONE]) - 1.0
 
 
-def verdicts(runs: Columns) -> tuple[Verdict, ...]:
-    """Compares with all targets: fires of column 1, totals, reductions, orders, signs of the changes, clearance."""
-    alone = zip(range(1, 6), COLUMNS[ALONE].loss_area, runs[ALONE].loss_area, strict=True)
+def verdicts(runs: Columns, *, every_loss: bool = False) -> tuple[Verdict, ...]:
+    """Compares with all targets: fires, totals, reductions, orders, signs of the changes, clearance.
+
+    Args:
+        runs: the three columns.
+        every_loss: whether the fires of columns 2 and 3 are compared too, or those of column 1 alone.
+    """
     changed = [name for name in COLUMNS if name != ALONE]
     return (
-        *(
-            _near(f"fire {fire} without human [m²]", printed, float(found), float(found) / printed - 1.0, FIRE_LIMIT)
-            for fire, printed, found in alone
-        ),
+        *(verdict for name in (COLUMNS if every_loss else (ALONE,)) for verdict in _loss_verdicts(name, runs)),
         *(_total_verdict(name, runs) for name in COLUMNS),
         *(_reduction_verdict(name, runs) for name in changed),
         *(_order_verdict(name, runs) for name in COLUMNS),
         *(_changes_verdict(name, runs) for name in changed),
         _clearance_verdict(runs),
     )
+
+
+def _loss_verdicts(name: str, runs: Columns) -> list[Verdict]:
+    column = COLUMNS[name]
+    situation = f" {column.title.lower()}" if name == ALONE else f", {column.title.lower()}"
+    return [
+        _near(f"fire {fire}{situation} [m²]", printed, float(found), float(found) / printed - 1.0, FIRE_LIMIT)
+        for fire, printed, found in zip(range(1, 6), column.loss_area, runs[name].loss_area, strict=True)
+    ]
 
 
 def _near(target: str, printed: float, found: float, error: float, limit: float) -> Verdict:

@@ -17,7 +17,7 @@ def summary(result: Mapping[str, Any]) -> str:
         f"{result['runs']} runs without a human, seed {result['seed']}: misfit {result['misfit']:.2f}; "
         f"{result['acceptable']} samples meet the targets of column 1"
     )
-    parts = [_parameters(result), _columns(result), _targets(result), _predictions(result), _influence(result)]
+    parts = [_parameters(result), loss_table(result), _targets(result), _predictions(result), _influence(result)]
     return "\n\n".join([head, *parts])
 
 
@@ -42,7 +42,8 @@ def _parameters(result: Mapping[str, Any]) -> str:
     return aligned(rows)
 
 
-def _columns(result: Mapping[str, Any]) -> str:
+def loss_table(result: Mapping[str, Any]) -> str:
+    """The loss areas beside those of the paper."""
     rows: list[Sequence[str]] = [
         ("loss area [m²]", *(cell for column in COLUMNS.values() for cell in (column.title, "paper", "error")))
     ]

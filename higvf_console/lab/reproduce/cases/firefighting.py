@@ -16,11 +16,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCENARIO = "table2"
-SPECS = {
-    "without_human": RunSpec(SCENARIO),
-    "change_priority": RunSpec(SCENARIO, "table2-priority"),
-    "find_hidden": RunSpec(SCENARIO, "table2-hidden"),
-}
+
+
+def specs(scenario: str) -> dict[str, RunSpec]:
+    """The runs of the three columns of Table II in a scenario."""
+    return {
+        "without_human": RunSpec(scenario),
+        "change_priority": RunSpec(scenario, "table2-priority"),
+        "find_hidden": RunSpec(scenario, "table2-hidden"),
+    }
+
+
+SPECS = specs(SCENARIO)
 _PICTURES = {"without_human": "fire-alone", "change_priority": "fire-priority", "find_hidden": "fire-hidden"}
 
 
