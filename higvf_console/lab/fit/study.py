@@ -88,12 +88,12 @@ def study(runs: int, seed: int, workers: int | None = None, keep: Path | None = 
     return Study(result, scenario_text(best, base))
 
 
-def head(runs: int, seed: int, chosen: Sample) -> dict[str, Any]:
+def head(runs: int, seed: int, chosen: Sample, restarts: int = RESTARTS) -> dict[str, Any]:
     """What the result of a fit begins with: the search, its space and the chosen sample."""
     return {
         "runs": runs,
         "seed": seed,
-        "restarts": RESTARTS,
+        "restarts": restarts,
         "population": POPULATION,
         "space": [{**free._asdict(), "unit": unit(free.name)} for free in SPACE],
         "chosen": dict(zip(NAMES, chosen, strict=True)),

@@ -156,7 +156,23 @@ def test_worlds_that_cannot_win_are_not_run() -> None:
 
     best = at(0.0, 0.1)
     assert choose_joint([at(100.0, 0.6), best, at(200.0, 0.7)], misfits) == (best, 0.5)
-    assert asked == neighbours(best.sample)
+    assert sorted(asked) == sorted(neighbours(best.sample))
+
+
+def test_a_world_is_given_up_at_its_first_neighbour_below_the_best_margin() -> None:
+    asked: list[Sample] = []
+
+    def misfits(samples: Sequence[Sample]) -> list[float]:
+        asked.extend(samples)
+        return [0.9 if sample[BAR] > CENTRE[BAR] + 50.0 else 0.5 for sample in samples]
+
+    best, beaten = at(0.0, 0.1), at(100.0, 0.2)
+    assert choose_joint([best, beaten], misfits) == (best, 0.5)
+    assert len(asked) == 2 * len(SPACE) + joint._TOGETHER
+
+
+def test_the_worlds_known_before_meet_the_table() -> None:
+    assert all(attempt_all(sample, load_scenario(BASE).setup(), strokes()).meets for sample in joint.KNOWN)
 
 
 def test_no_world_that_meets_the_table_is_an_error_with_advice() -> None:

@@ -7,12 +7,14 @@ import numpy as np
 
 from higvf_console.lab.fit.joint_study import JOINT_SCENARIO, kept_joint_fit
 from higvf_console.lab.fit.joint_text import mechanism
-from higvf_console.lab.reproduce.case import Case, Findings, Table, within
+from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Table, within
 from higvf_console.lab.reproduce.cases.firefighting import specs
 from higvf_console.lab.reproduce.cases.table2 import columns_of, loss_table, measured, picture, runs_of
 from higvf_console.lab.reproduce.measures import smallest_clearance
 from higvf_console.lab.reproduce.paper import COLUMNS
 from higvf_console.lab.reproduce.runs import Run, Runs
+
+_FIRE_4 = 3  # index
 
 
 def run_joint(runs: Runs) -> Findings:
@@ -22,7 +24,17 @@ def run_joint(runs: Runs) -> Findings:
     least = min(smallest_clearance(run) for run in made.values())
     caption = "Loss area of each fire in the three situations of Table II, in the world fitted to all of them."
     return Findings(
-        (*measured(columns, tuple(COLUMNS)), within("Minimum clearance", least, "m", 0.0, np.inf, "never negative")),
+        (
+            *measured(columns, tuple(COLUMNS)),
+            within("Minimum clearance", least, "m", 0.0, np.inf, "never negative"),
+            Measurement(
+                "Robots that go round the lower end of the bar to fire 5, by column",
+                ", ".join(str(below_bar(run)) for run in made.values()),
+                "",
+                "not given",
+                None,
+            ),
+        ),
         (picture("table2-joint", caption, columns),),
         tuple(made.values()),
         (loss_table(columns), _parameters(fit), _basins(fit)),
@@ -31,16 +43,11 @@ def run_joint(runs: Runs) -> Findings:
     )
 
 
-def passage(run: Run) -> str:
-    """The end of the bar that the first robot beyond it went round after fire 4 was out: "upper", "lower" or "none"."""
-    (x, y_low, _, y_high, _), *_ = run.scenario.obstacles.bars
-    after = run.position[~run.burning[:, 3]]
-    beyond = (after[:, :, 0] >= x).any(axis=1).nonzero()[0]
-    if not len(beyond):
-        return "none"
-    place = after[beyond[0]]
-    y = place[np.argmax(place[:, 0]), 1]
-    return "upper" if y >= y_high else "lower" if y <= y_low else "none"
+def below_bar(run: Run) -> int:
+    """Number of robots that come below the lower end of the bar after fire 4 is out."""
+    (_, y_low, _, _, _), *_ = run.scenario.obstacles.bars
+    after = run.position[~run.burning[:, _FIRE_4]]
+    return int((after[:, :, 1] < y_low).any(axis=0).sum())
 
 
 def _notes(fit: Mapping[str, Any]) -> tuple[str, ...]:
