@@ -1,9 +1,9 @@
-"""The result of `higvf fit --columns all` as plain text: Table II, chosen world, margins, spread."""
+"""The result of `higvf fit --columns all` as plain text: mechanism, Table II, chosen world, margins, spread."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from higvf_console.lab.fit.text import aligned, loss_table
+from higvf_console.lab.fit.text import aligned, loss_table, quantity_table
 
 
 def joint_summary(result: Mapping[str, Any]) -> str:
@@ -18,7 +18,8 @@ def joint_summary(result: Mapping[str, Any]) -> str:
         " This is a fit to all columns, not a prediction.\n"
         f"Chosen: misfit {result['misfit']:.2f}, margin {result['margin']:.2f}; missed: {', '.join(missed) or 'none'}"
     )
-    return "\n\n".join([first, mechanism(result), loss_table(result), _parameters(result), _basins(result)])
+    spread = quantity_table("worlds that meet Table II", result["spread"])
+    return "\n\n".join([first, mechanism(result), loss_table(result), _parameters(result), _basins(result), spread])
 
 
 def mechanism(result: Mapping[str, Any]) -> str:

@@ -85,22 +85,21 @@ class KeptTrials(Generic[AnyTrial]):
         except (OSError, UnicodeDecodeError) as error:
             raise HigvfError(f"--keep {file}: {getattr(error, 'strerror', None) or 'not a text file'}") from error
         whole = text[: text.rfind("\n") + 1]
-        lines = whole.splitlines()
         try:
-            found = [json.loads(line) for line in lines]
+            found = [json.loads(line) for line in whole.splitlines()]
+            if text and (not found or "higvf_fit_trials" not in found[0]):
+                raise ValueError
+            if found and found[0] != head:
+                raise HigvfError(
+                    f"--keep {file}: its trials are of another fit; give another file for --columns {head['columns']}"
+                )
             trials = [self._form.read(fields) for fields in found[1:]]
-        except (ValueError, TypeError) as error:
+        except (ValueError, TypeError, IndexError) as error:
             raise HigvfError(f"--keep {file}: this is not a file of trials that `higvf fit` wrote") from error
-        if not found:
-            if text:
-                raise HigvfError(f"--keep {file}: this is not a file of trials that `higvf fit` wrote")
-            self._append(json.dumps(head) + "\n")
-        elif found[0] != head:
-            raise HigvfError(
-                f"--keep {file}: its trials are of another fit; give another file for --columns {self._form.columns}"
-            )
-        elif trials and again(trials[0].sample) != trials[0]:
+        if trials and again(trials[0].sample) != trials[0]:
             raise HigvfError(f"--keep {file}: the engine has changed since its trials were made; give another file")
+        if not found:
+            self._append(json.dumps(head) + "\n")
         elif whole != text:
             file.write_text(whole, encoding="utf-8")
         self._known = {trial.sample: trial for trial in trials}

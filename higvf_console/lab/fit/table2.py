@@ -29,17 +29,17 @@ class Stroke(NamedTuple):
     """The scripted operator of a column.
 
     Attributes:
-        file: name of the script.
+        script: name of the shipped script.
         after: number of the fire that must be out, from 1; the operator does nothing before.
     """
 
-    file: str
+    script: str
     after: int
 
 
 STROKES: Mapping[str, Stroke] = {
-    "change_priority": Stroke("table2-priority.yaml", 1),
-    "find_hidden": Stroke("table2-hidden.yaml", 4),
+    "change_priority": Stroke("table2-priority", 1),
+    "find_hidden": Stroke("table2-hidden", 4),
 }
 
 
@@ -94,7 +94,7 @@ def open_strokes(scenario: Scenario) -> dict[str, Branch]:
     folder, robots = data_folder() / "scenarios" / "scripts", len(scenario.robots.points)
     return {
         name: Branch(
-            open_interface(InputSpec("script", str(folder / stroke.file), {}, {}, scenario.arena, robots)),
+            open_interface(InputSpec("script", str(folder / f"{stroke.script}.yaml"), {}, {}, scenario.arena, robots)),
             stroke.after - 1,
         )
         for name, stroke in STROKES.items()

@@ -79,10 +79,14 @@ def _targets(result: Mapping[str, Any]) -> str:
 
 
 def _predictions(result: Mapping[str, Any]) -> str:
-    rows: list[Sequence[str]] = [
-        (f"{result['spread']['samples']} samples that meet column 1", "paper", "minimum", "median", "maximum")
-    ]
-    for name, found in result["spread"]["predictions"].items():
+    found = result["spread"]
+    return quantity_table(f"{found['samples']} samples that meet column 1", found["predictions"])
+
+
+def quantity_table(title: str, ranges: Mapping[str, Mapping[str, float]]) -> str:
+    """The result of `report.quantity_ranges` as a table."""
+    rows: list[Sequence[str]] = [(title, "paper", "minimum", "median", "maximum")]
+    for name, found in ranges.items():
         numbers = (found[key] for key in ("paper", "low", "median", "high"))
         rows.append((name, *(f"{number:,.0f}" if "total" in name else f"{100 * number:+.2f} %" for number in numbers)))
     return aligned(rows)

@@ -64,6 +64,8 @@ def test_a_line_that_was_cut_off_is_made_again(tmp_path: Path) -> None:
     ("text", "reason"),
     [
         ("no trials\n", "not a file of trials that `higvf fit` wrote"),
+        ('{"higvf_fit_trials": 1', "not a file of trials that `higvf fit` wrote"),
+        ("[1]\n", "not a file of trials that `higvf fit` wrote"),
         ("{}", "not a file of trials that `higvf fit` wrote"),
         ('{"higvf_fit_trials": 1, "columns": "all", "parameters": []}\n', "give another file for --columns 1"),
     ],
@@ -81,6 +83,13 @@ def test_trials_of_another_engine_are_refused(tmp_path: Path) -> None:
     searched(file)
     with pytest.raises(HigvfError, match="the engine has changed"):
         KeptTrials(FORM, file, lambda sample: bowl(sample)._replace(objective=-1.0))
+
+
+def test_trials_of_the_other_fit_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "trials.jsonl"
+    searched(file)
+    with pytest.raises(HigvfError, match="of another fit; give another file for --columns all"):
+        KeptTrials(JOINT_FORM, file, lambda sample: JointTrial(sample, 0.0, True, 0.0))
 
 
 def test_a_folder_is_refused_with_the_option(tmp_path: Path) -> None:

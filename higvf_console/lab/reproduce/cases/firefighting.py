@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from higvf_console.lab.fit.table2 import SCENARIO, STROKES
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, Table, within
 from higvf_console.lab.reproduce.figures import maps
@@ -15,16 +16,10 @@ from higvf_console.lab.reproduce.runs import Run, Runs, RunSpec
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SCENARIO = "table2"
-
 
 def specs(scenario: str) -> dict[str, RunSpec]:
     """The runs of the three columns of Table II in a scenario."""
-    return {
-        "without_human": RunSpec(scenario),
-        "change_priority": RunSpec(scenario, "table2-priority"),
-        "find_hidden": RunSpec(scenario, "table2-hidden"),
-    }
+    return {name: RunSpec(scenario, STROKES[name].script if name in STROKES else None) for name in COLUMNS}
 
 
 SPECS = specs(SCENARIO)

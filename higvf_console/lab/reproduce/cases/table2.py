@@ -37,13 +37,13 @@ def runs_of(runs: Runs, specs: Mapping[str, RunSpec]) -> dict[str, Run]:
     return {name: runs.get(spec) for name, spec in specs.items()}
 
 
-def _predictions(fit: Mapping[str, Any]) -> Table:
+def quantities(title: str, ranges: Mapping[str, Mapping[str, float]]) -> Table:
+    """The spread of totals, reductions and largest errors over several worlds, as `fit.report` gives it."""
     rows = [
         (name.replace(".", ", "), *(_amount(name, found[key]) for key in ("paper", "low", "median", "high")))
-        for name, found in fit["spread"]["predictions"].items()
+        for name, found in ranges.items()
     ]
-    head = ("", "paper", "minimum", "median", "maximum")
-    return Table("Predictions of the worlds that meet column 1", head, tuple(rows))
+    return Table(title, ("", "paper", "minimum", "median", "maximum"), tuple(rows))
 
 
 def _amount(name: str, value: float) -> str:
@@ -94,7 +94,12 @@ def run_table_2(runs: Runs) -> Findings:
             ),
         ),
         tuple(made.values()),
-        (loss_table(columns), _predictions(fit), _parameters(fit), _influence(fit)),
+        (
+            loss_table(columns),
+            quantities("Predictions of the worlds that meet column 1", fit["spread"]["predictions"]),
+            _parameters(fit),
+            _influence(fit),
+        ),
         notes,
         {"table2": columns},
     )

@@ -9,7 +9,7 @@ from higvf_console.lab.fit.joint_study import JOINT_SCENARIO, kept_joint_fit
 from higvf_console.lab.fit.joint_text import mechanism
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Table, within
 from higvf_console.lab.reproduce.cases.firefighting import specs
-from higvf_console.lab.reproduce.cases.table2 import columns_of, loss_table, measured, picture, runs_of
+from higvf_console.lab.reproduce.cases.table2 import columns_of, loss_table, measured, picture, quantities, runs_of
 from higvf_console.lab.reproduce.measures import smallest_clearance
 from higvf_console.lab.reproduce.paper import COLUMNS
 from higvf_console.lab.reproduce.runs import Run, Runs
@@ -37,7 +37,12 @@ def run_joint(runs: Runs) -> Findings:
         ),
         (picture("table2-joint", caption, columns),),
         tuple(made.values()),
-        (loss_table(columns), _parameters(fit), _basins(fit)),
+        (
+            loss_table(columns),
+            _parameters(fit),
+            _basins(fit),
+            quantities("Spread of the worlds that meet every number", fit["spread"]),
+        ),
         _notes(fit),
         {"table2_joint": columns},
     )
