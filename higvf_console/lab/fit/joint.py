@@ -10,7 +10,7 @@ The selection rule was fixed before the search whose result is shipped, when two
 3. Of these, the world with the largest margin is chosen: 1 - misfit, the smallest over the world itself and the worlds
    in which one parameter is 1 % smaller or larger.
 
-The search has two halves: that of column 1 (`search`) with the misfit of all columns as objective, then random steps
+The search has two parts: that of column 1 (`search`) with the misfit of all columns as objective, then random steps
 from the worlds that meet the table (`explore`), which show how far such worlds extend. The steps also start from
 `KNOWN`, two worlds that an earlier search over about 19 000 samples of the same space found.
 """
@@ -39,7 +39,7 @@ KNOWN: tuple[Sample, ...] = (
     (12.38, 0.013, 38.2, 103.5, 0.009, 0.004, 82.5, 786.0, 170.0, 453.0),
 )
 _HOPELESS = 3.0  # misfit of column 1 at which the other columns are not run
-_TOGETHER = 4  # neighbours that are run together
+_TOGETHER = 2  # neighbours that are run together
 _FRONT = 8  # best samples from which to step while none meets the table
 _BATCH = 48  # samples between two choices of the samples from which to step
 _MISSED = 2.0  # least misfit of a world that misses an order, a sign or the clearance

@@ -65,9 +65,12 @@ def joint_study(runs: int, seed: int, workers: int | None = None, keep: Path | N
     Raises:
         HigvfError: there are too few runs, no sample meets the table, or `keep` cannot be used.
     """
-    least = 2 * JOINT_RESTARTS * POPULATION
-    if runs < least:
-        raise HigvfError(f"--runs {runs}: give {least} or more for --columns all (half of them search, half explore)")
+    searched = 3 * runs // 4
+    if searched < JOINT_RESTARTS * POPULATION:
+        least = -(-4 * JOINT_RESTARTS * POPULATION // 3)
+        raise HigvfError(
+            f"--runs {runs}: give {least} or more for --columns all (a quarter steps from the best worlds)"
+        )
     base = load_scenario(BASE)
     setup = base.setup()
     kept = KeptTrials(FORM, keep, partial(_attempt, base=setup))
@@ -86,7 +89,7 @@ def joint_study(runs: int, seed: int, workers: int | None = None, keep: Path | N
             return list(pool.map(partial(_misfit, base=setup), samples, chunksize=CHUNK))
 
         trials = {
-            trial.sample: trial for trial in [*evaluate(KNOWN), *search(runs // 2, seed, evaluate, JOINT_RESTARTS)]
+            trial.sample: trial for trial in [*evaluate(KNOWN), *search(searched, seed, evaluate, JOINT_RESTARTS)]
         }
         trials = explore(trials.values(), runs - len(trials), seed, evaluate)
         bar.end()

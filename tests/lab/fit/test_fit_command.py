@@ -65,7 +65,7 @@ def test_other_columns_are_refused_with_the_choices(capsys: pytest.CaptureFixtur
     assert "argument --columns: invalid choice: '2' (choose from" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("columns", "least"), [("1", 192), ("all", 192)])
+@pytest.mark.parametrize(("columns", "least"), [("1", 192), ("all", 128)])
 def test_too_few_runs_are_refused_with_the_least(columns: str, least: int, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["fit", "--columns", columns, "--runs", "5"]) == 2
     assert f"higvf: --runs 5: give {least} or more" in capsys.readouterr().err
