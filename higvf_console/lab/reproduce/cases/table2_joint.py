@@ -62,6 +62,10 @@ def _notes(fit: Mapping[str, Any]) -> tuple[str, ...]:
         f"{fit['worlds']} of {fit['runs']} worlds that were tried meet every number. The rule, fixed beforehand, takes"
         f" the largest margin when one parameter is 1 % off (here {fit['margin']:.2f}, in units of the limits).",
         mechanism(fit),
+        "The paper tells fire 5 as a fire that the robots cannot see until it spreads. About 1 800 worlds were aimed at"
+        " this. In every one that hid fire 5 from the whole team for a second, it burnt at least 30 % more than printed"
+        " in column 1: the robot intention [11] is proportional to the visible angle, so the team creeps towards a fire"
+        " that has just come into sight.",
     )
 
 
