@@ -165,11 +165,20 @@ def _add_inspect(commands: Any) -> None:
 def _add_fit(commands: Any) -> None:
     fit = commands.add_parser(
         "fit",
-        help="fit the parameters that the paper does not give to column 1 of Table II, and predict columns 2 and 3",
+        help="fit the parameters that the paper does not give to column 1 of Table II, or to all of its columns",
     )
     fit.set_defaults(command="fit")
+    fit.add_argument(
+        "--columns",
+        choices=("1", "all"),
+        default="1",
+        help="1: fit column 1 and predict columns 2 and 3 (default); all: fit one world to every number",
+    )
     fit.add_argument("--runs", type=int, default=6000, metavar="N", help="number of samples to try (default 6000)")
     fit.add_argument("--seed", type=_seed, default=0, metavar="S", help="random seed of the search (default 0)")
+    fit.add_argument(
+        "--keep", type=Path, metavar="FILE", help="keep the trials in FILE, and go on from those that it holds"
+    )
     fit.add_argument("--json", metavar="FILE", help="write the result as JSON; - writes to standard output")
     fit.add_argument("--scenario", metavar="FILE", help="write the chosen world as a scenario file")
 

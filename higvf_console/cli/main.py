@@ -110,18 +110,21 @@ def _reproduce(given: argparse.Namespace) -> int:
 
 def _fit(given: argparse.Namespace) -> int:
     from higvf_console.cli.engine import load_engine
+    from higvf_console.lab.fit.joint_study import joint_study
+    from higvf_console.lab.fit.joint_text import joint_summary
     from higvf_console.lab.fit.study import BASE, study
     from higvf_console.lab.fit.text import summary
     from higvf_console.scenario.scenario import load_scenario
 
     load_engine(load_scenario(BASE).setup())
-    found = study(given.runs, given.seed)
+    fit, text = (study, summary) if given.columns == "1" else (joint_study, joint_summary)
+    found = fit(given.runs, given.seed, keep=given.keep)
     if given.scenario is not None:
         write("--scenario", given.scenario, found.scenario)
     if given.json is not None:
         write("--json", given.json, json.dumps(found.result, indent=2) + "\n")
     if given.json != "-":
-        print(summary(found.result))
+        print(text(found.result))
     return 0
 
 

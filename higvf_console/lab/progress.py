@@ -21,14 +21,20 @@ class ProgressBar:
         self._stream = sys.stderr if stream is None else stream
         self._draw("")
 
-    def advance(self, steps: int) -> None:
-        """Adds `steps` finished steps; ends the line after the last one."""
+    def advance(self, steps: int, note: str = "") -> None:
+        """Adds `steps` finished steps, with a note behind the count; ends the line after the last one."""
         self._done += steps
-        self._draw("\n" if self._done >= self._total else "")
+        self._draw("\n" if self._done >= self._total else "", note)
 
-    def _draw(self, end: str) -> None:
+    def end(self) -> None:
+        """Ends the line, if fewer steps were made than the bar has."""
+        if self._done < self._total:
+            self._draw("\n")
+
+    def _draw(self, end: str, note: str = "") -> None:
         if self._stream.isatty():
             filled = _WIDTH * self._done // max(self._total, 1)
             bar = "#" * filled + "." * (_WIDTH - filled)
-            self._stream.write(f"\r{self._title} [{bar}] {self._done}/{self._total}{end}")
+            text = f"{self._title} [{bar}] {self._done}/{self._total} {note}".rstrip()
+            self._stream.write(f"\r{text}\x1b[K{end}")  # erases the rest of a longer line
             self._stream.flush()

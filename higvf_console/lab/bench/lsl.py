@@ -9,7 +9,7 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -103,8 +103,19 @@ def _latency(lsl: Any, pushes: int, period: float) -> dict[str, float]:
             time.sleep(period or 0.0002)
     finally:
         interface.close()
-    p50, p99 = np.percentile(taken or [np.nan], (50, 99)).tolist()
-    return {"p50": round(p50, 3), "p99": round(p99, 3), "count": len(taken)}
+    return percentiles(taken)
+
+
+def percentiles(milliseconds: Sequence[float]) -> dict[str, float]:
+    """Median and 99th percentile of latencies, and their number.
+
+    Raises:
+        HigvfError: there are none.
+    """
+    if not milliseconds:
+        raise HigvfError("suite lsl: no push came back as a command")
+    p50, p99 = np.percentile(milliseconds, (50, 99)).tolist()
+    return {"p50": round(p50, 3), "p99": round(p99, 3), "count": len(milliseconds)}
 
 
 def _hour(lsl: Any, stream_s: float) -> dict[str, float]:

@@ -2,10 +2,12 @@
 
 A tick of a session costs several times that of the kernel, and a fit needs ten thousand runs. These runs publish no
 snapshots. They skip the time before the team moves, advance tick by tick while the operator may still act, as a session
-does, and then in chunks that end where a fire goes out.
+does, and then in chunks that end where a fire goes out. An operator who waits for a fire to go out branches off the run
+without an operator, so that the ticks before are computed once.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +39,32 @@ class FirefightingRun(NamedTuple):
     min_clearance: float
 
 
+class Milestone(NamedTuple):
+    """A run at the end of a tick in which fires went out, or at its start.
+
+    Attributes:
+        state: the state.
+        order: fire indices, in the order in which they went out.
+        min_clearance: minimum clearance until then [m].
+    """
+
+    state: SimState
+    order: tuple[int, ...]
+    min_clearance: float
+
+
+class Branch(NamedTuple):
+    """An operator who does nothing before a fire is out.
+
+    Attributes:
+        operator: polled once at the start, and then from the tick in which the fire goes out.
+        fire: index of the fire.
+    """
+
+    operator: Interface
+    fire: int
+
+
 def run_firefighting(
     setup: Setup, duration: float, operator: Interface | None = None, limits: Floats | None = None
 ) -> FirefightingRun:  # fmt: skip
@@ -48,8 +76,53 @@ def run_firefighting(
         operator: polled each tick until its channel has ended; None = no operator.
         limits: (M,) loss areas [m^2]; the run ends early when a fire exceeds its limit.
     """
-    state, clearance = (setup.start if operator else state_before_departure(setup)), math.inf
-    out: tuple[int, ...] = ()
+    start = Milestone(setup.start if operator else state_before_departure(setup), (), math.inf)
+    return result(_milestones(start, setup, duration, operator, limits))
+
+
+def milestones(setup: Setup, duration: float, limits: Floats | None = None) -> tuple[Milestone, ...]:
+    """The milestones of the run without an operator; the last one is its end.
+
+    Args:
+        setup: world, parameters and start state.
+        duration: maximum session time [s].
+        limits: (M,) loss areas [m^2]; the run ends early when a fire exceeds its limit.
+    """
+    start = Milestone(state_before_departure(setup), (), math.inf)
+    return tuple(_milestones(start, setup, duration, None, limits))
+
+
+def result(run: Sequence[Milestone]) -> FirefightingRun:
+    """The result of a run, from its milestones."""
+    motion = run[-1].state.motion
+    order = tuple(fire + 1 for fire in run[-1].order)
+    return FirefightingRun(order, loss_area(motion), motion.tick, run[-1].min_clearance)
+
+
+def run_branch(alone: Sequence[Milestone], branch: Branch, setup: Setup, duration: float) -> FirefightingRun:
+    """The run with an operator, from where it leaves the run without one; the result of `run_firefighting`.
+
+    Args:
+        alone: milestones of the run without an operator.
+        branch: the operator; if its fire never goes out, the result is that of the run without an operator.
+        setup: world, parameters and start state.
+        duration: maximum session time [s].
+
+    Raises:
+        ValueError: the operator acts at the start.
+    """
+    if branch.operator.poll(_context(setup.start, (), setup)):  # the start: it forgets the run before
+        raise ValueError(f"{branch.operator.name} acts at the start, before fire {branch.fire + 1} is out")
+    start = next((at for at in alone if branch.fire in at.order), alone[-1])
+    return result(_milestones(start, setup, duration, branch.operator, None))
+
+
+def _milestones(
+    start: Milestone, setup: Setup, duration: float, operator: Interface | None, limits: Floats | None
+) -> list[Milestone]:
+    """The milestones of a run after `start`; the last one is its end."""
+    state, out, clearance = start
+    found: list[Milestone] = []
     last = math.ceil(duration / setup.params.safety.control_period - 1e-9)
     while state.motion.tick < last and state.motion.fire_burning.any():
         if limits is not None and (loss_area(state.motion) > limits).any():
@@ -61,8 +134,11 @@ def run_firefighting(
         burning = state.motion.fire_burning
         state, nearest = _roll_to_change(state, setup, ticks)
         clearance = min(clearance, nearest)
-        out += tuple(int(fire) for fire in (burning & ~state.motion.fire_burning).nonzero()[0])
-    return FirefightingRun(tuple(fire + 1 for fire in out), loss_area(state.motion), state.motion.tick, clearance)
+        gone = tuple(int(fire) for fire in (burning & ~state.motion.fire_burning).nonzero()[0])
+        if gone:
+            out += gone
+            found.append(Milestone(state, out, clearance))
+    return [*found, Milestone(state, out, clearance)]
 
 
 def state_before_departure(setup: Setup) -> SimState:
@@ -88,20 +164,24 @@ def _apply_operator(state: SimState, operator: Interface, out: tuple[int, ...], 
     Returns:
         The next state, and whether the operator may still act.
     """
-    time, intent = state.motion.tick * setup.params.safety.control_period, state.intent
-    context = OperatorContext(
-        time=time,
+    for command in operator.poll(_context(state, out, setup)):
+        state, _ = apply_command(state, command, setup)
+    time = state.motion.tick * setup.params.safety.control_period
+    return state, operator.health(time).state is not ChannelState.ENDED
+
+
+def _context(state: SimState, out: tuple[int, ...], setup: Setup) -> OperatorContext:
+    """What an operator is told at a state in which the fires `out` are out."""
+    return OperatorContext(
+        time=state.motion.tick * setup.params.safety.control_period,
         operator="operator",
         viewport=None,
         clutch=state.pointer_state.clutch,
-        paused=intent.paused,
-        influenced=intent.influenced,
+        paused=state.intent.paused,
+        influenced=state.intent.influenced,
         extinguished=out,
         robots=len(state.motion.position),
     )
-    for command in operator.poll(context):
-        state, _ = apply_command(state, command, setup)
-    return state, operator.health(time).state is not ChannelState.ENDED
 
 
 def _roll_to_change(state: SimState, setup: Setup, ticks: int) -> tuple[SimState, float]:

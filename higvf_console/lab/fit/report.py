@@ -36,17 +36,13 @@ def spread(samples: Sequence[Sample], run: RunColumns) -> dict[str, Any]:
     outcomes = [columns for _, columns in tried]
     judged = [verdicts(columns) for columns in outcomes]
     nearest = min(range(len(judged)), key=lambda place: _missed(judged[place]))
-    quantities = [_quantities(columns) for columns in outcomes]
-    paper = _paper_quantities()
     return {
         "samples": len(samples),
         "parameters": {
             free.name: {"chosen": column[0], "low": column.min(), "high": column.max(), "unit": unit(free.name)}
             for free, column in zip(SPACE, table.T, strict=True)
         },
-        "predictions": {
-            name: {"paper": paper[name], **_range([one[name] for one in quantities])} for name in quantities[0]
-        },
+        "predictions": quantity_ranges(outcomes),
         "targets_met": {
             verdict.target: float(np.mean([verdicts_of[place].met for verdicts_of in judged]))
             for place, verdict in enumerate(judged[0])
@@ -57,6 +53,12 @@ def spread(samples: Sequence[Sample], run: RunColumns) -> dict[str, Any]:
             "targets": [verdict._asdict() for verdict in judged[nearest]],
         },
     }
+
+
+def quantity_ranges(outcomes: Sequence[Columns]) -> dict[str, dict[str, float]]:
+    """Totals, reductions and largest errors over worlds: {quantity: {paper, low, median, high}}."""
+    found, paper = [_quantities(columns) for columns in outcomes], _paper_quantities()
+    return {name: {"paper": paper[name], **_range([one[name] for one in found])} for name in paper}
 
 
 def _missed(judged: Sequence[Verdict]) -> tuple[int, float]:

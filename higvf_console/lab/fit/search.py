@@ -15,7 +15,7 @@ acceptable; their scatter shows what column 1 does not determine.
 """
 
 from collections.abc import Callable, Iterable, Sequence, Sized
-from typing import Any, NamedTuple, TypeAlias, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from scipy.optimize import OptimizeResult, differential_evolution
@@ -24,6 +24,7 @@ from scipy.stats import qmc
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import HigvfError, ScenarioError
 from higvf_console.lab.fit.firefighting import FirefightingRun, run_firefighting
+from higvf_console.lab.fit.kept import AnyTrial, TrialForm
 from higvf_console.lab.fit.space import DURATION, SPACE, Sample, distance, on_grid, world_of
 from higvf_console.lab.fit.table2 import ALONE, FIRE_LIMIT, TOTAL_LIMIT, relative_errors, summed, total
 from higvf_console.lab.reproduce.paper import COLUMNS
@@ -32,9 +33,9 @@ from higvf_console.world.setup import Setup
 ACCEPTABLE = 1.0  # misfit
 RESTARTS = 4
 POPULATION = 48
-_ABORT_ERROR = 0.15  # relative error of one fire at which a run is ended early
+ABORT_ERROR = 0.15  # relative error of one fire at which a run is ended early
 _RESOLUTION = 0.02  # resolution of the misfit
-_REFUSED = 100.0  # objective of a sample that cannot be run
+REFUSED = 100.0  # objective of a sample that cannot be run
 
 
 class Trial(NamedTuple):
@@ -54,7 +55,7 @@ class Trial(NamedTuple):
     objective: float
 
 
-Evaluate: TypeAlias = Callable[[Sequence[Sample]], Iterable[Trial]]
+FORM = TrialForm("1", lambda fields: Trial(tuple(fields[0]), tuple(fields[1]), *fields[2:]))
 
 
 def attempt(sample: Sample, base: Setup) -> Trial:
@@ -62,9 +63,9 @@ def attempt(sample: Sample, base: Setup) -> Trial:
     try:
         setup = world_of(sample, base)
     except ScenarioError:
-        return Trial(sample, (), False, _REFUSED)
+        return Trial(sample, (), False, REFUSED)
     column = COLUMNS[ALONE]
-    run = run_firefighting(setup, DURATION, limits=(1.0 + _ABORT_ERROR) * np.array(column.loss_area))
+    run = run_firefighting(setup, DURATION, limits=(1.0 + ABORT_ERROR) * np.array(column.loss_area))
     return judged(sample, run)
 
 
@@ -83,23 +84,26 @@ def misfit(errors: Iterable[float], total_error: float) -> float:
     return max([abs(error) / FIRE_LIMIT for error in errors] + [abs(total_error) / TOTAL_LIMIT])
 
 
-def search(runs: int, seed: int, evaluate: Evaluate) -> list[Trial]:
+def search(
+    runs: int, seed: int, evaluate: Callable[[Sequence[Sample]], Iterable[AnyTrial]], restarts: int = RESTARTS
+) -> list[AnyTrial]:
     """Tries about `runs` samples, each once; the same seed gives the same samples.
 
     Args:
         runs: number of samples.
         seed: seed of the search.
         evaluate: runs samples and returns their trials.
+        restarts: number of searches that share the runs.
 
     Raises:
         HigvfError: `runs` is smaller than one population for each restart.
     """
-    share = runs // RESTARTS
+    share = runs // restarts
     if share < POPULATION:
         raise HigvfError(
-            f"--runs {runs}: give {RESTARTS * POPULATION} or more ({RESTARTS} restarts of {POPULATION} samples)"
+            f"--runs {runs}: give {restarts * POPULATION} or more ({restarts} restarts of {POPULATION} samples)"
         )
-    tried: dict[Sample, Trial] = {}
+    tried: dict[Sample, AnyTrial] = {}
 
     def objective(points: Floats) -> Floats:
         samples = [on_grid(point) for point in points.T]
@@ -108,7 +112,7 @@ def search(runs: int, seed: int, evaluate: Evaluate) -> list[Trial]:
         return np.array([tried[sample].objective for sample in samples])
 
     bounds = np.array([[free.low, free.high] for free in SPACE])
-    for number, entropy in enumerate(np.random.SeedSequence(seed).spawn(RESTARTS), start=1):
+    for number, entropy in enumerate(np.random.SeedSequence(seed).spawn(restarts), start=1):
         rng = np.random.default_rng(entropy)
         start = qmc.scale(qmc.LatinHypercube(len(SPACE), rng=rng).random(POPULATION), *bounds.T)
         differential_evolution(
@@ -154,7 +158,7 @@ def acceptable(trials: Iterable[Trial], best: Trial) -> list[Trial]:
     return sorted(trial for trial in trials if trial.admissible and trial.objective <= most)
 
 
-def widest(trials: Iterable[Trial], first: Trial, most: int) -> list[Trial]:
+def widest(trials: Iterable[AnyTrial], first: AnyTrial, most: int) -> list[AnyTrial]:
     """At most `most` trials that cover the spread: `first`, then repeatedly the one farthest from those chosen."""
     rest = [trial for trial in trials if trial.sample != first.sample]
     kept = [first]

@@ -8,12 +8,12 @@ Columns 2 and 3 are predictions: they use the world of column 1, `scenarios/tabl
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from higvf_console.channels.channels import open_interface
-from higvf_console.core.interface import InputSpec, Interface
-from higvf_console.lab.fit.firefighting import FirefightingRun, run_firefighting
+from higvf_console.core.interface import InputSpec
+from higvf_console.lab.fit.firefighting import Branch, FirefightingRun, Milestone, milestones, result, run_branch
 from higvf_console.lab.reproduce.paper import COLUMNS, Column
 from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
 from higvf_console.world.setup import Setup
@@ -22,8 +22,25 @@ SCENARIO = "table2"
 FIRE_LIMIT = 0.05  # relative error of a fire of column 1
 TOTAL_LIMIT = 0.02  # relative error of a column's total
 REDUCTION_LIMIT = 0.01  # error of a reduction, as a share of the total without a human
-STROKES: Mapping[str, str] = {"change_priority": "table2-priority.yaml", "find_hidden": "table2-hidden.yaml"}
 ALONE = "without_human"
+
+
+class Stroke(NamedTuple):
+    """The scripted operator of a column.
+
+    Attributes:
+        script: name of the shipped script.
+        after: number of the fire that must be out, from 1; the operator does nothing before.
+    """
+
+    script: str
+    after: int
+
+
+STROKES: Mapping[str, Stroke] = {
+    "change_priority": Stroke("table2-priority", 1),
+    "find_hidden": Stroke("table2-hidden", 4),
+}
 
 
 class Verdict(NamedTuple):
@@ -49,7 +66,7 @@ class Verdict(NamedTuple):
 Columns = Mapping[str, FirefightingRun]  # by the name of the column in the paper
 
 
-def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Interface]) -> Columns:
+def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Branch]) -> Columns:
     """Runs one world in all three situations.
 
     Args:
@@ -57,10 +74,18 @@ def run_columns(setup: Setup, duration: float, strokes: Mapping[str, Interface])
         duration: maximum duration of a run [s].
         strokes: operators from `open_strokes`.
     """
-    return {name: run_firefighting(setup, duration, strokes.get(name)) for name in COLUMNS}
+    return columns_of(milestones(setup, duration), setup, duration, strokes)
 
 
-def open_strokes(scenario: Scenario) -> dict[str, Interface]:
+def columns_of(
+    alone: Sequence[Milestone], setup: Setup, duration: float, strokes: Mapping[str, Branch]
+) -> Columns:  # fmt: skip
+    """All three columns of a world, from the milestones of its run without an operator."""
+    branches = {name: run_branch(alone, branch, setup, duration) for name, branch in strokes.items()}
+    return {ALONE: result(alone), **branches}
+
+
+def open_strokes(scenario: Scenario) -> dict[str, Branch]:
     """Opens the scripted operator of each column that has one; each may serve many runs.
 
     Raises:
@@ -68,8 +93,11 @@ def open_strokes(scenario: Scenario) -> dict[str, Interface]:
     """
     folder, robots = data_folder() / "scenarios" / "scripts", len(scenario.robots.points)
     return {
-        name: open_interface(InputSpec("script", str(folder / file), {}, {}, scenario.arena, robots))
-        for name, file in STROKES.items()
+        name: Branch(
+            open_interface(InputSpec("script", str(folder / f"{stroke.script}.yaml"), {}, {}, scenario.arena, robots)),
+            stroke.after - 1,
+        )
+        for name, stroke in STROKES.items()
     }
 
 
@@ -91,8 +119,8 @@ def kept_fit() -> dict[str, Any]:
     return json.loads((data_folder() / "scenarios" / f"{SCENARIO}-fit.json").read_text(encoding="utf-8"))
 
 
-def as_json(runs: Columns) -> dict[str, Any]:
-    """Three runs and the columns of the paper in the form that `table2` returns."""
+def as_json(runs: Columns, *, every_loss: bool = False) -> dict[str, Any]:
+    """Three runs and the columns of the paper in the form that `table2` returns; `every_loss` as in `verdicts`."""
     return {
         "table2": {name: _column(run.order, run.loss_area.tolist(), total(run)) for name, run in runs.items()},
         "paper": {
@@ -102,7 +130,7 @@ def as_json(runs: Columns) -> dict[str, Any]:
             name: {"loss_area": relative_errors(run, COLUMNS[name]), "total": total(run) / summed(COLUMNS[name]) - 1.0}
             for name, run in runs.items()
         },
-        "targets": [verdict._asdict() for verdict in verdicts(runs)],
+        "targets": [verdict._asdict() for verdict in verdicts(runs, every_loss=every_loss)],
     }
 
 
@@ -130,21 +158,31 @@ def reduction(runs: Columns, name: str) -> float:
     return total(runs[name]) / total(runs[ALONE]) - 1.0
 
 
-def verdicts(runs: Columns) -> tuple[Verdict, ...]:
-    """Compares with all targets: fires of column 1, totals, reductions, orders, signs of the changes, clearance."""
-    alone = zip(range(1, 6), COLUMNS[ALONE].loss_area, runs[ALONE].loss_area, strict=True)
+def verdicts(runs: Columns, *, every_loss: bool = False) -> tuple[Verdict, ...]:
+    """Compares with all targets: fires, totals, reductions, orders, signs of the changes, clearance.
+
+    Args:
+        runs: the three columns.
+        every_loss: whether the fires of columns 2 and 3 are compared too, or those of column 1 alone.
+    """
     changed = [name for name in COLUMNS if name != ALONE]
     return (
-        *(
-            _near(f"fire {fire} without human [m²]", printed, float(found), float(found) / printed - 1.0, FIRE_LIMIT)
-            for fire, printed, found in alone
-        ),
+        *(verdict for name in (COLUMNS if every_loss else (ALONE,)) for verdict in _loss_verdicts(name, runs)),
         *(_total_verdict(name, runs) for name in COLUMNS),
         *(_reduction_verdict(name, runs) for name in changed),
         *(_order_verdict(name, runs) for name in COLUMNS),
         *(_changes_verdict(name, runs) for name in changed),
         _clearance_verdict(runs),
     )
+
+
+def _loss_verdicts(name: str, runs: Columns) -> list[Verdict]:
+    column = COLUMNS[name]
+    situation = f" {column.title.lower()}" if name == ALONE else f", {column.title.lower()}"
+    return [
+        _near(f"fire {fire}{situation} [m²]", printed, float(found), float(found) / printed - 1.0, FIRE_LIMIT)
+        for fire, printed, found in zip(range(1, 6), column.loss_area, runs[name].loss_area, strict=True)
+    ]
 
 
 def _near(target: str, printed: float, found: float, error: float, limit: float) -> Verdict:

@@ -17,7 +17,7 @@ def summary(result: Mapping[str, Any]) -> str:
         f"{result['runs']} runs without a human, seed {result['seed']}: misfit {result['misfit']:.2f}; "
         f"{result['acceptable']} samples meet the targets of column 1"
     )
-    parts = [_parameters(result), _columns(result), _targets(result), _predictions(result), _influence(result)]
+    parts = [_parameters(result), loss_table(result), _targets(result), _predictions(result), _influence(result)]
     return "\n\n".join([head, *parts])
 
 
@@ -42,7 +42,8 @@ def _parameters(result: Mapping[str, Any]) -> str:
     return aligned(rows)
 
 
-def _columns(result: Mapping[str, Any]) -> str:
+def loss_table(result: Mapping[str, Any]) -> str:
+    """The loss areas beside those of the paper."""
     rows: list[Sequence[str]] = [
         ("loss area [m²]", *(cell for column in COLUMNS.values() for cell in (column.title, "paper", "error")))
     ]
@@ -78,10 +79,14 @@ def _targets(result: Mapping[str, Any]) -> str:
 
 
 def _predictions(result: Mapping[str, Any]) -> str:
-    rows: list[Sequence[str]] = [
-        (f"{result['spread']['samples']} samples that meet column 1", "paper", "minimum", "median", "maximum")
-    ]
-    for name, found in result["spread"]["predictions"].items():
+    found = result["spread"]
+    return quantity_table(f"{found['samples']} samples that meet column 1", found["predictions"])
+
+
+def quantity_table(title: str, ranges: Mapping[str, Mapping[str, float]]) -> str:
+    """The result of `report.quantity_ranges` as a table."""
+    rows: list[Sequence[str]] = [(title, "paper", "minimum", "median", "maximum")]
+    for name, found in ranges.items():
         numbers = (found[key] for key in ("paper", "low", "median", "high"))
         rows.append((name, *(f"{number:,.0f}" if "total" in name else f"{100 * number:+.2f} %" for number in numbers)))
     return aligned(rows)

@@ -78,6 +78,7 @@ class Case(NamedTuple):
         paper: place in the paper, and its claim.
         how: description of the runs.
         run: computes the findings.
+        beside: names of cases that are run and shown with it.
     """
 
     name: str
@@ -85,6 +86,7 @@ class Case(NamedTuple):
     paper: str
     how: str
     run: Callable[[Runs], Findings]
+    beside: tuple[str, ...] = ()
 
 
 def within(what: str, value: float, unit: str, low: float, high: float, expected: str) -> Measurement:

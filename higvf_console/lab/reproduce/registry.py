@@ -13,14 +13,15 @@ from higvf_console.lab.reproduce.cases import (
     forms,
     physical,
     table2,
+    table2_joint,
 )
 
-_PARTS = (fields, composite, circles, firefighting, table2, physical, forms, certificates)
+_PARTS = (fields, composite, circles, firefighting, table2, table2_joint, physical, forms, certificates)
 CASES: dict[str, Case] = {case.name: case for part in _PARTS for case in part.CASES}
 
 
 def choose(names: Sequence[str]) -> tuple[Case, ...]:
-    """Selects cases by name; returns them in the order of the paper, or all of them if there are no names.
+    """Selects cases by name, and those shown beside them; in the order of the paper, all of them without names.
 
     Raises:
         HigvfError: a name is unknown; the message suggests the closest and lists all.
@@ -28,4 +29,5 @@ def choose(names: Sequence[str]) -> tuple[Case, ...]:
     for name in names:
         if name not in CASES:
             raise HigvfError(f"no case '{name}'{closest(name, tuple(CASES))}; known cases: {', '.join(CASES)}")
-    return tuple(case for name, case in CASES.items() if not names or name in names)
+    wanted = {shown for name in names for shown in (name, *CASES[name].beside)}
+    return tuple(case for name, case in CASES.items() if not names or name in wanted)

@@ -119,5 +119,14 @@ def test_a_progress_bar_draws_only_on_a_terminal() -> None:
         bar.advance(1)
         bar.advance(3)
     assert "] 1/4" in terminal.getvalue()
-    assert terminal.getvalue().endswith("] 4/4\n")
+    assert terminal.getvalue().endswith("] 4/4\x1b[K\n")
     assert file.getvalue() == ""
+
+
+def test_a_progress_bar_shows_a_note_and_ends_its_line_before_the_last_step() -> None:
+    terminal = Terminal()
+    bar = ProgressBar("fit", 4, terminal)
+    bar.advance(2, "smallest objective 0.50")
+    bar.end()
+    assert "] 2/4 smallest objective 0.50" in terminal.getvalue()
+    assert terminal.getvalue().endswith("] 2/4\x1b[K\n")

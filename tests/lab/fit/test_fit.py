@@ -190,7 +190,6 @@ def no_influence(*_: object) -> dict[str, None]:
 
 
 def test_a_small_study_predicts_judges_and_writes_its_world(monkeypatch: pytest.MonkeyPatch, shipped: Sample) -> None:
-    monkeypatch.setattr(fit, "RESTARTS", 1)
     monkeypatch.setattr(fit, "POPULATION", 6)
     monkeypatch.setattr(fit_study, "SPREAD_SAMPLES", 1)
     monkeypatch.setattr(fit_study, "sensitivity", no_influence)
@@ -198,7 +197,7 @@ def test_a_small_study_predicts_judges_and_writes_its_world(monkeypatch: pytest.
         free._replace(low=value - free.step, high=value + free.step) for free, value in zip(SPACE, shipped, strict=True)
     )
     monkeypatch.setattr(fit, "SPACE", beside)
-    found = study(12, 0, workers=1)
+    found = study(24, 0, workers=1)
     result = found.result
     assert json.loads(json.dumps(result, allow_nan=False)) == result
     assert tuple(result["chosen"].values()) == sample_of(parse_scenario(found.scenario, "written.yaml").setup())

@@ -5,11 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 from higvf_console.core.arrays import floats
 from higvf_console.lab.fit.firefighting import FirefightingRun
-from higvf_console.lab.fit.table2 import Verdict, kept_fit, summed, table2, verdicts
+from higvf_console.lab.fit.table2 import STROKES, Verdict, kept_fit, summed, table2, verdicts
 from higvf_console.lab.reproduce.paper import COLUMNS
+from higvf_console.scenario.scenario import data_folder
 
 ALONE, PRIORITY, HIDDEN = COLUMNS
 
@@ -111,3 +113,10 @@ def test_the_spread_holds_the_chosen_world(found: dict[str, Any]) -> None:
     for name, column in found["table2"].items():
         ranges = found["spread"]["predictions"][f"total_m2.{name}"]
         assert ranges["low"] <= column["total_m2"] <= ranges["high"]
+
+
+@pytest.mark.parametrize("name", STROKES)
+def test_a_stroke_waits_for_the_fire_that_it_is_said_to_wait_for(name: str) -> None:
+    stroke = STROKES[name]
+    (entry,) = yaml.safe_load((data_folder() / "scenarios" / "scripts" / f"{stroke.script}.yaml").read_text())
+    assert entry["when"] == {"extinguished": stroke.after}

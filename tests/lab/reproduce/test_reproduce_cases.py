@@ -10,6 +10,7 @@ from higvf_console.control.guidance.paths import path_points
 from higvf_console.core.arrays import Floats
 from higvf_console.core.state import PathStatus
 from higvf_console.lab.reproduce.case import Measurement
+from higvf_console.lab.reproduce.cases.table2_joint import below_bar
 from higvf_console.lab.reproduce.registry import CASES
 from higvf_console.lab.reproduce.results import Results
 from higvf_console.lab.reproduce.runs import Run
@@ -150,9 +151,19 @@ def test_every_form_has_its_experiment_with_two_different_numbers(reproduction: 
     assert all(row["printed"] != row["corrected"] for row in forms.values())
 
 
-def test_table_2_has_three_columns_that_add_up(reproduction: Results) -> None:
-    table = reproduction.plain()["table2"]
+@pytest.mark.parametrize("key", ["table2", "table2_joint"])
+def test_table_2_has_three_columns_that_add_up(reproduction: Results, key: str) -> None:
+    table = reproduction.plain()[key]
     assert list(table) == ["without_human", "change_priority", "find_hidden"]
     for column in table.values():
         assert sorted(column["order"]) == [1, 2, 3, 4, 5]
         assert column["total_m2"] == pytest.approx(sum(column["loss_area_m2"]))
+        assert list(column) == ["order", "loss_area_m2", "total_m2"]
+
+
+def test_the_joint_fit_is_told_as_a_fit_with_the_way_of_the_team(reproduction: Results) -> None:
+    findings = next(result.findings for result in reproduction.results if result.case.name == "table2-joint")
+    assert "This is a fit to all three columns, not a prediction" in findings.notes[0]
+    assert len([m for m in findings.measurements if m.what.endswith("largest error of a loss area")]) == 3
+    alone, priority, hidden = findings.runs
+    assert below_bar(alone) > below_bar(priority) == below_bar(hidden) == 0

@@ -118,6 +118,11 @@ def test_cases_run_in_the_papers_order_whatever_the_order_of_their_names() -> No
     assert [case.name for case in choose([])] == list(CASES)
 
 
+def test_the_prediction_of_table_2_comes_with_the_joint_fit_beside_it() -> None:
+    assert [case.name for case in choose(["table2"])] == ["table2", "table2-joint"]
+    assert [case.name for case in choose(["table2-joint"])] == ["table2-joint"]
+
+
 def test_a_report_that_cannot_be_written_is_one_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "taken").write_text("")
     assert main(["reproduce", "bumps", "--out", str(tmp_path / "taken")]) == 2

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from higvf_console.lab.fit.table2 import SCENARIO, STROKES
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, Table, within
 from higvf_console.lab.reproduce.figures import maps
@@ -15,12 +16,13 @@ from higvf_console.lab.reproduce.runs import Run, Runs, RunSpec
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SCENARIO = "table2"
-SPECS = {
-    "without_human": RunSpec(SCENARIO),
-    "change_priority": RunSpec(SCENARIO, "table2-priority"),
-    "find_hidden": RunSpec(SCENARIO, "table2-hidden"),
-}
+
+def specs(scenario: str) -> dict[str, RunSpec]:
+    """The runs of the three columns of Table II in a scenario."""
+    return {name: RunSpec(scenario, STROKES[name].script if name in STROKES else None) for name in COLUMNS}
+
+
+SPECS = specs(SCENARIO)
 _PICTURES = {"without_human": "fire-alone", "change_priority": "fire-priority", "find_hidden": "fire-hidden"}
 
 
