@@ -23,7 +23,7 @@ from higvf_console.core.reports import Warned
 from higvf_interfaces.decisions.feeds import DecisionFeed, Due
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.records import Decision, GazeRecording
-from higvf_interfaces.streams import CLOCK_GRAIN, Stamp
+from higvf_interfaces.streams import CLOCK_GRAIN, RunClock, Stamp
 
 DELAYS = ("latency", "jitter", "dropout", "seed")
 ERRORS = (*DELAYS, "confusion")
@@ -103,7 +103,7 @@ class EmulatedFeed:
         """Apply the errors of `model` to `feed`."""
         self._feed, self._model = feed, model
         self._waiting: deque[Due] = deque()
-        self._now = -math.inf
+        self._clock = RunClock()
         self._played = False
         self.labels: Sequence[str] = feed.labels
 
@@ -124,10 +124,9 @@ class EmulatedFeed:
 
     def due(self, now: float) -> list[Due]:
         """Return the decisions that arrive by session time `now` [s]."""
-        if now < self._now:
+        if self._clock.was_reset(now):
             self._waiting.clear()
             self._played = False
-        self._now = now
         for index, decision in self._feed.due(now):
             emulated = emulate(decision, index, self.labels, self._model)
             if emulated is not None:
@@ -149,7 +148,7 @@ class EmulatedInterface:
         self._stamp = Stamp(interface.name)
         self._waiting: deque[OperatorCommand] = deque()
         self._due: deque[float] = deque()
-        self._now = -math.inf
+        self._clock = RunClock()
         self._count = 0
 
     @property
@@ -169,11 +168,10 @@ class EmulatedInterface:
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """Return the commands that have arrived, stamped with their times of arrival."""
-        if context.time < self._now:
+        if self._clock.was_reset(context.time):
             self._waiting.clear()
             self._due.clear()
             self._count = 0
-        self._now = context.time
         for command in self._interface.poll(context):
             self._send(command)
         given: list[OperatorCommand] = []

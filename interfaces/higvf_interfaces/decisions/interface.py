@@ -5,7 +5,6 @@ The label map has the action names and the channel's defaults; the scenario's op
     inputs: {emg: {labels: {fist: pause, spread: none, point: "robot:2"}, threshold: 0.6, refractory: 1.0}}
 """
 
-import math
 from collections.abc import Mapping, Sequence
 
 from higvf_console.core.commands import OperatorCommand, ResetRun
@@ -21,7 +20,7 @@ from higvf_interfaces.emulation import ERRORS, EmulatedFeed, error_model
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.formats.signals.reading import read_decisions
 from higvf_interfaces.live import lsl
-from higvf_interfaces.streams import Stamp
+from higvf_interfaces.streams import RunClock, Stamp
 
 OPTIONS = (
     "labels", "threshold", "refractory", "start", "format",
@@ -68,7 +67,7 @@ class DecisionReplay:
         self._feed = feed if errors is None else EmulatedFeed(feed, errors)
         self._name = spec.channel
         self._stamp = Stamp(spec.channel)
-        self._now = -math.inf
+        self._clock = RunClock()
         self._resets: set[int] = set()
 
     @property
@@ -83,9 +82,8 @@ class DecisionReplay:
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """Return the commands of the decisions that are due, stamped with the times of the decisions."""
-        if context.time < self._now:
+        if self._clock.was_reset(context.time):
             self._interpreter.restart()
-        self._now = context.time
         given: list[OperatorCommand] = []
         for index, decision in self._feed.due(context.time):
             command = self._interpreter.command(decision, context.robots)

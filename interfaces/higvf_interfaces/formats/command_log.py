@@ -3,16 +3,17 @@
 A log without times is rejected unless the period between entries is given.
 """
 
-import itertools
 import json
 import math
 from collections.abc import Iterator
 from typing import NamedTuple, cast
 
+from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.fields import is_number, shown
+from higvf_interfaces.formats.clock import event_times
 from higvf_interfaces.formats.gaze.plain import TIMES, seconds_of
-from higvf_interfaces.formats.records import CommandLog, Decision, log_start
+from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.text import TextFile, as_label, cell, number, without_milliseconds
 
 CSV_NAME, JSON_NAME = "command-csv", "command-jsonl"
@@ -116,14 +117,12 @@ def _log(file: TextFile, entries: list[_Entry], name: str, notes: list[str], per
         raise InputError(f"{file.path}: no entry has both a time and a label")
     if len(usable) < len(entries):
         notes.append(f"{len(entries) - len(usable)} entries without time or label dropped")
-    if any(later.time < earlier.time for earlier, later in itertools.pairwise(usable)):
-        notes.append("entries out of order: sorted by time")
-    usable.sort(key=lambda entry: entry.time)
-    start = log_start(usable[0].time)
-    if start:
-        notes.append(f"times count from an epoch: shifted by {-start:.3f} s")
-    decisions = tuple(Decision(e.time - start, e.label, _confidence(file, e)) for e in usable)
-    return CommandLog(decisions, start, name, tuple(notes))
+    order, times, epoch, repaired = event_times(floats([entry.time for entry in usable]), from_epoch=True)
+    decisions = tuple(
+        Decision(time, usable[row].label, _confidence(file, usable[row]))
+        for row, time in zip(order.tolist(), times.tolist(), strict=True)
+    )
+    return CommandLog(decisions, epoch, name, (*notes, *repaired))
 
 
 def _confidence(file: TextFile, entry: _Entry) -> float | None:

@@ -1,7 +1,5 @@
 """A script of operator actions as an interface: the way to repeat a run, and to test adapter and controller alike."""
 
-import math
-
 import numpy as np
 
 from higvf_console.core.arrays import floats
@@ -13,7 +11,7 @@ from higvf_interfaces.emulation import DELAYS, EmulatedInterface, error_model
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.paths import named
 from higvf_interfaces.scripts.file import Script, Stroke, read_script
-from higvf_interfaces.streams import CLOCK_GRAIN, Stamp
+from higvf_interfaces.streams import CLOCK_GRAIN, RunClock, Stamp
 
 
 class ScriptPlayer:
@@ -28,7 +26,7 @@ class ScriptPlayer:
         self._name = name
         self._entries, self.warnings = script
         self._stamp = Stamp(name)
-        self._now = -math.inf
+        self._clock = RunClock()
         self._resets: set[int] = set()
         self._forget()
 
@@ -39,14 +37,13 @@ class ScriptPlayer:
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """Commands that have fallen due, in order of time."""
-        if context.time < self._now:
+        if self._clock.was_reset(context.time):
             self._forget()
-        self._now = context.time
         given: list[OperatorCommand] = []
         for due, index in self._due(context):
             given += self._drawn_until(due, context)
             given += self._fire(index, due, context)
-        return given + self._drawn_until(self._now + CLOCK_GRAIN, context)
+        return given + self._drawn_until(self._clock.now + CLOCK_GRAIN, context)
 
     def health(self, now: float) -> ChannelHealth:  # noqa: ARG002 - a script cannot fall silent
         """How many entries have fired; ended after the last."""
@@ -70,11 +67,11 @@ class ScriptPlayer:
             if index in self._fired:
                 continue
             if index not in self._event_times:
-                met = entry.trigger.met(self._now, context.extinguished)
+                met = entry.trigger.met(self._clock.now, context.extinguished)
                 if met is None:
                     continue
                 self._event_times[index] = met + entry.trigger.after
-            if self._event_times[index] <= self._now + CLOCK_GRAIN:
+            if self._event_times[index] <= self._clock.now + CLOCK_GRAIN:
                 due.append((self._event_times[index], index))
         return sorted(due)
 
