@@ -142,14 +142,19 @@ def choose(
     Raises:
         InputError: If no stream or several match; the message lists all streams.
     """
-    words = [word.strip().casefold() for word in (wanted or "").split("+") if word.strip()]
-    fit = [stream for stream in candidates if all(word in _handles(stream) for word in words)]
+    fit = fitting(candidates, wanted)
     if len(fit) == 1 or (fit and fit[0].info.source_id and len({_device(stream) for stream in fit}) == 1):
         return fit[0]._replace(parts=tuple(stream.number for stream in fit), closed=all(s.closed for s in fit))
     listed = "; ".join(map(str, streams)) or "none"
-    asked = f"{option}={(wanted or '')[:80]} fits" if words else "the file has"
+    asked = f"{option}={wanted[:80]} fits" if wanted and wanted.strip(" +") else "the file has"
     way_out = f"; choose one by {option}=TYPE, NAME, SOURCE or NUMBER, or several of these joined by +"
     raise InputError(f"{path}: {asked} {len(fit)} {what}{way_out if streams else ''}; the file has: {listed}")
+
+
+def fitting(streams: Sequence[XdfStream], wanted: str | None) -> list[XdfStream]:
+    """Return the streams that have all the words joined by `+` as type, name, source id or number; all if None."""
+    words = [word.strip().casefold() for word in (wanted or "").split("+") if word.strip()]
+    return [stream for stream in streams if all(word in _handles(stream) for word in words)]
 
 
 def channel_texts(header: ET.Element, key: str, count: int) -> list[str]:
