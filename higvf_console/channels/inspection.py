@@ -11,6 +11,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Protocol, cast
 
+from higvf_console.channels.link import LinkErrors, split_link
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
 
@@ -46,6 +47,7 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
     points = sorted(entry_points(group=GROUP), key=lambda point: _rank(point, spec.channel))
     if not points:
         raise InputError(f"no inspector is installed (entry points of the group {GROUP}); install the package again")
+    spec, errors = split_link(spec)
     refusals: list[str] = []
     before = _written(plot)
     for point in points:
@@ -57,7 +59,8 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
         except Exception as error:  # whatever another package's code raises
             refusals.append(f"inspector '{point.name}' failed: {type(error).__name__}: {error}")
         else:
-            return description if plot is None or _written(plot) != before else _unplotted(description, plot)
+            unplotted = plot is not None and _written(plot) == before
+            return _warned(description, [*_unplotted(description, plot if unplotted else None), *_unlinked(errors)])
     raise InputError("; ".join(refusals))
 
 
@@ -75,12 +78,22 @@ def _written(plot: Path | None) -> tuple[int, int] | None:
     return None if found is None else (found.st_size, found.st_mtime_ns)
 
 
-def _unplotted(description: Mapping[str, object], plot: Path) -> Mapping[str, object]:
-    """A description with the warning that no picture was written, where it does not say so itself."""
-    warnings = [str(warning) for warning in cast(Sequence[object], description.get("warnings") or ())]
-    if any(warning.startswith(_NO_PICTURE) for warning in warnings):
-        return description
-    return {**description, "warnings": [*warnings, f"{_NO_PICTURE}: {plot} was not written"]}
+def _unplotted(description: Mapping[str, object], plot: Path | None) -> list[str]:
+    """That a picture was not written, where the description does not say so itself; nothing without one."""
+    said = any(warning.startswith(_NO_PICTURE) for warning in _warnings(description))
+    return [f"{_NO_PICTURE}: {plot} was not written"] if plot is not None and not said else []
+
+
+def _unlinked(errors: LinkErrors | None) -> list[str]:
+    return [f"{errors}: errors of the link, which hold in a run and are not applied here"] if errors else []
+
+
+def _warnings(description: Mapping[str, object]) -> list[str]:
+    return [str(warning) for warning in cast(Sequence[object], description.get("warnings") or ())]
+
+
+def _warned(description: Mapping[str, object], more: Sequence[str]) -> Mapping[str, object]:
+    return {**description, "warnings": [*_warnings(description), *more]} if more else description
 
 
 def as_json(description: Mapping[str, object]) -> str:

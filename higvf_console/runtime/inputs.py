@@ -75,7 +75,7 @@ def demo_specs(scenario: Scenario) -> list[InputSpec]:
 
 def opening_warnings(scenario: Scenario, channels: Channels) -> tuple[Event, ...]:
     """The warnings of a scenario and of the inputs that a session is opened with."""
-    warned = (interface for interface in map(channels.named, channels.names) if isinstance(interface, Warned))
+    warned = (interface for interface in map(channels.device, channels.names) if isinstance(interface, Warned))
     return (
         *(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings),
         *(Event(0.0, Severity.WARNING, "input", text) for interface in warned for text in interface.warnings),

@@ -16,7 +16,7 @@ from higvf_interfaces.decisions.evidence import STREAMING
 from higvf_interfaces.decisions.feeds import LogFeed
 from higvf_interfaces.decisions.interpretation import Interpreter
 from higvf_interfaces.decisions.options import DECODING, RECORDED, decoder_of, signal_request
-from higvf_interfaces.emulation import ERRORS, EmulatedFeed, error_model
+from higvf_interfaces.emulation import ERRORS, ConfusedFeed, error_model
 from higvf_interfaces.fields import option_fields
 from higvf_interfaces.formats.signals.reading import read_decisions
 from higvf_interfaces.live import lsl
@@ -50,7 +50,7 @@ class DecisionReplay:
         options = option_fields(spec, OPTIONS)
         decodes = decoder_of(spec, options, "channels") is not None
         self._interpreter = Interpreter(defaults, options, STREAMING if decodes else Evidence())
-        errors = error_model(options)
+        errors = error_model(options, spec.seed)
         start = options.number("start", 0.0, -1e6, 1e6, "s")
         self._live: lsl.LslReader | None = None
         if lsl.is_live(spec, _RECORDED_ALONE if decodes else (*_RECORDED_ALONE, "stream", "rate", "period")):
@@ -64,7 +64,7 @@ class DecisionReplay:
             feed = decoder_feed(spec.source, options, start)
         else:
             feed = LogFeed(read_decisions(spec.source, signal_request(options)), start)
-        self._feed = feed if errors is None else EmulatedFeed(feed, errors)
+        self._feed = feed if errors is None else ConfusedFeed(feed, errors)
         self._name = spec.channel
         self._stamp = Stamp(spec.channel)
         self._clock = RunClock()

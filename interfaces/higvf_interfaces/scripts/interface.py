@@ -5,10 +5,8 @@ import numpy as np
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand, Pick, Prioritise, ResetRun, StrokeBegin, StrokePoints
 from higvf_console.core.edits import AddEntity, EntityKind
-from higvf_console.core.errors import ScriptError
-from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
-from higvf_interfaces.emulation import DELAYS, EmulatedInterface, error_model
-from higvf_interfaces.fields import option_fields
+from higvf_console.core.errors import InputError, ScriptError
+from higvf_console.core.interface import LINK_OPTIONS, ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.paths import named
 from higvf_interfaces.scripts.file import Script, Stroke, read_script
 from higvf_interfaces.streams import CLOCK_GRAIN, RunClock, Stamp
@@ -92,14 +90,18 @@ class ScriptPlayer:
         return [self._stamp(command, due, context) for due, command in ready]
 
 
-def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
-    """Entry point `script`; its options are those of an emulated link, `emulation.DELAYS`.
+def open_script(spec: InputSpec) -> ScriptPlayer:
+    """Entry point `script`; it has no options of its own.
 
     Raises:
         ScriptError: the script cannot be used, or names a robot that the team does not have.
-        InputError: an option cannot be used.
+        InputError: an option is given.
     """
-    errors = error_model(option_fields(spec, DELAYS))
+    if given := [*spec.options, *spec.settings]:
+        raise InputError(
+            f"input {spec.channel}={spec.source}: a script has no option {given[0]!r}; options of every channel: "
+            f"{', '.join(LINK_OPTIONS)}, seed"
+        )
     script = read_script(named(spec.source))
     actions = [entry.action for entry in script.entries]
     added = sum(isinstance(action, AddEntity) and action.kind == EntityKind.ROBOT for action in actions)
@@ -107,8 +109,7 @@ def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
         robot = _robot(entry.action)
         if robot is not None and spec.robots is not None and robot >= spec.robots + added:
             raise ScriptError(f"{entry.place}: robot: there is no robot {robot + 1}; give 1 to {spec.robots + added}")
-    player = ScriptPlayer(spec.channel, script)
-    return player if errors is None else EmulatedInterface(player, errors)
+    return ScriptPlayer(spec.channel, script)
 
 
 def _robot(action: Stroke | OperatorCommand) -> int | None:
