@@ -91,7 +91,6 @@ def _add_run(commands: Any) -> None:
     run.add_argument(
         "--seed",
         type=_seed,
-        default=0,
         metavar="N",
         help="random seed of start positions, measurement noise and packet loss (default 0)",
     )

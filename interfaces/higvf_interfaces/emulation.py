@@ -14,6 +14,7 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.interface import LINK_OPTIONS
 from higvf_interfaces.decisions.feeds import DecisionFeed, Due
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.records import Decision
@@ -60,6 +61,14 @@ def error_model(options: Fields, seed: int = 0) -> ErrorModel | None:
         drift_deg_per_min=options.number("drift_deg_per_min", 0.0, 0.0, 600.0, "deg/min"),
         seed=seed,
     )
+
+
+def idle_seed(options: Fields) -> tuple[str, ...]:
+    """Return a warning if the options have a seed, and no error that it seeds."""
+    if not options.has("seed") or error_model(options) is not None:
+        return ()
+    seeded = [key for key in options.known if key in (*ERRORS, *GAZE_ERRORS) and key != "seed"]
+    return (f"{options.place}: seed changes nothing without {', '.join((*LINK_OPTIONS, *seeded))}",)
 
 
 def confuse(decision: Decision, index: int, labels: Sequence[str], model: ErrorModel) -> Decision:

@@ -107,3 +107,13 @@ def test_invalid_error_models_are_refused(write: Write, options: dict[str, objec
     with pytest.raises(InputError) as refusal:
         open_bci(InputSpec("bci", write("time,label\n1,robot1\n"), settings=options))
     assert message in str(refusal.value)
+
+
+def test_a_seed_that_seeds_nothing_is_warned_of(write: Write) -> None:
+    log, look = write("time,label\n1,robot1\n"), write("time,x [px],y [px]\n0,1,1\n0.1,2,2\n", "look.csv")
+    (warning,) = open_bci(InputSpec("bci", log, {"seed": "3"})).warnings
+    assert warning.endswith("seed changes nothing without latency, jitter, dropout, confusion")
+    (warning,) = open_gaze(InputSpec("gaze", look, {"seed": "3"})).warnings
+    assert warning.endswith("seed changes nothing without latency, jitter, dropout, noise_deg, drift_deg_per_min")
+    assert open_bci(InputSpec("bci", log, {"seed": "3", "confusion": "0.9"})).warnings == ()
+    assert open_bci(InputSpec("bci", log)).warnings == ()

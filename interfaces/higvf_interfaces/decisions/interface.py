@@ -16,8 +16,9 @@ from higvf_interfaces.decisions.evidence import STREAMING
 from higvf_interfaces.decisions.feeds import LogFeed
 from higvf_interfaces.decisions.interpretation import Interpreter
 from higvf_interfaces.decisions.options import DECODING, RECORDED, decoder_of, signal_request
-from higvf_interfaces.emulation import ERRORS, ConfusedFeed, error_model
+from higvf_interfaces.emulation import ERRORS, ConfusedFeed, error_model, idle_seed
 from higvf_interfaces.fields import option_fields
+from higvf_interfaces.formats.clock import clock_warnings
 from higvf_interfaces.formats.signals.reading import read_decisions
 from higvf_interfaces.live import lsl
 from higvf_interfaces.streams import RunClock, Stamp
@@ -51,6 +52,7 @@ class DecisionReplay:
         decodes = decoder_of(spec, options, "channels") is not None
         self._interpreter = Interpreter(defaults, options, STREAMING if decodes else Evidence())
         errors = error_model(options, spec.seed)
+        self._warnings = idle_seed(options)
         start = options.number("start", 0.0, -1e6, 1e6, "s")
         self._live: lsl.LslReader | None = None
         if lsl.is_live(spec, _RECORDED_ALONE if decodes else (*_RECORDED_ALONE, "stream", "rate", "period")):
@@ -74,6 +76,11 @@ class DecisionReplay:
     def name(self) -> str:
         """Channel name, shown in the status line."""
         return self._name
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is doubtful about the recording's clock and the options."""
+        return (*self._warnings, *clock_warnings(self._feed.notes))
 
     @property
     def trace(self) -> Sequence[Verdict]:

@@ -10,6 +10,7 @@ other.
 """
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,6 +27,17 @@ _SAME_TIME = 1e-5  # samples closer in time are duplicates [s]
 _USUAL_STEP = 1e-3  # assumed time between samples until it is known [s]
 _USUAL_PAUSE = 1.0  # likewise between events [s]
 _COARSEST = (("s", 0.5), ("ms", 500.0), ("μs", 5e5))  # upper bound of the time step between gaze samples in each unit
+
+
+class ClockNote(str):
+    """A note that a clock is not what it seems, of which a run warns when it opens the input."""
+
+    __slots__ = ()
+
+
+def clock_warnings(notes: Iterable[str]) -> tuple[str, ...]:
+    """Return the notes of which a run warns."""
+    return tuple(note for note in notes if isinstance(note, ClockNote))
 
 
 class Repairs:
@@ -110,10 +122,10 @@ class Repairs:
         repairs = (
             (self.untimed, f"{counted(self.untimed, 'row')} without a time dropped"),
             (self._odd, f"{counted(self._odd, 'implausible time stamp')} ignored"),
-            (self._restarts, f"{counted(self._restarts, 'clock restart')} joined"),
+            (self._restarts, ClockNote(f"{counted(self._restarts, 'clock restart')} joined")),
             (
                 self._set,
-                f"the clock was set {counted(self._set, 'time')}, by up to {self._farthest:.0f} s: joined",
+                ClockNote(f"the clock was set {counted(self._set, 'time')}, by up to {self._farthest:.0f} s: joined"),
             ),
             (
                 self._gaps,

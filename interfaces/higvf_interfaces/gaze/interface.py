@@ -18,8 +18,9 @@ from higvf_console.core.commands import Cursor, OperatorCommand, StrokeBegin, St
 from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_console.core.reports import AttentionReport, CalibrationReport, CaptureReport, DwellReport
 from higvf_console.core.viewport import Viewport
-from higvf_interfaces.emulation import GAZE_ERRORS
+from higvf_interfaces.emulation import GAZE_ERRORS, idle_seed
 from higvf_interfaces.fields import Fields, option_fields
+from higvf_interfaces.formats.clock import clock_warnings
 from higvf_interfaces.gaze.attention_counts import AttentionCounts
 from higvf_interfaces.gaze.calibration import calibration_report
 from higvf_interfaces.gaze.dwell_button import IDLE, step
@@ -83,6 +84,7 @@ class GazeReplay:
         """
         options = option_fields(spec, OPTIONS)
         self._clutch, self._box, self._follows_browser, self._waits = drawing_options(options)
+        self._warnings = idle_seed(options)
         self._live = LiveGaze(spec, options) if lsl.is_live(spec, _RECORDED_ALONE) else None
         self._source = self._live or GazeSource(spec, options)
         self._playback = GazePlayback(self._source.chunks) if isinstance(self._source, GazeSource) else self._source
@@ -98,6 +100,11 @@ class GazeReplay:
     def name(self) -> str:
         """Channel name, shown in the status line."""
         return self._name
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is doubtful about the recording's clock and the options."""
+        return (*self._warnings, *clock_warnings(self._source.notes))
 
     def attention_report(self) -> AttentionReport | None:
         """Return the attention counts so far; None before the first sample."""

@@ -8,11 +8,14 @@ import pytest
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
+from higvf_console.core.interface import InputSpec
+from higvf_interfaces.decisions.emg import open_emg
 from higvf_interfaces.formats.clock import DeviceClock, event_times, joined
 from higvf_interfaces.formats.common_clock import ArrivalClock, on_one_clock
 from higvf_interfaces.formats.reading import read_gaze
 from higvf_interfaces.formats.signals.reading import read_decisions, read_signals
 from higvf_interfaces.formats.signals.records import SignalRequest, whole
+from higvf_interfaces.gaze.interface import open_gaze
 from tests.interfaces.formats.xdf_files import Stream, xdf
 
 Write = Callable[..., str]
@@ -161,3 +164,12 @@ def test_a_live_clock_that_is_set_back_does_not_stop_the_stream() -> None:
         "1 sample without a time: arrival used",
         "its clock was 30 s off this machine's: joined 1 time",
     )
+
+
+def test_a_run_is_warned_of_a_clock_and_of_nothing_else(write: Write) -> None:
+    late = write(f"time,label\n0,rest\n{UNIX},fist\n{UNIX + 1.5},open\n", "late.csv")
+    assert open_emg(InputSpec("emg", late)).warnings == ("the clock was set 1 time, by up to 1683195330 s: joined",)
+    usual = write(f"time,label\n{UNIX + 2},open\n{UNIX},fist\n", "usual.csv")
+    assert open_emg(InputSpec("emg", usual)).warnings == ()
+    (warning,) = open_gaze(InputSpec("gaze", gaze_of(jumped(-50.0), write))).warnings
+    assert warning == "1 clock restart joined"

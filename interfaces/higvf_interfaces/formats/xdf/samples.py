@@ -17,7 +17,7 @@ import numpy as np
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError, MissingExtraError
 from higvf_console.core.optional import optional
-from higvf_interfaces.formats.clock import event_times, joined
+from higvf_interfaces.formats.clock import ClockNote, event_times, joined
 from higvf_interfaces.formats.common_clock import distance, on_one_clock
 from higvf_interfaces.formats.xdf.chunks import MAGIC, Chunk, Tag
 from higvf_interfaces.formats.xdf.file import Survey, XdfStream
@@ -152,8 +152,10 @@ def _other_clocks(
     names = ", ".join(other.info.name[:40] for other in others)
     apart = max(distance(spans[chosen.number], spans[other.number]) for other in others)
     return [
-        f"{names} and {chosen.info.name[:40]} lie {apart:.0f} s apart, so on different clocks: the earliest sample of "
-        "each clock is at time 0; shift one with start="
+        ClockNote(
+            f"{names} and {chosen.info.name[:40]} lie {apart:.0f} s apart, so on different clocks: the earliest sample "
+            "of each clock is at time 0; shift one with start="
+        )
     ]
 
 
