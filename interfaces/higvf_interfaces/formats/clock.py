@@ -29,6 +29,11 @@ _USUAL_PAUSE = 1.0  # likewise between events [s]
 _COARSEST = (("s", 0.5), ("ms", 500.0), ("μs", 5e5))  # upper bound of the time step between gaze samples in each unit
 
 
+def is_time(seconds: float) -> bool:
+    """Return whether a number can be a device time [s]; False for NaN."""
+    return abs(seconds) <= LATEST
+
+
 class ClockNote(str):
     """A note that a clock is not what it seems, of which a run warns when it opens the input."""
 
@@ -242,7 +247,8 @@ def event_times(seconds: Floats, *, from_epoch: bool) -> EventTimes:
         from_epoch: whether a log that starts later than one hour counts from an epoch; otherwise time 0 is known.
     """
     repairs = Repairs(LONGEST_STEP, LONGEST_STEP)
-    given = np.flatnonzero(np.isfinite(seconds) & (np.abs(np.nan_to_num(seconds)) <= LATEST))
+    with np.errstate(invalid="ignore"):
+        given = np.flatnonzero(np.abs(seconds) <= LATEST)
     times = repairs.plausible(floats(seconds[given]))
     for place in np.flatnonzero(np.isnan(times)):
         times[place] = times[place - 1]  # a lone stamp has neighbours

@@ -5,16 +5,16 @@ A log without times is rejected unless the period between entries is given.
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple, cast
 
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.fields import is_number, shown
-from higvf_interfaces.formats.clock import event_times
+from higvf_interfaces.formats.clock import event_times, is_time
 from higvf_interfaces.formats.gaze.plain import TIMES, seconds_of
 from higvf_interfaces.formats.records import CommandLog, Decision
-from higvf_interfaces.formats.text import TextFile, as_label, cell, number, without_milliseconds
+from higvf_interfaces.formats.text import TextFile, as_label, cell, epoch_seconds, number, without_milliseconds
 
 CSV_NAME, JSON_NAME = "command-csv", "command-jsonl"
 CSV_TITLE = "command log CSV (time,label[,confidence])"
@@ -59,7 +59,7 @@ def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
     seconds = seconds_of(file.path, time)
     entries: list[_Entry] = []
     notes: list[str] = []
-    for index, row in enumerate(file.rows(notes), start=1):
+    for index, row in enumerate(file.exact_rows(notes), start=1):
         content = as_label(cell(row, label)), cell(row, confidence)
         entries.append(_Entry(f"row {index}", seconds(cell(row, time)), *content))
     return _log(file, entries, CSV_NAME, notes, period)
@@ -97,9 +97,16 @@ def _objects(file: TextFile, broken: list[int]) -> Iterator[_Entry]:
         if _RECORDING in fields and not any(key in fields for key in LABELS):
             raise InputError(f"{file.path}: is a recording of this console; play it with: higvf replay {file.path}")
         label = next((fields[key] for key in LABELS if key in fields), "")
-        time = _number(next((fields[key] for key in TIMES if key in fields), None))
-        time = time * 1e-3 if "time_ms" in fields else without_milliseconds(time)
-        yield _Entry(f"line {index}", time, as_label(label), fields.get("confidence"))
+        yield _Entry(f"line {index}", _time(fields), as_label(label), fields.get("confidence"))
+
+
+def _time(fields: Mapping[str, object]) -> float:
+    """Return the time of an entry [s], a number or a text; NaN if it has none."""
+    key = next((key for key in TIMES if key in fields), "")
+    value = fields.get(key)
+    if key == "time_ms":
+        return (number(value) if isinstance(value, str) else _number(value)) * 1e-3
+    return epoch_seconds(value.strip()) if isinstance(value, str) else without_milliseconds(_number(value))
 
 
 def _number(value: object) -> float:
@@ -107,12 +114,12 @@ def _number(value: object) -> float:
 
 
 def _log(file: TextFile, entries: list[_Entry], name: str, notes: list[str], period: float | None) -> CommandLog:
-    if not any(math.isfinite(entry.time) for entry in entries):
+    if not any(is_time(entry.time) for entry in entries):
         if period is None:
             raise InputError(f"{file.path}: no entry has a time; {_WAY_OUT}")
         entries = [entry._replace(time=number * period) for number, entry in enumerate(entries)]
         notes.append(f"no times in the file: entries spaced by the given period, {period:g} s")
-    usable = [entry for entry in entries if math.isfinite(entry.time) and entry.label]
+    usable = [entry for entry in entries if is_time(entry.time) and entry.label]
     if not usable:
         raise InputError(f"{file.path}: no entry has both a time and a label")
     if len(usable) < len(entries):

@@ -6,7 +6,7 @@ Streams of one recording overlap, and a live sample arrives soon after its stamp
 import math
 from collections.abc import Sequence
 
-from higvf_interfaces.formats.clock import LATEST, RESTART, counted
+from higvf_interfaces.formats.clock import RESTART, counted, is_time
 from higvf_interfaces.formats.records import EPOCH_FROM
 
 APART = EPOCH_FROM  # no streams recorded together lie farther apart [s]
@@ -29,7 +29,7 @@ class ArrivalClock:
 
     def time(self, stamp: float, now: float) -> float:
         """Return the time of a sample stamped `stamp` that arrives at `now`, both on this machine's clock [s]."""
-        if not abs(stamp) <= LATEST:
+        if not is_time(stamp):
             self._untimed += 1
             return now
         time = stamp + self._offset

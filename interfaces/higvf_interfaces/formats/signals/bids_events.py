@@ -3,11 +3,9 @@
 Events of one trial type that the column `value` tells apart are labelled TRIAL_TYPE/VALUE.
 """
 
-import math
-
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.clock import event_times
+from higvf_interfaces.formats.clock import event_times, is_time
 from higvf_interfaces.formats.labels import told_apart
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals.records import SignalRequest
@@ -44,7 +42,7 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
     for row in file.rows(notes):
         time, trust = number(cell(row, onset)), number(cell(row, confidence))
         label, kind = _label(row, labels)
-        if math.isfinite(time) and label:
+        if is_time(time) and label:
             events.append((time, label, kind, trust if 0 <= trust <= 1 else None))
         else:
             without += 1
