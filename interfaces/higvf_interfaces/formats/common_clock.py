@@ -6,9 +6,10 @@ Streams of one recording overlap, and a live sample arrives soon after its stamp
 import math
 from collections.abc import Sequence
 
-from higvf_interfaces.formats.clock import RESTART, counted, is_time
+from higvf_interfaces.formats.clock import counted, is_time
 from higvf_interfaces.formats.records import EPOCH_FROM
 
+_AHEAD = 10.0  # no sample is stamped farther in the future [s]
 APART = EPOCH_FROM  # no streams recorded together lie farther apart [s]
 
 
@@ -33,7 +34,7 @@ class ArrivalClock:
             self._untimed += 1
             return now
         time = stamp + self._offset
-        if not -RESTART <= now - time <= self._earliest or time < self._latest - self._restart:
+        if not -_AHEAD <= now - time <= self._earliest or time < self._latest - self._restart:
             self._apart = max(self._apart, abs(now - time))
             self._offset, time = now - stamp, now
             self._joined += 1
