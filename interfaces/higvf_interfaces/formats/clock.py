@@ -18,7 +18,7 @@ import numpy as np
 
 from higvf_console.core.arrays import Bools, Floats, Ints, bools, floats, ints
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.records import MAX_GAP, log_start
+from higvf_interfaces.formats.records import EPOCH_FROM, MAX_GAP, log_start
 
 LATEST = 1e11  # no device time is later, in seconds since any epoch [s]
 RESTART = 1.0  # a larger step back between samples is a clock restart, a smaller one a row out of order [s]
@@ -63,7 +63,7 @@ class Repairs:
         self.untimed = self.late = 0
         self._limit, self._restart = min(longest_gap, LONGEST_STEP), restart
         self._odd = self._restarts = self._gaps = self._set = 0
-        self._longest = self._farthest = 0.0
+        self._longest = self._farthest = self._waits = 0.0
 
     def plausible(self, seconds: Floats, before: float = math.nan) -> Floats:
         """Return device times (n,) [s] with NaN in place of those out of range and of lone ones.
@@ -102,6 +102,7 @@ class Repairs:
         self._gaps += int(np.count_nonzero(gaps))
         self._farthest = max(self._farthest, float(steps[jumps].max(initial=0.0)))
         self._longest = max(self._longest, float(steps[gaps].max(initial=0.0)))
+        self._waits = max(self._waits, float(steps[~jumps & ~gaps].max(initial=0.0)))
         return floats(np.where(restarts | jumps, usual, np.where(gaps, self._limit, steps)))
 
     def restarted(self) -> None:
@@ -136,6 +137,7 @@ class Repairs:
                 self._gaps,
                 f"{counted(self._gaps, 'gap')} shortened to {self._limit:.0f} s, the longest {self._longest:.0f} s",
             ),
+            (self._waits > EPOCH_FROM, ClockNote(f"a gap of {self._waits:.0f} s is waited for")),
             (self.late, f"{counted(self.late, 'row')} out of order or duplicate dropped"),
         )
         return tuple(text for count, text in repairs if count)
@@ -261,10 +263,18 @@ def event_times(seconds: Floats, *, from_epoch: bool) -> EventTimes:
     start = log_start(float(times[order[0]])) if from_epoch else 0.0
     set_at = np.flatnonzero(np.abs(steps) > LONGEST_STEP)
     shift = float(raw[set_at[-1] + 1] - times[set_at[-1] + 1]) if len(set_at) else 0.0
-    notes = [*repairs.notes, *(["entries out of order: sorted by time"] if (np.diff(times) < 0).any() else [])]
+    notes = [*repairs.notes, *_disorder(floats(np.diff(times)))]
     if start:
         notes.append(f"times count from an epoch: shifted by {-start:.3f} s")
     return EventTimes(ints(given[order]), floats(times[order] - start), start + shift, tuple(notes))
+
+
+def _disorder(steps: Floats) -> list[str]:
+    """Return a note if a step (n,) [s] goes back: a warning, if it could be a clock that restarted."""
+    back = -float(steps.min(initial=0.0))
+    if back > RESTART:
+        return [ClockNote(f"entries out of order by up to {back:.0f} s: sorted by time")]
+    return ["entries out of order: sorted by time"] if back > 0 else []
 
 
 def _usual(steps: Floats, longest: float, default: float) -> float:

@@ -10,6 +10,7 @@ from higvf_interfaces.formats.clock import counted, is_time
 from higvf_interfaces.formats.records import EPOCH_FROM
 
 _AHEAD = 10.0  # no sample is stamped farther in the future [s]
+APART_AT_ALL = 60.0  # streams recorded together that lie farther apart may have different clocks [s]
 APART = EPOCH_FROM  # no streams recorded together lie farther apart [s]
 
 
@@ -73,3 +74,9 @@ def on_one_clock(spans: Sequence[tuple[float, float]], chosen: int) -> list[int]
 def distance(one: tuple[float, float], other: tuple[float, float]) -> float:
     """Return the time between two spans (first, last) [s]; 0 if they overlap, NaN if one is empty."""
     return max(one[0] - other[1], other[0] - one[1], 0.0) if one[0] == one[0] and other[0] == other[0] else math.nan
+
+
+def in_milliseconds(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Return whether two spans (first, last) would be near if one counted milliseconds."""
+    slower, faster = sorted((one, other))
+    return distance(slower, (faster[0] * 1e-3, faster[1] * 1e-3)) <= APART_AT_ALL

@@ -116,7 +116,7 @@ class GazeFile:
     @property
     def notes(self) -> tuple[str, ...]:
         """Repairs and assumptions so far."""
-        return (*self.stream.notes, *self._clock.repairs.notes)
+        return tuple(dict.fromkeys((*self.stream.notes, *self._clock.repairs.notes)))
 
     @property
     def epoch(self) -> float:

@@ -27,7 +27,7 @@ TIME_UNITS = {
 }  # [s]; NFKC maps both characters for mu to this one
 _HEAD = 65_536  # bytes used to detect encoding and delimiter
 _LONGEST_LINE = 1_000_000  # characters; a file with a longer line is not text
-_MS_FROM = 1e11  # larger time stamps are in milliseconds, not seconds
+_EPOCHS = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))  # scale to seconds of time stamps above a value
 _WHOLE = re.compile(r"([+-]?\d+)[.,]0")
 _DATE = re.compile(r"\d{4}-?\d\d-?\d\d[T ]")
 _GZIP = b"\x1f\x8b"
@@ -214,12 +214,12 @@ def number(text: str) -> float:
 
 
 def epoch_seconds(text: str) -> float:
-    """Parse a time stamp without unit to seconds: a number (see `without_milliseconds`), or a date and time (ISO 8601).
+    """Parse a time stamp without unit to seconds: a number (see `without_unit`), or a date and time (ISO 8601).
 
     A date counts seconds since 1970; without a time zone it is taken as UTC.
     """
     if _DATE.match(text) is None:
-        return without_milliseconds(number(text))
+        return without_unit(number(text))
     try:
         date = datetime.fromisoformat(text)
         return (date if date.tzinfo else date.replace(tzinfo=UTC)).timestamp()
@@ -227,9 +227,9 @@ def epoch_seconds(text: str) -> float:
         return math.nan
 
 
-def without_milliseconds(stamp: float) -> float:
-    """Convert a time stamp without unit to seconds; a value above 1e11 counts milliseconds since an epoch."""
-    return stamp * 1e-3 if stamp > _MS_FROM else stamp
+def without_unit(stamp: float) -> float:
+    """Convert a time stamp without unit to seconds; large values count milli-, micro- or nanoseconds since 1970."""
+    return next((stamp * scale for above, scale in _EPOCHS if stamp > above), stamp)
 
 
 def as_label(value: object) -> str:

@@ -10,7 +10,7 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
 from higvf_interfaces.decisions.emg import open_emg
-from higvf_interfaces.formats.clock import DeviceClock, event_times, joined
+from higvf_interfaces.formats.clock import DeviceClock, clock_warnings, event_times, joined
 from higvf_interfaces.formats.common_clock import ArrivalClock, on_one_clock
 from higvf_interfaces.formats.reading import read_gaze
 from higvf_interfaces.formats.signals.reading import read_decisions, read_signals
@@ -94,11 +94,13 @@ def test_a_log_whose_first_stamp_precedes_the_setting_of_the_clock_waits_for_no_
     ("stamps", "times", "note"),
     [
         ([5.0, UNIX, 7.0], [5, 5, 7], "1 implausible time stamp ignored"),
-        ([5.0, 7.0, 6.0], [5, 6, 7], "entries out of order: sorted by time"),
-        ([5.0, 7.0, 5000.0], [5, 7, 5000], None),  # operators pause
+        ([5.0, 7.0, 6.5], [5, 6.5, 7], "entries out of order: sorted by time"),
+        ([5.0, 60.0, 6.0], [5, 6, 60], "entries out of order by up to 54 s: sorted by time"),
+        ([5.0, 7.0, 500.0], [5, 7, 500], None),  # operators pause
+        ([5.0, 7.0, 5000.0], [5, 7, 5000], "a gap of 4993 s is waited for"),
         ([UNIX, UNIX + 2, 3.0], [0, 2, 4], "1 clock restart joined"),
     ],
-    ids=["lone", "out of order", "a long pause", "restarted"],
+    ids=["lone", "out of order", "far out of order", "a pause", "a long pause", "restarted"],
 )
 def test_events_are_kept_whatever_their_clock_did(stamps: list[float], times: list[float], note: str | None) -> None:
     found = event_times(floats(stamps), from_epoch=True)
@@ -169,7 +171,29 @@ def test_a_live_clock_that_is_set_back_does_not_stop_the_stream() -> None:
 def test_a_run_is_warned_of_a_clock_and_of_nothing_else(write: Write) -> None:
     late = write(f"time,label\n0,rest\n{UNIX},fist\n{UNIX + 1.5},open\n", "late.csv")
     assert open_emg(InputSpec("emg", late)).warnings == ("the clock was set 1 time, by up to 1683195330 s: joined",)
-    usual = write(f"time,label\n{UNIX + 2},open\n{UNIX},fist\n", "usual.csv")
+    usual = write(f"time,label\n{UNIX + 0.5},open\n{UNIX},fist\n", "usual.csv")
     assert open_emg(InputSpec("emg", usual)).warnings == ()
     (warning,) = open_gaze(InputSpec("gaze", gaze_of(jumped(-50.0), write))).warnings
     assert warning == "1 clock restart joined"
+
+
+@pytest.mark.parametrize(
+    ("times", "said"),
+    [
+        ([1.0, 3.0], "lie 1997 s apart, perhaps on different clocks; shift one with start="),
+        ([5_001_000.0, 5_003_000.0], "lie 4995999 s apart, so on different clocks (perhaps milliseconds): "),
+    ],
+    ids=["from the start of the program", "milliseconds"],
+)
+def test_a_marker_clock_of_another_kind_is_said(times: list[float], said: str, write: Write) -> None:
+    start = 2000.0 if times[0] == 1.0 else 5000.0
+    eeg = Stream("Muse", "EEG", "m", 100, (start + STEADY / 5).tolist(), [(1.0,)] * 500, ("TP9",))
+    marks = Stream("Psy", "Markers", "p", 0, times, ["fist", "open"])
+    log = read_decisions(write(xdf(eeg, marks)))
+    assert any(said in note for note in log.notes)
+    assert clock_warnings(log.notes)
+
+
+def test_a_signal_without_increasing_times_is_refused(write: Write) -> None:
+    with pytest.raises(InputError, match="the 300 samples of stream Muse have no increasing times"):
+        read_signals(write(xdf(Stream("Muse", "EEG", "m", 100, [0.0] * 300, [(1.0,)] * 300, ("A",)))))

@@ -134,3 +134,33 @@ def test_a_row_of_more_cells_than_the_header_is_refused(
 ) -> None:
     with pytest.raises(InputError, match=r"row 1: \d cells for \d columns; numbers with a decimal comma need another"):
         read(write(f"{header}\n{row}\n{row}\n"))
+
+
+@pytest.mark.parametrize("scale", [1e3, 1e6, 1e9], ids=["ms", "μs", "ns"])
+def test_epoch_times_may_count_smaller_units(write: Write, scale: float) -> None:
+    stamps = [int(seconds * 1e3) * int(scale / 1e3) for seconds in (1_700_000_000.0, 1_700_000_001.5)]
+    log = read_decisions(write(f"time,label\n{stamps[0]},fist\n{stamps[1]},open\n"))
+    assert [decision.time for decision in log.decisions] == pytest.approx([0.0, 1.5], abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("header", "times", "warned"),
+    [
+        ("time", (1500, 3000, 9000), True),
+        ("time_ms", (1500, 3000, 9000), False),
+        ("time", (1.5, 300.5, 900.0), False),
+        ("time", (1, 2, 3, 300), False),
+        ("time", (1_700_000_000, 1_700_000_200), False),
+        ("time", ("2026-11-30 10:00:00", "2026-11-30 10:10:00"), False),
+    ],
+)
+def test_times_that_may_be_milliseconds_are_warned_of(
+    write: Write, header: str, times: tuple[object, ...], warned: bool
+) -> None:
+    log = read_decisions(write(f"{header},label\n" + "".join(f"{time},fist\n" for time in times)))
+    assert any("if they are milliseconds, call them time_ms" in note for note in log.notes) is warned
+
+
+def test_what_is_no_time_is_shown(write: Write) -> None:
+    with pytest.raises(InputError, match=r"no entry has a time; '23:59:58.5' is none; a log without times needs"):
+        read_decisions(write("time,label\n23:59:58.5,fist\n"))

@@ -64,7 +64,8 @@ def label_of(sample: object) -> str:
 
 def several_texts(channels: int) -> list[str]:
     """Return a note if a marker has more than one channel."""
-    return [f"each marker has {channels} channels: its label is all of them, joined by /"] if channels > 1 else []
+    read = "its label is all of them, joined by /, or the first alone if that is JSON"
+    return [f"each marker has {channels} channels: {read}"] if channels > 1 else []
 
 
 def _text(value: object) -> str:

@@ -18,7 +18,7 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError, MissingExtraError
 from higvf_console.core.optional import optional
 from higvf_interfaces.formats.clock import ClockNote, event_times, joined
-from higvf_interfaces.formats.common_clock import distance, on_one_clock
+from higvf_interfaces.formats.common_clock import APART_AT_ALL, distance, in_milliseconds, on_one_clock
 from higvf_interfaces.formats.xdf.chunks import MAGIC, Chunk, Tag
 from higvf_interfaces.formats.xdf.file import Survey, XdfStream
 
@@ -145,18 +145,29 @@ def _parts_joined(
 def _other_clocks(
     chosen: XdfStream, found: Survey, spans: Mapping[int, tuple[float, float]], near: Sequence[int]
 ) -> list[str]:
-    """Return a note on the streams whose clock is not that of the chosen one."""
-    others = [s for k, s in enumerate(found.streams) if k not in near]
-    if not others:
-        return []
-    names = ", ".join(other.info.name[:40] for other in others)
-    apart = max(distance(spans[chosen.number], spans[other.number]) for other in others)
-    return [
-        ClockNote(
-            f"{names} and {chosen.info.name[:40]} lie {apart:.0f} s apart, so on different clocks: the earliest sample "
+    """Return notes on the streams whose clock is not, or may not be, that of the chosen one."""
+    here, name = spans[chosen.number], chosen.info.name[:40]
+    others = [stream for k, stream in enumerate(found.streams) if k not in near]
+    notes: list[str] = []
+    if others:
+        apart = max(distance(here, spans[other.number]) for other in others)
+        hint = " (perhaps milliseconds)" if any(in_milliseconds(here, spans[s.number]) for s in others) else ""
+        notes.append(
+            f"{_names(others)} and {name} lie {apart:.0f} s apart, so on different clocks{hint}: the earliest sample "
             "of each clock is at time 0; shift one with start="
         )
-    ]
+    around = [found.streams[k] for k in near]
+    doubtful = [stream for stream in around if distance(here, spans[stream.number]) > APART_AT_ALL]
+    if doubtful:
+        apart = max(distance(here, spans[other.number]) for other in doubtful)
+        notes.append(
+            f"{_names(doubtful)} and {name} lie {apart:.0f} s apart, perhaps on different clocks; shift one with start="
+        )
+    return [ClockNote(note) for note in notes]
+
+
+def _names(streams: Sequence[XdfStream]) -> str:
+    return ", ".join(stream.info.name[:40] for stream in streams)
 
 
 @contextmanager

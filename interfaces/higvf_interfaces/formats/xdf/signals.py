@@ -39,7 +39,7 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
     rate, order = estimate_rate(times), Repairs()
     order.advancing(floats(times[np.isfinite(times)]))
     if not len(times) or not rate > 0:
-        raise InputError(f"{file.path}: the stream {stream.info.name} has too few samples ({len(times)})")
+        raise InputError(f"{file.path}: the {len(times)} samples of stream {stream.info.name} have no increasing times")
 
     def chunks() -> Iterator[SignalChunk]:
         return sliced(times, values)
