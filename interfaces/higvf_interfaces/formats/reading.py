@@ -1,6 +1,5 @@
 """Reading of gaze recordings: detects the format from the content, or uses the option `format`."""
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple, Protocol, TypeVar
@@ -9,7 +8,7 @@ import numpy as np
 
 from higvf_console.core.arrays import bools, floats
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.clock import GazeClock
+from higvf_interfaces.formats.clock import LONGEST_STEP, DeviceClock
 from higvf_interfaces.formats.gaze import bids as bids_gaze
 from higvf_interfaces.formats.gaze import (
     eyelink_asc,
@@ -93,7 +92,7 @@ class GazeFile:
         """Wrap the stream of a format."""
         self.stream = stream
         self._path = path
-        self._clock = GazeClock(path, stream.start, math.inf if stream.in_step else MAX_GAP)
+        self._clock = DeviceClock(path, stream.start, LONGEST_STEP if stream.in_step else MAX_GAP)
 
     def blocks(self) -> Iterator[GazeBlock]:
         """Yield the samples once, at strictly increasing times; a file damaged later on yields its readable part.
@@ -117,7 +116,7 @@ class GazeFile:
     @property
     def notes(self) -> tuple[str, ...]:
         """Repairs and assumptions so far."""
-        return (*self.stream.notes, *self._clock.notes)
+        return tuple(dict.fromkeys((*self.stream.notes, *self._clock.repairs.notes)))
 
     @property
     def epoch(self) -> float:

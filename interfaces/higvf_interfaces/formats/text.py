@@ -11,6 +11,7 @@ import re
 import unicodedata
 import zlib
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO, NamedTuple
 
@@ -26,8 +27,9 @@ TIME_UNITS = {
 }  # [s]; NFKC maps both characters for mu to this one
 _HEAD = 65_536  # bytes used to detect encoding and delimiter
 _LONGEST_LINE = 1_000_000  # characters; a file with a longer line is not text
-_MS_FROM = 1e11  # larger time stamps are in milliseconds, not seconds
+_EPOCHS = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))  # scale to seconds of time stamps above a value
 _WHOLE = re.compile(r"([+-]?\d+)[.,]0")
+_DATE = re.compile(r"\d{4}-?\d\d-?\d\d[T ]")
 _GZIP = b"\x1f\x8b"
 _BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
@@ -123,6 +125,20 @@ class TextFile(NamedTuple):
         except csv.Error as problem:
             raise InputError(f"{self.path}: is not a table: {problem}") from problem
 
+    def exact_rows(self, notes: list[str]) -> Iterator[list[str]]:
+        """Yield the cells of each row as `rows`, of a table that has no more cells than titles.
+
+        Raises:
+            InputError: As `rows`, or if a row has more cells, as numbers with a decimal comma give.
+        """
+        for index, row in enumerate(self.rows(notes), start=1):
+            if len(row) > len(self.columns) and any(extra.strip() for extra in row[len(self.columns) :]):
+                raise InputError(
+                    f"{self.path}, row {index}: {len(row)} cells for {len(self.columns)} columns; numbers with a "
+                    "decimal comma need another delimiter, or quotation marks"
+                )
+            yield row
+
     def first_rows(self, count: int) -> list[list[str]]:
         """Return the cells of at most `count` rows below the header, as far as they are readable."""
         rows: list[list[str]] = []
@@ -198,13 +214,22 @@ def number(text: str) -> float:
 
 
 def epoch_seconds(text: str) -> float:
-    """Parse a time stamp without unit to seconds; see `without_milliseconds`."""
-    return without_milliseconds(number(text))
+    """Parse a time stamp without unit to seconds: a number (see `without_unit`), or a date and time (ISO 8601).
+
+    A date counts seconds since 1970; without a time zone it is taken as UTC.
+    """
+    if _DATE.match(text) is None:
+        return without_unit(number(text))
+    try:
+        date = datetime.fromisoformat(text)
+        return (date if date.tzinfo else date.replace(tzinfo=UTC)).timestamp()
+    except (ValueError, OverflowError):
+        return math.nan
 
 
-def without_milliseconds(stamp: float) -> float:
-    """Convert a time stamp without unit to seconds; a value above 1e11 counts milliseconds since an epoch."""
-    return stamp * 1e-3 if stamp > _MS_FROM else stamp
+def without_unit(stamp: float) -> float:
+    """Convert a time stamp without unit to seconds; large values count milli-, micro- or nanoseconds since 1970."""
+    return next((stamp * scale for above, scale in _EPOCHS if stamp > above), stamp)
 
 
 def as_label(value: object) -> str:

@@ -48,7 +48,7 @@ class GazeSource:
         self.method = options.choice("method", IVT, METHODS)
         self._start = options.number("start", 0.0, -1e6, 1e6, "s")
         self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
-        self._errors = error_model(options)
+        self._errors = error_model(options, spec.seed)
         self.distrusted = self.away = 0
         self._loaded: tuple[GazeStream, list[GazeBlock]] | None = None
         self.file = self._open()
@@ -64,14 +64,13 @@ class GazeSource:
         worsen = GazeErrors(self._errors, self.px_per_deg) if self._errors is not None else None
         for block in self.file.blocks():
             pixels = to_pixels(block.points, self.screen)
-            time, valid = block.time, block.valid
             if worsen is not None:
-                time, pixels, valid = worsen(time, pixels, valid)
-            trusted = valid & ~(block.confidence < self._trusted_from)
+                pixels = worsen(block.time, pixels)
+            trusted = block.valid & ~(block.confidence < self._trusted_from)
             usable = trusted & on_screen(pixels, self.screen)
-            self.distrusted += int(np.count_nonzero(valid & ~trusted))
+            self.distrusted += int(np.count_nonzero(block.valid & ~trusted))
             self.away += int(np.count_nonzero(trusted & ~usable))
-            yield block, Pixels(time + self._start, pixels, bools(usable))
+            yield block, Pixels(block.time + self._start, pixels, bools(usable))
 
     def chunks(self) -> Iterator[Classified | None]:
         """Yield the classified samples from the start; one item per block, see `chunk_per_block`."""

@@ -18,7 +18,7 @@ from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, ep
 
 NAME = "gaze-csv"
 TITLE = "plain gaze CSV (time,x,y[,confidence])"
-TIMES = ("time", "timestamp", "t", "time_s", "time_ms")
+TIMES = ("time", "timestamp", "t", "time_s", "time_ms", "datetime")
 _FRAMES = {"m": "arena", "px": "screen"}
 _LOOKED_AT = 2000  # rows
 _TELLING = 10  # more times than this are needed to infer their unit
@@ -47,7 +47,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     notes: list[str] = []
 
     def rows() -> Iterator[Row]:
-        for row in file.rows(notes):
+        for row in file.exact_rows(notes):
             valid = not says_no(cell(row, validity))
             point = number(cell(row, x)), number(cell(row, y))
             yield seconds(cell(row, time)), *point, valid, number(cell(row, confidence))

@@ -61,7 +61,7 @@ def _table(file: TextFile, name: str) -> SampleTable:
         raise InputError(f"{file.path}: no column of numbers beside the time; has: {file.titles}")
 
     def rows(notes: list[str]) -> Iterator[list[str]]:
-        return file.rows(notes)
+        return file.exact_rows(notes)
 
     marker = file.find(*_MARKERS)
     return SampleTable(

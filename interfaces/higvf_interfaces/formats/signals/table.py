@@ -135,7 +135,6 @@ def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[st
     clock = SampleClock(rate)
     rows = _rows(table, notes)
     lost, counted, last = 0, table.counter is not None, -1.0
-    doubled = 0
     while block := list(islice(rows, CHUNK)):
         steps = np.ones(len(block))
         if counted:
@@ -143,9 +142,8 @@ def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[st
             steps, counted = _counted(counter, last)
             last, lost = float(counter[-1]), lost + int(steps.sum()) - len(steps)
         times = clock.times(_stamps(table, block), steps)
-        advancing = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
+        advancing = clock.repairs.advancing(times)
         if not advancing.all():
-            doubled += np.count_nonzero(~advancing)
             block = [row for row, kept in zip(block, advancing, strict=True) if kept]
         yield _Block(floats(times[advancing]), block)
     if table.time is None:
@@ -155,9 +153,7 @@ def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[st
         notes.extend(unused_rate(given, rate))
     if lost:
         notes.append(f"{lost} samples lost by the radio link")
-    if doubled:
-        notes.append(f"{doubled} samples out of order dropped")
-    notes.extend(clock.notes())
+    notes.extend(clock.repairs.notes)
 
 
 def _stamps(table: SampleTable, rows: list[list[str]]) -> Floats:

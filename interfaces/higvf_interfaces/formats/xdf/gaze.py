@@ -16,7 +16,6 @@ from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.records import (
     BLOCK,
     BOTTOM_LEFT,
-    EPOCH_FROM,
     TOP_LEFT,
     GazeBlock,
     GazeStream,
@@ -74,20 +73,16 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
     confidence = labels.index("confidence") if "confidence" in labels else None
     if chosen.texts:
         raise InputError(f"{file.path}: stream {chosen.info.name!r} holds text, not numbers")
-    samples = load(file.path, chosen, found.streams)
+    samples = load(file.path, chosen, found, sampled=True)
     values = floats(samples.values)
     start = _first(samples.time) - samples.earliest
-    notes = ["the file is truncated: only its readable part is used"] if found.truncated else []
-    if start >= EPOCH_FROM:
-        notes.append(
-            f"gaze starts {start:.0f} s after the earliest stream, possibly on another clock; shift it with start="
-        )
+    truncated = ["the file is truncated: only its readable part is used"] if found.truncated else []
     return GazeStream(
         format=NAME,
         columns=tuple(labels[place] or f"channel {place + 1}" for place in (x, y, confidence) if place is not None),
         frame=frame_of(units[x], origin),
         blocks=_blocks(samples.time, values[:, [x, y]], None if confidence is None else values[:, confidence]),
-        notes=notes,
+        notes=[*truncated, *samples.notes],
         origin=origin,
         start=start,
         in_step=True,
