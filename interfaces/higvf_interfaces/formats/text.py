@@ -207,6 +207,19 @@ def without_milliseconds(stamp: float) -> float:
     return stamp * 1e-3 if stamp > _MS_FROM else stamp
 
 
+def seconds_per(file: TextFile, column: Column) -> float:
+    """Return the length [s] of the unit of time in a column's title.
+
+    Raises:
+        InputError: If the title has no unit, or an unknown one.
+    """
+    if column.unit not in TIME_UNITS:
+        raise InputError(
+            f"{file.path}: {column.unit[:80]!r} is not a unit of time; known units: {', '.join(TIME_UNITS)}"
+        )
+    return TIME_UNITS[column.unit]
+
+
 def as_label(value: object) -> str:
     """Normalise a label: the numbers 1 and 1.0 give `1`; a value that is neither text nor number gives ``."""
     if isinstance(value, bool) or not isinstance(value, str | int | float):

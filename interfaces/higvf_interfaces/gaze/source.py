@@ -10,7 +10,7 @@ from higvf_console.core.interface import InputSpec
 from higvf_interfaces.emulation import GAZE_ERRORS, GazeErrors, describe, error_model
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.reading import GazeFile, stream_gaze
-from higvf_interfaces.formats.records import GazeBlock, GazeStream, Wanted
+from higvf_interfaces.formats.records import MIN_CONFIDENCE, GazeBlock, GazeStream, Wanted
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 from higvf_interfaces.gaze.chunked_fixations import Pixels, chunk_per_block
 from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, Classified
@@ -30,7 +30,6 @@ class GazeSource:
         px_per_deg: pixels per degree of visual angle.
         method: method of fixation detection.
         file: the recording as last opened, with the notes so far.
-        distrusted: number of samples with too low a confidence so far.
         away: number of samples off the screen so far.
     """
 
@@ -47,9 +46,9 @@ class GazeSource:
         self.px_per_deg = options.number("px_per_deg", PX_PER_DEG, 1.0, 1000.0, "px/deg")
         self.method = options.choice("method", IVT, METHODS)
         self._start = options.number("start", 0.0, -1e6, 1e6, "s")
-        self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
+        self._trusted_from = options.number("min_confidence", MIN_CONFIDENCE, 0.0, 1.0)
         self._errors = error_model(options)
-        self.distrusted = self.away = 0
+        self.away = 0
         self._loaded: tuple[GazeStream, list[GazeBlock]] | None = None
         self.file = self._open()
         self._unread = True  # the open file serves the first read
@@ -60,17 +59,15 @@ class GazeSource:
         """Yield the samples from the start, block by block, as recorded and as screen pixels."""
         self.file = self.file if self._unread else self._open()
         self._unread = False
-        self.distrusted = self.away = 0
+        self.away = 0
         worsen = GazeErrors(self._errors, self.px_per_deg) if self._errors is not None else None
         for block in self.file.blocks():
             pixels = to_pixels(block.points, self.screen)
             time, valid = block.time, block.valid
             if worsen is not None:
                 time, pixels, valid = worsen(time, pixels, valid)
-            trusted = valid & ~(block.confidence < self._trusted_from)
-            usable = trusted & on_screen(pixels, self.screen)
-            self.distrusted += int(np.count_nonzero(valid & ~trusted))
-            self.away += int(np.count_nonzero(trusted & ~usable))
+            usable = valid & on_screen(pixels, self.screen)
+            self.away += int(np.count_nonzero(valid & ~usable))
             yield block, Pixels(time + self._start, pixels, bools(usable))
 
     def chunks(self) -> Iterator[Classified | None]:
@@ -86,19 +83,18 @@ class GazeSource:
     def notes(self) -> tuple[str, ...]:
         """Repairs, assumptions and omissions so far."""
         away = (f"{self.away} samples off the screen",) if self.away else ()
-        doubtful = (f"{self.distrusted} samples below min_confidence",) if self.distrusted else ()
         made = (f"emulated: {describe(self._errors)}",) if self._errors is not None else ()
-        return (*self.file.notes, *self.screen.notes, *away, *doubtful, *made)
+        return (*self.file.notes, *self.screen.notes, *away, *made)
 
     def _open(self) -> GazeFile:
         """Open the recording; an XDF file is loaded whole, so it is loaded only once."""
         if self._loaded is None:
-            file = stream_gaze(self._spec.source, self._format, self._wanted)
+            file = stream_gaze(self._spec.source, self._format, self._wanted, self._trusted_from)
             if file.stream.format != gaze_xdf.NAME:
                 return file
             self._loaded = file.stream, list(file.stream.blocks)
         stream, blocks = self._loaded
-        return GazeFile(Path(self._spec.source), stream._replace(blocks=iter(blocks)))
+        return GazeFile(Path(self._spec.source), stream._replace(blocks=iter(blocks)), self._trusted_from)
 
     def _look_for_gaze(self) -> None:
         samples, valid = 0, False

@@ -12,8 +12,8 @@ from higvf_console.core.arrays import Floats, bools, floats
 from higvf_console.core.interface import InputSpec
 from higvf_interfaces.decisions.options import word
 from higvf_interfaces.fields import Fields
-from higvf_interfaces.formats.records import GazeStream
-from higvf_interfaces.formats.xdf.gaze import described_channels, frame_of, point_channels
+from higvf_interfaces.formats.records import MIN_CONFIDENCE, GazeStream, beyond, trusted
+from higvf_interfaces.formats.xdf.gaze import gaze_channels
 from higvf_interfaces.gaze.chunked_fixations import NO_PIXELS, ChunkClassifier, Pixels
 from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, THRESHOLDS, Classified, Fixation, fixations_of
 from higvf_interfaces.gaze.screens import choose_screen, on_screen, to_pixels
@@ -48,16 +48,17 @@ class LiveGaze:
         """
         self.px_per_deg = options.number("px_per_deg", PX_PER_DEG, 1.0, 1000.0, "px/deg")
         self._method = options.choice("method", IVT, METHODS)
-        self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
+        self._trusted_from = options.number("min_confidence", MIN_CONFIDENCE, 0.0, 1.0)
         within = options.number("within", WITHIN, 0.1, 3600.0, "s")
+        self._beyond = 0
         self.reader = LslReader(query_of(options, GAZE), options.place, within)
         try:
-            labels, units = described_channels(self.reader.header, self.reader.channels)
             x, y = (word(options, key) if options.has(key) else None for key in ("x", "y"))
-            self._x, self._y, origin = point_channels(options.place, labels, x, y)
-            self._confidence = labels.index("confidence") if "confidence" in labels else None
-            columns = (labels[self._x], labels[self._y])
-            stream = GazeStream("lsl", columns, frame_of(units[self._x], origin), iter(()), [], origin)
+            channels = gaze_channels(options.place, self.reader.header, self.reader.channels, x, y)
+            self._x, self._y, self._confidence = channels.x, channels.y, channels.confidence
+            self._assumed = tuple(channels.notes)
+            columns = (channels.labels[self._x], channels.labels[self._y])
+            stream = GazeStream("lsl", columns, channels.frame, iter(()), [], channels.origin, doubts=channels.doubts)
             self.screen = choose_screen(stream, options, spec.arena)
         except Exception:
             self.reader.close()
@@ -72,7 +73,8 @@ class LiveGaze:
     @property
     def notes(self) -> tuple[str, ...]:
         """The stream, and assumptions made."""
-        return (*self.reader.notes, *self.screen.notes)
+        beyond_one = (f"{self._beyond} samples with a confidence above 1 are not used",) if self._beyond else ()
+        return (*self.reader.notes, *self._assumed, *self.screen.notes, *beyond_one)
 
     @property
     def time(self) -> float:
@@ -98,7 +100,9 @@ class LiveGaze:
         points = to_pixels(floats(values[:, [self._x, self._y]]), self.screen)
         valid = np.isfinite(points).all(axis=1) & on_screen(points, self.screen)
         if self._confidence is not None:
-            valid &= ~(values[:, self._confidence] < self._trusted_from)
+            confidence = floats(values[:, self._confidence])
+            valid &= trusted(confidence, self._trusted_from)
+            self._beyond += int(np.count_nonzero(beyond(confidence)))
         points[~valid] = np.nan
         self._latest, self.started = float(times[kept][-1]), True
         self.point, self.seen = points[-1], bool(valid[-1])

@@ -3,9 +3,13 @@
 import math
 from collections.abc import Iterable
 
+from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.text import Column, TextFile, cell
+
 Eye = tuple[float, float]  # x, y; NaN where missing
 NO_EYE: Eye = (math.nan, math.nan)
-_NO = ("0", "0.0", "false", "no", "invalid", "n/a", "nan")
+_YES = ("1", "1.0", "true", "t", "yes", "valid")
+_NO = ("0", "0.0", "false", "f", "no", "invalid", "n/a", "nan")
 
 
 def both(eyes: Iterable[Eye]) -> Eye:
@@ -16,11 +20,21 @@ def both(eyes: Iterable[Eye]) -> Eye:
     return sum(eye[0] for eye in seen) / len(seen), sum(eye[1] for eye in seen) / len(seen)
 
 
-def says_yes(text: str) -> bool:
-    """Return whether a cell means true: any text except an empty cell and the values of `says_no`."""
-    return text != "" and not says_no(text)
+def says_yes(file: TextFile, row: list[str], column: Column, empty: bool = False) -> bool:
+    """Return whether the cell of a validity column means true; `empty` if it is empty.
 
-
-def says_no(text: str) -> bool:
-    """Return whether a cell means false: 0, False, Invalid and similar; False for an empty cell."""
-    return text.casefold() in _NO
+    Raises:
+        InputError: If the cell means neither true nor false.
+    """
+    text = cell(row, column)
+    plain = text.casefold()
+    if plain in _YES:
+        return True
+    if plain in _NO:
+        return False
+    if not text:
+        return empty
+    raise InputError(
+        f"{file.path}, column {column.title[:60]}: {text[:40]!r} means neither valid nor invalid; known: "
+        f"{', '.join(_YES)}; {', '.join(_NO)}"
+    )

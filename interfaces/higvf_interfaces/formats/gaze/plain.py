@@ -1,7 +1,8 @@
 """Plain gaze tables, `time,x,y[,confidence][,valid]`: a header line, then one row per sample.
 
 The delimiter is comma, semicolon or tab. Times are in seconds unless the title has a unit (`time [ms]`). The unit of x
-gives the frame (`x [m]` arena, `x [px]` screen); without one the option `frame` is required.
+and y gives the frame (`x [m]` arena, `x [px]` screen, `x [norm]` unit); without a known one the option `frame` is
+required.
 """
 
 from collections.abc import Callable, Iterator
@@ -12,14 +13,15 @@ import numpy as np
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import unit_by_steps
-from higvf_interfaces.formats.gaze.binocular import says_no
+from higvf_interfaces.formats.coordinates import Coordinates, stated_frame
+from higvf_interfaces.formats.gaze.binocular import says_yes
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, epoch_seconds, number
 
 NAME = "gaze-csv"
 TITLE = "plain gaze CSV (time,x,y[,confidence])"
 TIMES = ("time", "timestamp", "t", "time_s", "time_ms")
-_FRAMES = {"m": "arena", "px": "screen"}
+_METRES = ("m", "metres", "meters")
 _LOOKED_AT = 2000  # rows
 _TELLING = 10  # more times than this are needed to infer their unit
 
@@ -44,22 +46,24 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     seconds = seconds_of(file.path, time)
     if seconds is epoch_seconds:
         _check_steps(file, time)
+    stated = Coordinates("arena") if x.unit in _METRES and y.unit in _METRES else stated_frame((x.unit, y.unit))
     notes: list[str] = []
 
     def rows() -> Iterator[Row]:
         for row in file.rows(notes):
-            valid = not says_no(cell(row, validity))
+            valid = validity is None or says_yes(file, row, validity, empty=True)
             point = number(cell(row, x)), number(cell(row, y))
             yield seconds(cell(row, time)), *point, valid, number(cell(row, confidence))
 
     return GazeStream(
         format=NAME,
         columns=tuple(column.title for column in (time, x, y, confidence, validity) if column is not None),
-        frame=_FRAMES.get(x.unit),
+        frame=stated.frame,
         blocks=blocks_of(rows()),
         notes=notes,
         start=None,
         has_confidence=confidence is not None,
+        doubts=stated.doubts,
     )
 
 
