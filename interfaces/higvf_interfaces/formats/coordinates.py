@@ -73,8 +73,8 @@ def stated_origin(words: str, place: str) -> tuple[str, tuple[Doubt, ...]]:
 
 
 def _agreed(statements: Sequence[str], what: str, doubts: list[Doubt]) -> str:
-    """Return the statement that both axes share; a doubt if they differ."""
-    plain = {" ".join(re.sub(r"[-_]", " ", text.casefold()).split()) for text in statements}
+    """Return the statement that the axes share, or that one alone makes; a doubt if they differ."""
+    plain = {" ".join(re.sub(r"[-_]", " ", text.casefold()).split()) for text in statements if text.strip()}
     if len(plain) > 1:
         doubts.append(Doubt("frame", f"the {what} of x and y, {' and '.join(map(repr, sorted(plain)))[:80]},"))
         return ""

@@ -20,6 +20,7 @@ from higvf_interfaces.formats.gaze import (
     tobii_old,
     tobii_prolab,
     tobii_research,
+    webgazer,
 )
 from higvf_interfaces.formats.gaze import plain as gaze_csv
 from higvf_interfaces.formats.records import (
@@ -70,6 +71,7 @@ GAZE_FORMATS: tuple[GazeFormat, ...] = (
     GazeFormat(neon_csv.NAME, neon_csv.TITLE, neon_csv.matches, neon_csv.stream),
     GazeFormat(gazepoint.NAME, gazepoint.TITLE, gazepoint.matches, gazepoint.stream),
     GazeFormat(bids_gaze.NAME, bids_gaze.TITLE, bids_gaze.matches, bids_gaze.stream),
+    GazeFormat(webgazer.NAME, webgazer.TITLE, webgazer.matches, webgazer.stream),
     GazeFormat(gaze_csv.NAME, gaze_csv.TITLE, gaze_csv.matches, gaze_csv.stream),
 )
 

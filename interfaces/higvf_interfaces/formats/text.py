@@ -26,6 +26,7 @@ TIME_UNITS = {
 }  # [s]; NFKC maps both characters for mu to this one
 _HEAD = 65_536  # bytes used to detect encoding and delimiter
 _LONGEST_LINE = 1_000_000  # characters; a file with a longer line is not text
+_TELLING = 20  # rows
 _MS_FROM = 1e11  # larger time stamps are in milliseconds, not seconds
 _WHOLE = re.compile(r"([+-]?\d+)[.,]0")
 _GZIP = b"\x1f\x8b"
@@ -105,12 +106,13 @@ class TextFile(NamedTuple):
         """Yield the cells of each row below the header; a truncated last row is dropped with a note.
 
         Raises:
-            InputError: If the text is not a table.
+            InputError: If the text is not a table, or most rows have more cells than there are titles, as where decimal
+                commas stand between commas; single ones are dropped with a note.
         """
         quoting = csv.QUOTE_NONE if self.delimiter == "\t" else csv.QUOTE_MINIMAL
         reader = csv.reader(self.lines(notes), delimiter=self.delimiter, quoting=quoting)
-        below = itertools.islice(reader, 1, None)
         try:
+            below = self._fitting(itertools.islice(reader, 1, None), notes)
             last = next(below, None)
             for row in below:
                 if last is not None:
@@ -122,6 +124,28 @@ class TextFile(NamedTuple):
                 yield last
         except csv.Error as problem:
             raise InputError(f"{self.path}: is not a table: {problem}") from problem
+
+    def _fitting(self, rows: Iterator[list[str]], notes: list[str]) -> Iterator[list[str]]:
+        """Yield the rows whose text fits under the titles."""
+        titles = len(self.columns)
+        total = wide = 0
+        for row in rows:
+            total += 1
+            if any(text.strip() for text in row[titles:]):
+                wide += 1
+                self._check_width(wide, total, _TELLING, len(row))
+            else:
+                yield row
+        self._check_width(wide, total, 0, titles + 1)
+        if wide:
+            notes.append(f"{wide} rows with more cells than titles dropped")
+
+    def _check_width(self, wide: int, total: int, least: int, cells: int) -> None:
+        if wide > least and 2 * wide > total:
+            raise InputError(
+                f"{self.path}: its rows have more cells ({cells}) than there are titles ({len(self.columns)}); if the "
+                "numbers have decimal commas, write points, or delimit the cells by semicolons or tabs"
+            )
 
     def first_rows(self, count: int) -> list[list[str]]:
         """Return the cells of at most `count` rows below the header, as far as they are readable."""

@@ -103,7 +103,7 @@ class GazeSource:
                 return
             samples += len(block.time)
             valid = valid or bool(block.valid.any())
-        if not valid:
+        if not valid and not self.file.distrusted:
             self._options.fail(f"none of the {samples} gaze samples is valid", UnusableError)
         self._options.fail(
             "no gaze sample is confident and on the screen; check frame, origin, screen and min_confidence",

@@ -15,7 +15,7 @@ from higvf_interfaces.decisions.options import words
 from higvf_interfaces.decoding.contract import Decoder
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.records import Decision
-from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, unique_names
+from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, signal_places, unique_names
 from higvf_interfaces.formats.xdf.markers import decision_of, label_of
 from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
 
@@ -151,7 +151,7 @@ def _columns(names: Sequence[str], wanted: Sequence[str], options: Fields) -> li
     missing = [name for name in wanted if name.casefold() not in places]
     if missing:
         options.fail(f"channels: there is no channel {missing[0]!r}; the stream has: {', '.join(names)}")
-    return [places[name.casefold()] for name in wanted] or list(range(len(names)))
+    return [places[name.casefold()] for name in wanted] or signal_places(names)
 
 
 def _no_chunks() -> Iterator[SignalChunk]:

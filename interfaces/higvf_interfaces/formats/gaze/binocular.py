@@ -1,7 +1,7 @@
 """Helpers of binocular formats: the mean of both eyes, and cells that mean true or false."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.text import Column, TextFile, cell
@@ -34,7 +34,15 @@ def says_yes(file: TextFile, row: list[str], column: Column, empty: bool = False
         return False
     if not text:
         return empty
+    if cut_word(file, plain, (*_YES, *_NO)):
+        return False
     raise InputError(
         f"{file.path}, column {column.title[:60]}: {text[:40]!r} means neither valid nor invalid; known: "
         f"{', '.join(_YES)}; {', '.join(_NO)}"
     )
+
+
+def cut_word(file: TextFile, text: str, known: Sequence[str]) -> bool:
+    """Return whether a word may be a known one that the end of a truncated file cuts off."""
+    begun = text.rstrip("\N{REPLACEMENT CHARACTER}")
+    return (begun != text or not file.complete) and any(word.startswith(begun) for word in known)

@@ -18,7 +18,7 @@ import numpy as np
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import unit_by_steps
-from higvf_interfaces.formats.gaze.binocular import both
+from higvf_interfaces.formats.gaze.binocular import both, cut_word
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, number, seconds_per
 
@@ -76,10 +76,9 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         raise InputError(f"{file.path}: no row comes from an eye tracker")
     chosen, scale = _choose_clock(file, columns.clocks, floats([sample.times for sample in first]), notes)
     words = {word for sample in first for word in sample.words if word}
-    if words - set(_WORDS):
-        raise InputError(
-            f"{file.path}: validity {sorted(words - set(_WORDS))[0][:40]!r} is not understood; known: Valid, Invalid"
-        )
+    unknown = sorted(word for word in words - set(_WORDS) if not cut_word(file, word, _WORDS))
+    if unknown:
+        raise InputError(f"{file.path}: validity {unknown[0][:40]!r} is not understood; known: Valid, Invalid")
     if not words:
         notes.append("no validity values: every sample with coordinates counts as valid")
 

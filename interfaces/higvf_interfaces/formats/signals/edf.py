@@ -25,6 +25,7 @@ from higvf_interfaces.formats.signals.records import (
     SignalChunk,
     SignalRecord,
     SignalRequest,
+    is_trigger,
     unique_names,
     unused_rate,
 )
@@ -44,7 +45,6 @@ _BROKEN = (ValueError, KeyError, IndexError, TypeError, AttributeError, OSError,
            ArithmeticError, UnicodeError, AssertionError, struct.error)  # fmt: skip
 
 
-_TRIGGERS = ("status", "trigger", "triggers", "trig", "stim", "sti 014", "marker", "markers", "event", "events")
 _CODE = 0xFFFF  # bits of BioSemi's Status that hold the trigger; those above tell the state of the device
 
 
@@ -105,7 +105,7 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
     found = list(annotations.texts)
     try:
         for signal in data.signals:
-            if _is_trigger(str(signal.label)):
+            if is_trigger(str(signal.label)):
                 codes = _triggers(signal, _version(file.path) == _BDF)
                 found += codes
                 notes.append(f"{len(codes)} triggers of the channel {signal.label}")
@@ -133,7 +133,7 @@ def _usable(path: Path, data: Any, request: SignalRequest, notes: list[str]) -> 
             f"{path}: channel {refused[0]} has no physical range (its minimum equals its maximum), so its values are "
             "unknown; leave it out of channels="
         )
-    triggers = [c for c in known if _is_trigger(str(c.signal.label)) and c.name.casefold() not in wanted]
+    triggers = [c for c in known if is_trigger(str(c.signal.label)) and c.name.casefold() not in wanted]
     if flat:
         notes.append(f"without a physical range, left out: {', '.join(channel.name for channel in flat)}")
     if triggers:
@@ -172,10 +172,6 @@ def _chosen(path: Path, channels: list[_Channel], request: SignalRequest, notes:
 
 def _has_range(signal: Any) -> bool:
     return signal.physical_min != signal.physical_max and signal.digital_min != signal.digital_max
-
-
-def _is_trigger(label: str) -> bool:
-    return label.strip().casefold() in _TRIGGERS
 
 
 def _triggers(signal: Any, coded: bool) -> list[tuple[float, str]]:

@@ -28,7 +28,7 @@ _CLOCK_TIME = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)")
 _CHANNELS = re.compile(r"%\s*number of channels\s*=\s*(\d{1,3})", re.IGNORECASE)
 _RATE = re.compile(r"%\s*sample rate\s*=\s*([\d.,]+)", re.IGNORECASE)
 _FIRST = re.compile(r"%\s*first column\s*=\s*(.+)", re.IGNORECASE)
-_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
+_DECIMAL_COMMA, _DECIMAL_POINT = re.compile(r"[+-]?\d+,\d+"), re.compile(r"[+-]?\d+\.\d+")
 _BOARDS = (4, 8, 16)  # channels of a Ganglion, a Cyton, and a Cyton with Daisy
 _ACCELEROMETER = 3  # columns
 
@@ -171,13 +171,13 @@ def _splitter(file: TextFile, about: str, table: list[str]) -> _Split:
     if delimiter:
         return lambda line: [cell.strip() for cell in line.split(delimiter)]
     spaced = [re.split(r",\s+", line.strip().rstrip(",")) for line in table]
+    cells = [cell for row in spaced for cell in row]
+    points = any(_DECIMAL_POINT.fullmatch(cell) for line in table for cell in _cells(line))
     rate = _RATE.search(about)
-    comma = (rate is not None and "," in rate[1]) or any(
-        _DECIMAL_COMMA.fullmatch(cell) for row in spaced if len(row) > 2 for cell in row
-    )
-    if not comma:
+    stated = rate is not None and "," in rate[1].rstrip(",")
+    if points or not (stated or any(map(_DECIMAL_COMMA.fullmatch, cells))):
         return _cells
-    if len(spaced[-1]) < 3 or any(cell.count(",") > 1 for row in spaced for cell in row):
+    if len(spaced[-1]) < 3 or any(cell.count(",") > 1 for cell in cells):
         raise InputError(
             f"{file.path}: the numbers have decimal commas and are separated by commas, so they cannot be told apart; "
             "record them with a decimal point (OpenBCI GUI on a computer set to English)"
