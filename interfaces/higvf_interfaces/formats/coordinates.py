@@ -14,7 +14,7 @@ _PIXELS = ("px", "pixel", "pixels", "dacs px", "dacspx", "adcs px", "adcspx", "s
 _SHARES = ("normalized", "normalised", "norm", "fraction", "fractions", "unit", "0 1", "0..1")
 _SCREENS = (
     "screen", "screen space", "display", "display area", "active display", "monitor", "gaze on screen", "on screen",
-    "adcs", "dacs",
+    "adcs", "dacs", "surface",
 )  # fmt: skip
 _SCENES = (
     "world", "world space", "world camera", "gaze in world", "scene", "scene camera", "head", "head camera",

@@ -13,6 +13,9 @@ from higvf_interfaces.gaze.calibration import Calibration, read_calibration, to_
 from higvf_interfaces.paths import named
 
 DEFAULT_SCREEN = (1920.0, 1080.0)  # [px]
+_LARGEST_SHARE = 1.5  # of the screen; gaze may leave it
+TELLING = 20  # points
+NO_PIXELS_HINT = "x and y lie between 0 and 1, so they are no pixels; give frame=unit (0 to 1 of the screen)"
 _WAYS_OUT = {  # by the option that replaces a statement
     "frame": "frame=arena (metres), frame=screen (pixels) or frame=unit (0 to 1 of the screen)",
     "origin": "origin=top-left, origin=bottom-left, origin=center (y downwards) or origin=center-up",
@@ -84,6 +87,12 @@ def on_screen(pixels: Floats, screen: Screen) -> Bools:
     """Return whether each point (n, 2) [px] lies on the screen; False for NaN."""
     size = np.array([screen.shown.width_px, screen.shown.height_px])
     return bools(((pixels >= 0) & (pixels <= size)).all(axis=1))
+
+
+def are_shares(points: Floats, screen: Screen) -> bool:
+    """Return whether recorded points (n, 2) that are said to be pixels lie between 0 and 1, too close for any gaze."""
+    known = points[np.isfinite(points).all(axis=1)]
+    return screen.frame == "screen" and len(known) >= TELLING and bool(np.abs(known).max() <= _LARGEST_SHARE)
 
 
 def to_ground(pixels: Floats, screen: Screen, browser: Viewport | None = None) -> Floats:

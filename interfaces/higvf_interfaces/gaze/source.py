@@ -14,12 +14,13 @@ from higvf_interfaces.formats.records import MIN_CONFIDENCE, GazeBlock, GazeStre
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 from higvf_interfaces.gaze.chunked_fixations import Pixels, chunk_per_block
 from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, Classified
-from higvf_interfaces.gaze.screens import UnusableError, choose_screen, on_screen, to_pixels
+from higvf_interfaces.gaze.screens import NO_PIXELS_HINT, UnusableError, are_shares, choose_screen, on_screen, to_pixels
 
 OPTIONS = (
     "format", "stream", "x", "y", "frame", "origin", "screen", "calibration", "px_per_deg", "method", "start",
     "min_confidence", *GAZE_ERRORS,
 )  # fmt: skip
+_MOST_AWAY = 0.25  # larger shares of gaze off the screen hint at wrong coordinates
 
 
 class GazeSource:
@@ -48,7 +49,7 @@ class GazeSource:
         self._start = options.number("start", 0.0, -1e6, 1e6, "s")
         self._trusted_from = options.number("min_confidence", MIN_CONFIDENCE, 0.0, 1.0)
         self._errors = error_model(options)
-        self.away = 0
+        self.away = self._seen = 0
         self._loaded: tuple[GazeStream, list[GazeBlock]] | None = None
         self.file = self._open()
         self._unread = True  # the open file serves the first read
@@ -59,7 +60,7 @@ class GazeSource:
         """Yield the samples from the start, block by block, as recorded and as screen pixels."""
         self.file = self.file if self._unread else self._open()
         self._unread = False
-        self.away = 0
+        self.away = self._seen = 0
         worsen = GazeErrors(self._errors, self.px_per_deg) if self._errors is not None else None
         for block in self.file.blocks():
             pixels = to_pixels(block.points, self.screen)
@@ -67,6 +68,7 @@ class GazeSource:
             if worsen is not None:
                 time, pixels, valid = worsen(time, pixels, valid)
             usable = valid & on_screen(pixels, self.screen)
+            self._seen += int(np.count_nonzero(valid))
             self.away += int(np.count_nonzero(valid & ~usable))
             yield block, Pixels(time + self._start, pixels, bools(usable))
 
@@ -82,7 +84,8 @@ class GazeSource:
     @property
     def notes(self) -> tuple[str, ...]:
         """Repairs, assumptions and omissions so far."""
-        away = (f"{self.away} samples off the screen",) if self.away else ()
+        hint = "; check frame, origin and screen" if self.away > _MOST_AWAY * self._seen else ""
+        away = (f"{self.away} samples off the screen{hint}",) if self.away else ()
         made = (f"emulated: {describe(self._errors)}",) if self._errors is not None else ()
         return (*self.file.notes, *self.screen.notes, *away, *made)
 
@@ -99,6 +102,8 @@ class GazeSource:
     def _look_for_gaze(self) -> None:
         samples, valid = 0, False
         for block, pixels in self.blocks():
+            if are_shares(block.points, self.screen):
+                self._options.fail(NO_PIXELS_HINT, UnusableError)
             if pixels.valid.any():
                 return
             samples += len(block.time)

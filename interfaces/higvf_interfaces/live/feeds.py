@@ -16,6 +16,7 @@ from higvf_interfaces.decoding.contract import Decoder
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, signal_places, unique_names
+from higvf_interfaces.formats.xdf.file import channel_texts
 from higvf_interfaces.formats.xdf.markers import decision_of, label_of
 from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
 
@@ -138,7 +139,10 @@ def live_feed(options: Fields) -> LiveFeed:
         names = unique_names(reader.labels if named else [""] * reader.channels)
         columns = _columns(names, words(options), options)
         chosen = tuple(names[column] for column in columns)
-        record = SignalRecord(chosen, ("",) * len(chosen), reader.rate, 0.0, "lsl", [], _no_chunks)
+        units = channel_texts(reader.header, "unit", reader.channels)
+        record = SignalRecord(
+            chosen, tuple(units[column] for column in columns), reader.rate, 0.0, "lsl", [], _no_chunks
+        )
         decoder, notes = make_decoder("", record, options)
     except Exception:
         reader.close()

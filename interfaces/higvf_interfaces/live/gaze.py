@@ -16,7 +16,7 @@ from higvf_interfaces.formats.records import MIN_CONFIDENCE, GazeStream, beyond,
 from higvf_interfaces.formats.xdf.gaze import gaze_channels
 from higvf_interfaces.gaze.chunked_fixations import NO_PIXELS, ChunkClassifier, Pixels
 from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, THRESHOLDS, Classified, Fixation, fixations_of
-from higvf_interfaces.gaze.screens import choose_screen, on_screen, to_pixels
+from higvf_interfaces.gaze.screens import NO_PIXELS_HINT, TELLING, are_shares, choose_screen, on_screen, to_pixels
 from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
 
 GAZE = StreamQuery(type="Gaze")
@@ -50,7 +50,7 @@ class LiveGaze:
         self._method = options.choice("method", IVT, METHODS)
         self._trusted_from = options.number("min_confidence", MIN_CONFIDENCE, 0.0, 1.0)
         within = options.number("within", WITHIN, 0.1, 3600.0, "s")
-        self._beyond = 0
+        self._beyond, self._probe = 0, floats([], 0, 2)
         self.reader = LslReader(query_of(options, GAZE), options.place, within)
         try:
             x, y = (word(options, key) if options.has(key) else None for key in ("x", "y"))
@@ -74,7 +74,8 @@ class LiveGaze:
     def notes(self) -> tuple[str, ...]:
         """The stream, and assumptions made."""
         beyond_one = (f"{self._beyond} samples with a confidence above 1 are not used",) if self._beyond else ()
-        return (*self.reader.notes, *self._assumed, *self.screen.notes, *beyond_one)
+        shares = (f"gaze is not used: {NO_PIXELS_HINT}",) if are_shares(self._probe, self.screen) else ()
+        return (*self.reader.notes, *self._assumed, *self.screen.notes, *beyond_one, *shares)
 
     @property
     def time(self) -> float:
@@ -97,8 +98,12 @@ class LiveGaze:
         times = floats([sample.time for sample in samples])
         kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
         values = floats([sample.values for sample in samples], -1, self.reader.channels)[kept]
-        points = to_pixels(floats(values[:, [self._x, self._y]]), self.screen)
+        raw = floats(values[:, [self._x, self._y]])
+        if len(self._probe) < TELLING:
+            self._probe = floats(np.concatenate([self._probe, raw[np.isfinite(raw).all(axis=1)]])[:TELLING])
+        points = to_pixels(raw, self.screen)
         valid = np.isfinite(points).all(axis=1) & on_screen(points, self.screen)
+        valid &= not are_shares(self._probe, self.screen)
         if self._confidence is not None:
             confidence = floats(values[:, self._confidence])
             valid &= trusted(confidence, self._trusted_from)

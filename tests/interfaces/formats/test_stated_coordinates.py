@@ -29,7 +29,8 @@ def first_pixel(file: str, **options: object) -> list[float]:
 
 def xdf(path: Path, unit: str, system: str, labels: tuple[str, str] = ("x", "y")) -> str:
     """A gaze stream whose channels state unit and coordinate system."""
-    stream = xdf_stream(1, "Eyes", "Gaze", labels, [(5.0 + k / 100, 0.25, 0.5) for k in range(20)])
+    x, y = (250, 500) if unit == "pixels" else (0.25, 0.5)
+    stream = xdf_stream(1, "Eyes", "Gaze", labels, [(5.0 + k / 100, x, y) for k in range(20)])
     path.write_bytes(b"XDF:" + _described(stream, unit, system))
     return str(path)
 
@@ -119,7 +120,7 @@ def test_an_unknown_unit_or_coordinate_system_in_xdf_is_refused(tmp_path: Path, 
     file = xdf(tmp_path / "a", unit, system)
     with pytest.raises(InputError, match=r"is not understood; give frame=arena \(metres\), frame=screen"):
         source(file)
-    assert source(file, frame="unit", screen="100x100").screen.frame == "unit"
+    assert source(file, frame="screen" if unit == "pixels" else "unit").screen is not None
 
 
 def test_channels_selected_by_options_keep_the_origin_of_their_labels(tmp_path: Path) -> None:
@@ -278,3 +279,33 @@ def test_validity_columns_of_titta_count(write: Write, more: str) -> None:
 def test_tobii_gaze_without_a_validity_column_is_noted(write: Write) -> None:
     text = "device_time_stamp,left_gaze_point_on_display_area_x,left_gaze_point_on_display_area_y\n0,0.5,0.25\n"
     assert any("no validity column" in note for note in read_gaze(write(text)).notes)
+
+
+def test_shares_of_the_screen_that_are_called_pixels_are_refused(write: Write) -> None:
+    file = write("time,x,y\n" + "".join(f"{k / 100},0.5,0.{k % 10}\n" for k in range(40)))
+    with pytest.raises(InputError, match="x and y lie between 0 and 1, so they are no pixels; give frame=unit"):
+        source(file, frame="screen")
+    assert source(file, frame="unit").screen.frame == "unit"
+
+
+def test_much_gaze_off_the_screen_hints_at_wrong_coordinates(write: Write) -> None:
+    file = write("time,x,y\n" + "".join(f"{k / 100},{k % 5 / 2 - 1},0.5\n" for k in range(40)))
+    opened = source(file, frame="unit")
+    list(opened.blocks())
+    assert any("16 samples off the screen; check frame, origin and screen" in note for note in opened.notes)
+
+
+@pytest.mark.parametrize(
+    ("unit", "system", "frame"),
+    [
+        ("normalized", "world", "scene-unit"),
+        ("normalized", "", "scene-unit"),
+        ("", "", "scene-unit"),
+        ("normalized", "surface", "unit"),
+    ],
+)
+def test_gaze_of_pupil_capture_is_that_of_its_camera_unless_it_is_on_a_surface(
+    tmp_path: Path, unit: str, system: str, frame: str
+) -> None:
+    gaze = read_gaze(xdf(tmp_path / "a", unit, system, ("norm_pos_x", "norm_pos_y")))
+    assert (gaze.frame, gaze.origin) == (frame, BOTTOM_LEFT)

@@ -189,6 +189,19 @@ def test_live_confidence_in_per_cent_is_not_trusted_and_said(
     assert "1 samples with a confidence above 1 are not used" in gaze.health(1.0).detail
 
 
+def test_live_shares_of_the_screen_that_are_called_pixels_are_lost_gaze(
+    lsl: ModuleType, opened: Callable[..., Any], at: ContextAt
+) -> None:
+    device = Device(lsl, "Gaze", name="shares", rate=120.0, labels=GAZE, unit="")
+    gaze = opened(open_gaze, "gaze", name="shares", frame="screen")
+    until(device.consumed)
+    for number in range(30):
+        device.push(0.5, number / 30, 1.0)
+    until(lambda: gaze.poll(at(1.0)) is not None and "gaze is not used: x and y lie between" in gaze.health(1.0).detail)
+    device.push(0.5, 0.5, 1.0)
+    assert not any(isinstance(command, Cursor) and np.isfinite(command.point).all() for command in gaze.poll(at(1.1)))
+
+
 def test_a_live_signal_is_decoded_here(lsl: ModuleType, opened: Callable[..., Any], at: ContextAt) -> None:
     rate = 128.0
     device = Device(lsl, "EEG", name="scalp", rate=rate, labels=("Fz", "Oz"))

@@ -13,9 +13,11 @@ _SAME_RATE = 0.01  # relative difference below which two rates are equal
 _TRIGGERS = re.compile(r"status|trig(ger)?s?|stim?( \d+)?|markers?\d*|events?", re.IGNORECASE)
 _NO_SIGNALS = re.compile(  # time stamps, counters and states that programs write beside the signals
     r"(secondary )?(time[ _]?stamps?|times?)\b.*|(lsl|unix)[ _]?(ts|time.*)|id|index|unnamed: \d+|battery.*|"
+    r"(cq|eq|pm|mot|fac|pow)\..*|marker(index|type|value.*)|.*\.(rawcq|markerhardware)|"  # of Emotiv
     r"(sample|packet|package)[ _]?(index|counter|count|number|num|id)?|counter|.*\.(counter|interpolated|battery.*)",
     re.IGNORECASE,
 )
+_UNITS = {"microvolt": "uV", "uv": "uV", "millivolt": "mV", "mv": "mV", "volt": "V", "v": "V"}
 CHUNK = 512  # maximum number of samples of a chunk; read in a fraction of a control period
 
 
@@ -126,6 +128,12 @@ def _restricted(record: SignalRecord, columns: list[int], note: str = "") -> Sig
     return record._replace(
         names=tuple(record.names[k] for k in columns), units=tuple(record.units[k] for k in columns), chunks=chunks
     )
+
+
+def plain_unit(text: str) -> str:
+    """Return a unit of voltage in its usual spelling: `microvolts` and `µV` give `uV`; other units as they are."""
+    plain = text.strip().casefold().replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+    return _UNITS.get(plain.removesuffix("s"), text.strip())
 
 
 def unused_rate(given: float | None, rate: float) -> list[str]:

@@ -146,8 +146,8 @@ def gaze_channels(place: str, header: ET.Element, count: int, x: str | None, y: 
     left, right, origin = point_channels(place, labels, x, y)
     units, systems = ([texts[key][axis] for axis in (left, right)] for key in ("unit", "coordinate_system"))
     stated = stated_frame(units, systems)
-    if stated == Coordinates(None) and origin == BOTTOM_LEFT:
-        stated = Coordinates("scene-unit")
+    if origin == BOTTOM_LEFT and stated in (Coordinates(None), Coordinates("unit")) and not any(systems):
+        stated = Coordinates("scene-unit")  # Pupil Capture's usual gaze
     unused = [label for label in labels if "valid" in label]
     notes = [f"channels {', '.join(unused)[:200]} are not used: only a channel confidence is"] if unused else []
     return GazeChannels(
