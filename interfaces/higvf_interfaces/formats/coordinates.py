@@ -5,7 +5,7 @@ streams alike, unless the option of that name replaces it; a default never does.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from higvf_interfaces.formats.records import BOTTOM_LEFT, CENTER, SCENE_FRAMES, TOP_LEFT, Doubt
@@ -25,7 +25,7 @@ _SIDES = {
     "top": "top", "upper": "top", "bottom": "bottom", "lower": "bottom", "left": "left", "right": "right",
     "center": "center", "centre": "center", "middle": "center",
 }  # fmt: skip
-_ORIGINS = {
+_ORIGINS: Mapping[frozenset[str], str] = {
     frozenset(("top", "left")): TOP_LEFT,
     frozenset(("bottom", "left")): BOTTOM_LEFT,
     frozenset(("center",)): CENTER,
