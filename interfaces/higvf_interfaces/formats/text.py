@@ -109,10 +109,8 @@ class TextFile(NamedTuple):
             InputError: If the text is not a table, or most rows have more cells than there are titles, as where decimal
                 commas stand between commas; single ones are dropped with a note.
         """
-        quoting = csv.QUOTE_NONE if self.delimiter == "\t" else csv.QUOTE_MINIMAL
-        reader = csv.reader(self.lines(notes), delimiter=self.delimiter, quoting=quoting)
         try:
-            below = self._fitting(itertools.islice(reader, 1, None), notes)
+            below = self._fitting(self._below(notes), notes)
             last = next(below, None)
             for row in below:
                 if last is not None:
@@ -124,6 +122,11 @@ class TextFile(NamedTuple):
                 yield last
         except csv.Error as problem:
             raise InputError(f"{self.path}: is not a table: {problem}") from problem
+
+    def _below(self, notes: list[str]) -> Iterator[list[str]]:
+        """Yield the cells of each line below the header."""
+        quoting = csv.QUOTE_NONE if self.delimiter == "\t" else csv.QUOTE_MINIMAL
+        return itertools.islice(csv.reader(self.lines(notes), delimiter=self.delimiter, quoting=quoting), 1, None)
 
     def _fitting(self, rows: Iterator[list[str]], notes: list[str]) -> Iterator[list[str]]:
         """Yield the rows whose text fits under the titles."""
@@ -148,10 +151,10 @@ class TextFile(NamedTuple):
             )
 
     def first_rows(self, count: int) -> list[list[str]]:
-        """Return the cells of at most `count` rows below the header, as far as they are readable."""
+        """Return the cells of at most `count` readable rows below the header, whatever their width."""
         rows: list[list[str]] = []
-        with contextlib.suppress(InputError):
-            rows.extend(itertools.islice(self.rows([]), count))
+        with contextlib.suppress(InputError, csv.Error):
+            rows.extend(itertools.islice(self._below([]), count))
         return rows
 
     def _open(self) -> IO[str]:

@@ -175,7 +175,8 @@ def _splitter(file: TextFile, about: str, table: list[str]) -> _Split:
     points = any(_DECIMAL_POINT.fullmatch(cell) for line in table for cell in _cells(line))
     rate = _RATE.search(about)
     stated = rate is not None and "," in rate[1].rstrip(",")
-    if points or not (stated or any(map(_DECIMAL_COMMA.fullmatch, cells))):
+    torn = len(_cells(table[-1])) > len(_cells(table[0])) and table[0][:1].isalpha()  # more cells than titles
+    if points or not (stated or torn or any(map(_DECIMAL_COMMA.fullmatch, cells))):
         return _cells
     if len(spaced[-1]) < 3 or any(cell.count(",") > 1 for cell in cells):
         raise InputError(

@@ -11,7 +11,8 @@ from higvf_console.core.errors import InputError
 
 _SAME_RATE = 0.01  # relative difference below which two rates are equal
 _TRIGGERS = re.compile(r"status|trig(ger)?s?|stim?( \d+)?|markers?\d*|events?", re.IGNORECASE)
-_NO_SIGNALS = re.compile(  # time stamps, counters and states that programs write beside the signals
+_NO_SIGNALS = re.compile(  # time stamps, counters, states and motion that programs write beside the signals
+    r"(acc|accel|accelerometer|gyro|gyroscope|mag|magnetometer)([ _-]?channel)?[ _-]?[xyz\d]?|validation.*|"
     r"(secondary )?(time[ _]?stamps?|times?)\b.*|(lsl|unix)[ _]?(ts|time.*)|id|index|unnamed: \d+|battery.*|"
     r"(cq|eq|pm|mot|fac|pow)\..*|marker(index|type|value.*)|.*\.(rawcq|markerhardware)|"  # of Emotiv
     r"(sample|packet|package)[ _]?(index|counter|count|number|num|id)?|counter|.*\.(counter|interpolated|battery.*)",
@@ -100,7 +101,7 @@ def pick_channels(record: SignalRecord, wanted: Sequence[str], place: str) -> Si
 
 
 def signal_places(names: Sequence[str]) -> list[int]:
-    """Return the places of the channels that hold a signal by their names: no time stamps, counters or triggers.
+    """Return the places of the channels that hold a signal by their names: no time, counter, trigger or motion.
 
     If no name is left, all channels count.
     """
