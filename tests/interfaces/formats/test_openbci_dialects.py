@@ -162,3 +162,12 @@ def test_a_brainflow_file_of_another_board_needs_its_columns(write: Write) -> No
         read_signals(file)
     record = read_signals(file, SignalRequest(channels=("column 3", "column 2")))
     assert whole(record).values[7].tolist() == [8.25, 7.25]
+
+
+def test_a_counter_that_starts_anew_far_into_a_recording_loses_nothing(write: Write) -> None:
+    rows = "".join(
+        f"{k % 5000}, {k}.5, 1.25, 2.25, 3.25, 0.1, 0.2, 0.3, {1541598342000 + 4 * k}\n" for k in range(5100)
+    )
+    record = read_signals(write(ABOUT.format("%Number of channels = 4\n", "250.0") + rows))
+    assert np.diff(whole(record).times) == pytest.approx(0.004, abs=1e-6)
+    assert record.notes == []

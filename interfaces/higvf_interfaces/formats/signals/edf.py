@@ -150,10 +150,8 @@ def _chosen(path: Path, channels: list[_Channel], request: SignalRequest, notes:
     Raises:
         InputError: If a named channel is missing, or the named channels have different rates.
     """
-    rates = Counter[float]()
-    for channel in channels:
-        rates[channel.rate] += channel.rate
-    rate = rates.most_common(1)[0][0]
+    counts = Counter(channel.rate for channel in channels)
+    rate = max(counts, key=lambda rate: rate * counts[rate])
     wanted = [name.casefold() for name in request.channels]
     if wanted:
         named = [channel for channel in channels if channel.name.casefold() in wanted]

@@ -82,10 +82,14 @@ def _table(file: TextFile, request: SignalRequest) -> SampleTable:
     first = split(table[0])
     if first[0].casefold() == "sample index":
         channels = tuple(k for k, title in enumerate(first) if re.match(r"(exg|eeg|emg|ecg) channel", title.casefold()))
+
+        def titled(notes: list[str]) -> Iterator[list[str]]:
+            return _rows(file, split, 1, (len(first),), notes)
+
         return SampleTable(
             path=file.path,
             format=NAME,
-            rows=lambda notes: _rows(file, split, 1, (len(first),), notes),
+            rows=titled,
             channels=channels,
             names=tuple(first[k] for k in channels),
             units=("uV",) * len(channels),
