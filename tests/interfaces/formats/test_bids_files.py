@@ -4,11 +4,14 @@ import gzip
 import json
 from pathlib import Path
 
+import edfio
+import numpy as np
 import pytest
 
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.bids_files import merged_json, sidecars
 from higvf_interfaces.formats.reading import read_gaze
+from higvf_interfaces.formats.signals.reading import read_signals
 
 NAME = "sub-01_task-rest_run-01_recording-eye1_physio"
 
@@ -55,3 +58,15 @@ def test_without_a_root_only_the_folder_of_the_recording_counts(recording: Path)
     assert [path.name for path in sidecars(recording, "physio", "json")] == [f"{NAME}.json"]
     with pytest.raises(InputError, match=r"a BIDS table has no header"):
         read_gaze(str(recording), "bids")
+
+
+def test_the_channel_table_of_signals_is_inherited(tmp_path: Path) -> None:
+    folder = tmp_path / "ds" / "sub-01" / "emg"
+    folder.mkdir(parents=True)
+    (tmp_path / "ds" / "dataset_description.json").write_text("{}")
+    (tmp_path / "ds" / "task-grip_channels.tsv").write_text("name\ttype\tunits\tstatus\nEMG1\tEMG\tuV\tbad\n")
+    values = np.sin(np.arange(500) / 7)
+    edfio.Edf([edfio.EdfSignal(values, 250, label="EMG1", physical_dimension="uV")]).write(
+        folder / "sub-01_task-grip_emg.edf"
+    )
+    assert read_signals(str(folder / "sub-01_task-grip_emg.edf")).notes == ["marked bad in channels.tsv: EMG1"]
