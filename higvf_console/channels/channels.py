@@ -6,6 +6,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any, cast
 
 from higvf_console.channels.console import open_console
+from higvf_console.channels.link import Link, device_of, split_link
 from higvf_console.core.arguments import brief, instance, sequence
 from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import OperatorCommand
@@ -39,19 +40,20 @@ def open_interface(spec: InputSpec) -> Interface:
     """Opens the console's own channel, or the interface that the entry point `spec.channel` names.
 
     Args:
-        spec: what to open, and with what; a channel's former name is read as its present one.
-
-    Args:
-        spec: channel, file or stream, options and settings.
+        spec: channel, file or stream, options and settings; a channel's former name is read as its present one. The
+            options `LINK_OPTIONS` put the interface behind an emulated link.
 
     Raises:
         InputError: no such interface is installed, it cannot be imported, or its input cannot be used.
         CrashedError: it raised something else while it opened, or offers what is no interface.
     """
     instance("spec", spec, InputSpec)
-    spec = replace(spec, channel=current_channel(spec.channel))
-    if spec.channel == CONSOLE:
-        return open_console(spec)
+    spec, errors = split_link(replace(spec, channel=current_channel(spec.channel)))
+    interface = open_console(spec) if spec.channel == CONSOLE else _installed(spec)
+    return interface if errors is None else Link(interface, errors)
+
+
+def _installed(spec: InputSpec) -> Interface:
     points: Mapping[str, EntryPoint] = {point.name: point for point in entry_points(group=GROUP)}
     if spec.channel not in points:
         names = interface_names()
@@ -144,6 +146,11 @@ class Channels:
     def named(self, name: str) -> Interface | None:
         """The interface of that name."""
         return next((interface for interface in self._interfaces if interface.name == name), None)
+
+    def device(self, name: str) -> Interface | None:
+        """The interface of that name without its link: what reports of itself."""
+        interface = self.named(name)
+        return None if interface is None else device_of(interface)
 
     def poll(self, context: OperatorContext) -> tuple[dict[str, list[OperatorCommand]], list[Event]]:
         """The commands that are due, by interface, and an event for each interface that failed just now."""

@@ -17,8 +17,6 @@ _GRAIN = 1e-9  # [s]
 
 def problem(fault: InjectFault) -> str:
     """Why a fault cannot be put on a channel; empty where it can."""
-    if fault.kind not in tuple(FaultKind):
-        return f"{fault.kind!r} is no kind of fault; choose {', '.join(FaultKind)}"
     if not (0.0 < fault.seconds <= LONGEST and 0.0 <= fault.delay <= LONGEST):
         return f"a fault of {fault.seconds:g} s with a delay of {fault.delay:g} s: give 0 to {LONGEST:g} s"
     return ""

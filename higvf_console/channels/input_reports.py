@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple, TypeVar
 
 from higvf_console.channels.channels import Channels
+from higvf_console.channels.link import device_of
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface
 from higvf_console.core.reports import (
@@ -51,7 +52,7 @@ class Reporter:
 
     def __init__(self, channels: Channels, control_period: float) -> None:
         """Finds out which interface has what to tell; `control_period` is in seconds."""
-        named = [(name, channels.named(name)) for name in channels.names]
+        named = [(name, channels.device(name)) for name in channels.names]
         self._attentive = [(name, it) for name, it in named if isinstance(it, Attentive)]
         self._calibrated = [(name, it) for name, it in named if isinstance(it, Calibrated)]
         self._deciding = [(name, it) for name, it in named if isinstance(it, Deciding)]
@@ -112,7 +113,8 @@ class Reporter:
 
 def calibrations_of(interfaces: Iterable[Interface]) -> dict[str, CalibrationReport]:
     """The calibrations in use, by interface."""
-    reports = [(it.name, it.calibration_report()) for it in interfaces if isinstance(it, Calibrated)]
+    devices = map(device_of, interfaces)
+    reports = [(it.name, it.calibration_report()) for it in devices if isinstance(it, Calibrated)]
     return {name: report for name, report in reports if report is not None}
 
 

@@ -1,16 +1,23 @@
-"""Asks the installed packages what a file is: inspectors are found by entry point, as interfaces are."""
+"""Asks the installed packages what a file is: inspectors are found by entry point, as interfaces are.
+
+The inspector that has the name of the channel is asked first, then those of other packages by name, the console's own
+last. The first one that knows the file describes it.
+"""
 
 import json
 import math
 from collections.abc import Mapping, Sequence
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Protocol, cast
 
+from higvf_console.channels.link import LinkErrors, split_link
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
 
 GROUP = "higvf_console.inspectors"
+_OWN = "higvf-console"  # name of the distribution
+_NO_PICTURE = "no picture"
 _LIST_WIDTH = 100  # letters; a longer list is told item by item
 
 
@@ -27,27 +34,66 @@ class Inspector(Protocol):
 
 
 def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> Mapping[str, object]:
-    """What the first inspector that knows `spec.source` says of it.
+    """What the first inspector that knows `spec.source` says of it; a picture that was not written is a warning.
 
     Args:
-        spec: the file, with the options of the input that it is to become.
+        spec: the file, with the options and settings of the channel that it is to become.
         plot: where a picture goes; None = none.
         steps: whether the steps of the processing are told.
 
     Raises:
         InputError: no inspector is installed, or none knows the file; the message gives each one's reason.
     """
-    points = sorted(entry_points(group=GROUP), key=lambda point: point.name)
+    points = sorted(entry_points(group=GROUP), key=lambda point: _rank(point, spec.channel))
     if not points:
         raise InputError(f"no inspector is installed (entry points of the group {GROUP}); install the package again")
+    spec, errors = split_link(spec)
     refusals: list[str] = []
+    before = _written(plot)
     for point in points:
-        inspector: Inspector = point.load()
         try:
-            return inspector(spec, plot, steps)
+            inspector: Inspector = point.load()
+            description = inspector(spec, plot, steps)
         except InputError as refusal:
             refusals.append(str(refusal))
+        except Exception as error:  # whatever another package's code raises
+            refusals.append(f"inspector '{point.name}' failed: {type(error).__name__}: {error}")
+        else:
+            unplotted = plot is not None and _written(plot) == before
+            return _warned(description, [*_unplotted(description, plot if unplotted else None), *_unlinked(errors)])
     raise InputError("; ".join(refusals))
+
+
+def _rank(point: EntryPoint, channel: str) -> tuple[bool, bool, str]:
+    dist = getattr(point, "dist", None)
+    return point.name != channel, dist is not None and dist.name == _OWN, point.name
+
+
+def _written(plot: Path | None) -> tuple[int, int] | None:
+    """Size and time of a picture, which tell whether it was written; None if there is none."""
+    try:
+        found = None if plot is None else plot.stat()
+    except OSError:
+        return None
+    return None if found is None else (found.st_size, found.st_mtime_ns)
+
+
+def _unplotted(description: Mapping[str, object], plot: Path | None) -> list[str]:
+    """That a picture was not written, where the description does not say so itself; nothing without one."""
+    said = any(warning.startswith(_NO_PICTURE) for warning in _warnings(description))
+    return [f"{_NO_PICTURE}: {plot} was not written"] if plot is not None and not said else []
+
+
+def _unlinked(errors: LinkErrors | None) -> list[str]:
+    return [f"{errors}: errors of the link, which hold in a run and are not applied here"] if errors else []
+
+
+def _warnings(description: Mapping[str, object]) -> list[str]:
+    return [str(warning) for warning in cast(Sequence[object], description.get("warnings") or ())]
+
+
+def _warned(description: Mapping[str, object], more: Sequence[str]) -> Mapping[str, object]:
+    return {**description, "warnings": [*_warnings(description), *more]} if more else description
 
 
 def as_json(description: Mapping[str, object]) -> str:

@@ -91,7 +91,6 @@ def _add_run(commands: Any) -> None:
     run.add_argument(
         "--seed",
         type=_seed,
-        default=0,
         metavar="N",
         help="random seed of start positions, measurement noise and packet loss (default 0)",
     )
@@ -144,7 +143,9 @@ def _add_inspect(commands: Any) -> None:
     inspect = commands.add_parser("inspect", help="describe a recording and the operator input that it gives")
     inspect.set_defaults(command="inspect")
     inspect.add_argument(
-        "file", metavar="FILE[:OPTION=VALUE,...]", help="recording or log, with the options of --input"
+        "file",
+        metavar="[CHANNEL=]FILE[:OPTION=VALUE,...]",
+        help="recording or log, with the options of --input; with CHANNEL also with its settings in the scenario",
     )
     inspect.add_argument("--json", action="store_true", help="write JSON instead of text")
     inspect.add_argument("--plot", type=Path, metavar="FILE.png", help="write a plot, e.g. a heat map of gaze")
@@ -153,7 +154,7 @@ def _add_inspect(commands: Any) -> None:
         "--scenario",
         default="firefighting",
         metavar="SCENARIO",
-        help="scenario that gives the arena (default firefighting)",
+        help="scenario that gives the arena and the settings of CHANNEL (default firefighting)",
     )
 
 

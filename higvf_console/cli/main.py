@@ -1,25 +1,27 @@
 """The command `higvf`: runs scenarios, replays and inspects recordings, reproduces the paper, runs benchmarks.
 
 Exit status: 0 on success; 1 if a replay differs or an interface violates its contract; 2 on invalid input, with a
-one-line reason on standard error; 130 on Ctrl-C.
+one-line reason on standard error; 130 on Ctrl-C; 141 if the reader of the output ended first, as in `higvf ... | head`.
 """
 # ruff: noqa: PLC0415 (each command imports its own modules, so that `--help` does not load the compiler)
 
 import argparse
 import json
 import os
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from higvf_console.cli.arguments import parser
-from higvf_console.cli.output import log, write
+from higvf_console.cli.output import discard_output, log, write
 from higvf_console.core.errors import HigvfError, MissingExtraError
 
 if TYPE_CHECKING:
     pass
 
 
+_SIGPIPE = 13  # of POSIX; the module `signal` lacks it on Windows
 _REPORTED = ("refused", "clipped", "failure", "channel", "recording")  # kinds of events that a headless run prints
 
 
@@ -33,8 +35,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The exit status.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is loaded: its threads wait for each other
-    given = parser().parse_args(arguments)
     try:
+        return _run_command(arguments)
+    except BrokenPipeError:  # whoever read the output has ended, as `head` does
+        discard_output()
+        return 128 + _SIGPIPE
+
+
+def _run_command(arguments: Sequence[str] | None) -> int:
+    try:
+        given = parser().parse_args(arguments)
         return _COMMANDS[given.command](given)
     except HigvfError as error:
         log(f"higvf: {error}")
@@ -42,6 +52,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         log("higvf: interrupted")
         return 130
+    finally:
+        sys.stdout.flush()  # at the exit of the interpreter, a closed pipe would be a traceback
 
 
 def _scenarios(_: argparse.Namespace) -> int:
@@ -58,10 +70,10 @@ def _scenarios(_: argparse.Namespace) -> int:
 
 def _inspect(given: argparse.Namespace) -> int:
     from higvf_console.channels.inspection import as_json, as_text, inspect
-    from higvf_console.runtime.inputs import input_spec
+    from higvf_console.runtime.inputs import inspected_spec
     from higvf_console.scenario.scenario import load_scenario
 
-    spec = input_spec(f"inspect={given.file}", load_scenario(given.scenario))
+    spec = inspected_spec(given.file, load_scenario(given.scenario))
     description = inspect(spec, given.plot, given.steps)
     print(as_json(description) if given.json else as_text(description))
     return 0

@@ -1,5 +1,6 @@
 """What commands print and write."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -20,3 +21,9 @@ def write(option: str, file: str, text: str) -> None:
         Path(file).write_text(text, encoding="utf-8")
     except OSError as error:
         raise HigvfError(f"{option} {file}: {error.strerror}") from error
+
+
+def discard_output() -> None:
+    """Sends what is still to be printed nowhere, so that the interpreter ends quietly after a pipe was closed."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())

@@ -42,6 +42,12 @@ def run(given: argparse.Namespace) -> int:
     if not SLOWEST <= given.speed <= FASTEST:
         raise HigvfError(f"--speed {given.speed:g}: choose {SLOWEST:g} to {FASTEST:g}")
     scenario = load_scenario(given.scenario)
+    if given.seed is not None and not scenario.random:
+        log(
+            f"Warning: --seed {given.seed} changes nothing: scenario '{scenario.name}' has neither jitter_m, "
+            "measurement noise nor packet loss"
+        )
+    given.seed = given.seed or 0
     if given.forms is not None:
         scenario = scenario.with_forms(forms_named(given.forms))
     setup = scenario.setup(given.seed)  # before the link, since the start may not be safe with this seed

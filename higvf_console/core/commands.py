@@ -2,13 +2,15 @@
 
 Whatever the device, its wishes arrive as these commands; nothing else changes the intent of a run. A command is data:
 `operator.reducer.apply_command` gives it its meaning (Freeze, Step, SetSpeed, Acknowledge, InjectFault,
-LoadScenario, Undo, Redo, HandOver and the commands of `edits`: the session).
+LoadScenario, Undo, Redo, HandOver and the commands of `edits`: the session). A word that is none of those known is an
+`ArgumentError` where the command is made.
 """
 
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias
 
+from higvf_console.core.arguments import choice
 from higvf_console.core.arrays import Floats
 from higvf_console.core.command import Command
 from higvf_console.core.edits import (
@@ -22,6 +24,9 @@ from higvf_console.core.edits import (
     SetParameters,
     ToggleLink,
 )
+from higvf_console.core.state import PathEnding
+
+PATH_ENDINGS = tuple(ending.name.lower() for ending in PathEnding)  # as people write them
 
 
 class StrokeUse(StrEnum):
@@ -66,6 +71,11 @@ class StrokeEnd(Command):
     ending: str = "release"
     pace: float = 1.0
     duration: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Checks the words."""
+        choice("StrokeEnd.use", self.use, tuple(StrokeUse))
+        choice("StrokeEnd.ending", self.ending, PATH_ENDINGS)
 
 
 @dataclass(frozen=True)
@@ -173,6 +183,11 @@ class ShapePath(Command):
     pace: float | None = None
     duration: float | None = None
     closed: bool | None = None
+
+    def __post_init__(self) -> None:
+        """Checks the word."""
+        if self.ending is not None:
+            choice("ShapePath.ending", self.ending, PATH_ENDINGS)
 
 
 @dataclass(frozen=True)
@@ -308,6 +323,10 @@ class InjectFault(Command):
     seconds: float = 3.0
     delay: float = 0.5
 
+    def __post_init__(self) -> None:
+        """Checks the word."""
+        choice("InjectFault.kind", self.kind, tuple(FaultKind))
+
 
 class ControlChange(StrEnum):
     """What becomes of control, which one page of the console has at a time."""
@@ -332,6 +351,10 @@ class HandOver(Command):
 
     page: str
     how: str
+
+    def __post_init__(self) -> None:
+        """Checks the word."""
+        choice("HandOver.how", self.how, tuple(ControlChange))
 
 
 OperatorCommand: TypeAlias = (

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
+from higvf_console.core.arguments import choice
 from higvf_console.core.arrays import Floats
 from higvf_console.core.command import Command
 
@@ -30,6 +31,10 @@ class AddEntity(Edit):
     kind: str
     point: Floats
 
+    def __post_init__(self) -> None:
+        """Checks the word."""
+        _known_kind(self)
+
 
 @dataclass(frozen=True)
 class AddOutlines(Edit):
@@ -46,6 +51,10 @@ class MoveEntity(Edit):
     index: int
     point: Floats
 
+    def __post_init__(self) -> None:
+        """Checks the word."""
+        _known_kind(self)
+
 
 @dataclass(frozen=True)
 class ChangeEntity(Edit):
@@ -56,6 +65,10 @@ class ChangeEntity(Edit):
     name: str
     value: float
 
+    def __post_init__(self) -> None:
+        """Checks the word."""
+        _known_kind(self)
+
 
 @dataclass(frozen=True)
 class DeleteEntity(Edit):
@@ -63,6 +76,10 @@ class DeleteEntity(Edit):
 
     kind: str
     index: int
+
+    def __post_init__(self) -> None:
+        """Checks the word."""
+        _known_kind(self)
 
 
 @dataclass(frozen=True)
@@ -95,3 +112,7 @@ class SetParameters(Edit):
     """
 
     values: Mapping[str, float]
+
+
+def _known_kind(edit: AddEntity | MoveEntity | ChangeEntity | DeleteEntity) -> None:
+    choice(f"{type(edit).__name__}.kind", edit.kind, tuple(EntityKind))

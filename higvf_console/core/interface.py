@@ -17,6 +17,9 @@ from higvf_console.core.viewport import Arena, Viewport
 RENAMED_CHANNELS: Mapping[str, str] = MappingProxyType({"mouse": CONSOLE})
 
 
+LINK_OPTIONS = ("latency", "jitter", "dropout")  # options of every channel: its emulated link
+
+
 class Targets(NamedTuple):
     """What there is to look at now; arrays of the state, not to be written.
 
@@ -97,6 +100,7 @@ class InputSpec:
         settings: the scenario's `inputs: {gaze: ...}` section.
         arena: the arena that the input is to steer in.
         robots: how many the team has; None = not known yet.
+        seed: of the errors that the interface emulates, where the link of the channel has taken the option `seed`.
     """
 
     channel: str
@@ -105,6 +109,7 @@ class InputSpec:
     settings: Mapping[str, object] = field(default_factory=lambda: {})
     arena: Arena = field(default_factory=lambda: Arena(0.0, 0.0, 1200.0, 700.0))
     robots: int | None = None
+    seed: int = 0
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from higvf_console.core.commands import ShapePath, StrokeEnd, StrokeUse
+from higvf_console.core.commands import PATH_ENDINGS, ShapePath, StrokeEnd, StrokeUse
 from higvf_console.core.state import PathEnding
 
 # By the words that people write and read.
-ENDINGS: Mapping[str, PathEnding] = MappingProxyType({ending.name.lower(): ending for ending in PathEnding})
+ENDINGS: Mapping[str, PathEnding] = MappingProxyType(dict(zip(PATH_ENDINGS, PathEnding, strict=True)))
 SLOWEST, FASTEST = 0.2, 1.5  # pace along a path
 
 

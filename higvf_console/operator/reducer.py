@@ -188,8 +188,6 @@ def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) 
     points, left = clipped(state.pointer_state.stroke, setup.arena)
     smoothing = setup.params.path.stroke_smoothing if command.smoothing is None else command.smoothing
     state = with_pointer_state(state, stroke=_NO_STROKE, stroke_source="")
-    if command.use not in tuple(StrokeUse):
-        return state, refuse(time, f"Unknown use of a stroke '{command.use}': choose {', '.join(StrokeUse)}.")
     if command.use == StrokeUse.PRIORITY:
         return prioritise_inside(state, points, setup, time)
     if command.use == StrokeUse.REDRAW:
@@ -297,8 +295,6 @@ def _control_events(command: HandOver, time: float) -> tuple[Event, ...]:
         ControlChange.RELEASED: f"{by} releases control: {steers}.",
         ControlChange.LOST: f"{by}, which steered, is lost: {steers}.",
     }
-    if command.how not in texts:
-        return refuse(time, f"Unknown change of control {command.how!r}; choose {', '.join(ControlChange)}.")
     alerts = command.how in (ControlChange.TAKEN, ControlChange.LOST)
     severity = Severity.WARNING if alerts else Severity.INFO
     return (Event(time, severity, "control", texts[command.how]),)

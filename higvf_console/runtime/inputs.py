@@ -4,13 +4,14 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from higvf_console.channels.channels import Channels
-from higvf_console.core.errors import InputError
+from higvf_console.channels.channels import Channels, interface_names
+from higvf_console.core.errors import InputError, closest
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import InputSpec, current_channel, renamed_channel
 from higvf_console.core.reports import Warned
 from higvf_console.scenario.scenario import Scenario, data_folder
 
+NO_CHANNEL = "inspect"  # stands for the channel of a file that is inspected as that of none
 _CHANNEL = re.compile(r"[A-Za-z][\w-]*")
 _OPTIONS = re.compile(r"[A-Za-z]\w*=[^,]*(,[A-Za-z]\w*=[^,]*)*")
 _MEANT = re.compile(r"\s*[A-Za-z]\w*\s*(=.*)?")  # as options
@@ -40,6 +41,21 @@ def input_spec(text: str, scenario: Scenario, folder: Path | None = None) -> Inp
     return InputSpec(channel, source, _options(options, text), settings, scenario.arena, len(scenario.robots.points))
 
 
+def inspected_spec(text: str, scenario: Scenario) -> InputSpec:
+    """What a file is inspected with: `CHANNEL=FILE:options` as an input, or `FILE:options` as that of no channel.
+
+    Raises:
+        InputError: as `input_spec`, or there is no such channel.
+    """
+    channel, equals, _ = text.partition("=")
+    if not equals or not _CHANNEL.fullmatch(channel) or _is_file(Path(_split(text, Path())[0])):
+        return input_spec(f"{NO_CHANNEL}={text}", scenario)
+    names = interface_names()
+    if current_channel(channel) not in (*names, NO_CHANNEL):
+        raise InputError(f"no interface '{channel}'{closest(channel, names)}; installed interfaces: {', '.join(names)}")
+    return input_spec(text, scenario)
+
+
 def renamed_specs(texts: Iterable[str]) -> tuple[str, ...]:
     """A warning for each `--input` that names a channel by its former name."""
     warnings = [(text, renamed_channel(text.partition("=")[0])) for text in texts]
@@ -59,7 +75,7 @@ def demo_specs(scenario: Scenario) -> list[InputSpec]:
 
 def opening_warnings(scenario: Scenario, channels: Channels) -> tuple[Event, ...]:
     """The warnings of a scenario and of the inputs that a session is opened with."""
-    warned = (interface for interface in map(channels.named, channels.names) if isinstance(interface, Warned))
+    warned = (interface for interface in map(channels.device, channels.names) if isinstance(interface, Warned))
     return (
         *(Event(0.0, Severity.WARNING, "scenario", text) for text in scenario.warnings),
         *(Event(0.0, Severity.WARNING, "input", text) for interface in warned for text in interface.warnings),

@@ -168,6 +168,12 @@ class Scenario:
         params, warnings = convergent(params, self.robots.points, self.links, self.influenced)
         return replace(self, params=params, warnings=self.warnings + warnings)
 
+    @property
+    def random(self) -> bool:
+        """Whether the seed decides anything: start positions, measurement errors or packet losses."""
+        robots = self.params.robots
+        return bool(self.robots.jitter > 0 or robots.position_noise > 0 or robots.packet_loss > 0)
+
     def _layout(self, position: Floats, seed: int) -> Layout:
         return Layout(
             arena=self.arena,

@@ -1,34 +1,26 @@
-"""Emulated devices: apply the errors of a device and its decoder to a recording or a script.
+"""Emulated devices: the errors of a decoder and of an eye tracker, on any recording.
 
-    --input bci=FILE:latency=0.4,confusion=0.8,seed=3          decisions: delay, loss, confusion
-    --input gaze=FILE:noise_deg=0.5,drift_deg_per_min=1        gaze: noise, drift, delay, loss
-    --input script=FILE:latency=0.3,dropout=0.1                commands of any interface: delay, loss
+    --input bci=FILE:confusion=0.8,seed=3                      decisions: confusion of labels
+    --input gaze=FILE:noise_deg=0.5,drift_deg_per_min=1        gaze: noise, drift
 
-Each item has its own random generator, seeded by (seed, index): the same seed gives the same commands at any session
-speed and polling rate. Delivery preserves order.
+Delay and loss are those of the channel's link, which the console emulates for every interface. Each decision has its
+own random generator, seeded by (seed, number of the decision): the same seed gives the same commands at any session
+speed.
 """
 
-import math
-from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import NamedTuple, cast
 
 import numpy as np
 
-from higvf_console.core.arrays import Bools, Floats, bools, floats
-from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeCancel, StrokeEnd
-from higvf_console.core.interface import Capabilities, ChannelHealth, Interface, OperatorContext, capabilities_of
-from higvf_console.core.reports import Warned
+from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.interface import LINK_OPTIONS
 from higvf_interfaces.decisions.feeds import DecisionFeed, Due
 from higvf_interfaces.fields import Fields, is_number, shown
-from higvf_interfaces.formats.records import Decision, GazeRecording
-from higvf_interfaces.streams import CLOCK_GRAIN, Stamp
+from higvf_interfaces.formats.records import Decision
 
-DELAYS = ("latency", "jitter", "dropout", "seed")
-ERRORS = (*DELAYS, "confusion")
-GAZE_ERRORS = (*DELAYS, "noise_deg", "drift_deg_per_min")
-_BLACKOUT = 0.2  # duration of one loss of gaze [s]
+ERRORS = ("confusion", "seed")
+GAZE_ERRORS = ("noise_deg", "drift_deg_per_min", "seed")
 _MOST_SEED = 2**32
 
 
@@ -36,9 +28,6 @@ class ErrorModel(NamedTuple):
     """Parameters of a device's errors.
 
     Attributes:
-        latency: constant delay [s].
-        jitter: mean of an additional, exponentially distributed delay [s].
-        dropout: probability in [0, 1] that an item is lost.
         confusion: probability that a label is correct, or the confusion probabilities of each label; the rest of a row
             is the probability of the label itself.
         noise_deg: standard deviation of gaze on each axis [deg].
@@ -46,65 +35,61 @@ class ErrorModel(NamedTuple):
         seed: seed of all random draws.
     """
 
-    latency: float = 0.0
-    jitter: float = 0.0
-    dropout: float = 0.0
     confusion: float | Mapping[str, Mapping[str, float]] = 1.0
     noise_deg: float = 0.0
     drift_deg_per_min: float = 0.0
     seed: int = 0
 
 
-def error_model(options: Fields) -> ErrorModel | None:
+def error_model(options: Fields, seed: int = 0) -> ErrorModel | None:
     """Return the error model of an input's options, or None if they set none.
+
+    Args:
+        options: options of the input.
+        seed: seed if the options have none (`InputSpec.seed`).
 
     Raises:
         InputError: If a value is invalid.
     """
     asked = [key for key in {*ERRORS, *GAZE_ERRORS} - {"seed"} if options.has(key)]
-    seed = options.number("seed", 0.0, 0.0, float(_MOST_SEED))
+    seed = int(options.number("seed", float(seed), 0.0, float(_MOST_SEED)))
     if not asked:
         return None
     return ErrorModel(
-        latency=options.number("latency", 0.0, 0.0, 60.0, "s"),
-        jitter=options.number("jitter", 0.0, 0.0, 60.0, "s"),
-        dropout=options.number("dropout", 0.0, 0.0, 1.0),
         confusion=_confusion(options),
         noise_deg=options.number("noise_deg", 0.0, 0.0, 45.0, "deg"),
         drift_deg_per_min=options.number("drift_deg_per_min", 0.0, 0.0, 600.0, "deg/min"),
-        seed=int(seed),
+        seed=seed,
     )
 
 
-def emulate(decision: Decision, index: int, labels: Sequence[str], model: ErrorModel) -> Decision | None:
-    """Return a decision as the emulated device delivers it.
+def idle_seed(options: Fields) -> tuple[str, ...]:
+    """Return a warning if the options have a seed, and no error that it seeds."""
+    if not options.has("seed") or error_model(options) is not None:
+        return ()
+    seeded = [key for key in options.known if key in (*ERRORS, *GAZE_ERRORS) and key != "seed"]
+    return (f"{options.place}: seed changes nothing without {', '.join((*LINK_OPTIONS, *seeded))}",)
+
+
+def confuse(decision: Decision, index: int, labels: Sequence[str], model: ErrorModel) -> Decision:
+    """Return a decision as the emulated decoder gives it.
 
     Args:
         decision: the original decision.
         index: its number in the log, which seeds the random draws.
         labels: labels it may be confused with.
         model: error parameters.
-
-    Returns:
-        The delayed, possibly confused decision; None if it is lost.
     """
     draw = np.random.default_rng((model.seed, index))
-    lost, delay, choice, other = draw.random(), draw.exponential(), draw.random(), draw.random()
-    if lost < model.dropout:
-        return None
-    label = _confused(decision.label, labels, model, choice, other)
-    return decision._replace(time=decision.time + model.latency + model.jitter * delay, label=label)
+    return decision._replace(label=_confused(decision.label, labels, model, draw.random(), draw.random()))
 
 
-class EmulatedFeed:
-    """A decision feed with the errors of an emulated device."""
+class ConfusedFeed:
+    """A decision feed with the errors of an emulated decoder."""
 
     def __init__(self, feed: DecisionFeed, model: ErrorModel) -> None:
         """Apply the errors of `model` to `feed`."""
         self._feed, self._model = feed, model
-        self._waiting: deque[Due] = deque()
-        self._now = -math.inf
-        self._played = False
         self.labels: Sequence[str] = feed.labels
 
     @property
@@ -114,134 +99,45 @@ class EmulatedFeed:
 
     @property
     def started(self) -> bool:
-        """Whether at least one decision has been delivered."""
-        return self._played
+        """Whether at least one decision has been played."""
+        return self._feed.started
 
     @property
     def ended(self) -> bool:
-        """Whether all decisions have been delivered."""
-        return self._feed.ended and not self._waiting
+        """Whether all decisions have been played."""
+        return self._feed.ended
 
     def due(self, now: float) -> list[Due]:
-        """Return the decisions that arrive by session time `now` [s]."""
-        if now < self._now:
-            self._waiting.clear()
-            self._played = False
-        self._now = now
-        for index, decision in self._feed.due(now):
-            emulated = emulate(decision, index, self.labels, self._model)
-            if emulated is not None:
-                after = self._waiting[-1].decision.time if self._waiting else -math.inf
-                self._waiting.append(Due(index, emulated._replace(time=max(emulated.time, after))))
-        given: list[Due] = []
-        while self._waiting and self._waiting[0].decision.time <= now + CLOCK_GRAIN:
-            given.append(self._waiting.popleft())
-        self._played = self._played or bool(given)
-        return given
-
-
-class EmulatedInterface:
-    """An interface behind a lossy link: commands are delayed or lost; stroke begin and end are delayed, never lost."""
-
-    def __init__(self, interface: Interface, model: ErrorModel) -> None:
-        """Wrap `interface` in a link with the errors of `model`."""
-        self._interface, self._model = interface, model
-        self._stamp = Stamp(interface.name)
-        self._waiting: deque[OperatorCommand] = deque()
-        self._due: deque[float] = deque()
-        self._now = -math.inf
-        self._count = 0
-
-    @property
-    def name(self) -> str:
-        """Channel name, shown in the status line."""
-        return self._interface.name
-
-    @property
-    def capabilities(self) -> Capabilities:
-        """Those of the interface; nothing can be pushed through the link."""
-        return replace(capabilities_of(self._interface), takes_pointer=False)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Those of the interface."""
-        return self._interface.warnings if isinstance(self._interface, Warned) else ()
-
-    def poll(self, context: OperatorContext) -> list[OperatorCommand]:
-        """Return the commands that have arrived, stamped with their times of arrival."""
-        if context.time < self._now:
-            self._waiting.clear()
-            self._due.clear()
-            self._count = 0
-        self._now = context.time
-        for command in self._interface.poll(context):
-            self._send(command)
-        given: list[OperatorCommand] = []
-        while self._due and self._due[0] <= context.time + CLOCK_GRAIN:
-            given.append(self._stamp(self._waiting.popleft(), self._due.popleft(), context))
-        return given
-
-    def health(self, now: float) -> ChannelHealth:
-        """The health of the interface, with the emulated errors in its detail."""
-        health = self._interface.health(now)
-        return health._replace(detail=f"{health.detail}; emulated: {describe(self._model)}")
-
-    def close(self) -> None:
-        """Close the interface."""
-        self._interface.close()
-
-    def _send(self, command: OperatorCommand) -> None:
-        draw = np.random.default_rng((self._model.seed, self._count))
-        self._count += 1
-        lost, delay = draw.random(), draw.exponential()
-        if lost < self._model.dropout and not isinstance(command, StrokeBegin | StrokeEnd | StrokeCancel):
-            return
-        due = command.time + self._model.latency + self._model.jitter * delay
-        self._due.append(max(due, self._due[-1] if self._due else -math.inf))
-        self._waiting.append(command)
+        """Return the decisions that became due by session time `now` [s]."""
+        return [
+            Due(index, confuse(decision, index, self.labels, self._model)) for index, decision in self._feed.due(now)
+        ]
 
 
 class GazeErrors:
-    """Adds noise, drift, delay and loss to gaze, block by block."""
+    """Adds noise and drift to gaze, block by block."""
 
     def __init__(self, model: ErrorModel, units_per_deg: float) -> None:
         """Start at the beginning of a recording.
 
         Args:
-            model: error parameters; jitter delays gaze as a whole, because a tracker sends at a steady rate.
+            model: error parameters.
             units_per_deg: units of the points' frame per degree of visual angle.
         """
         self._model, self._units = model, units_per_deg
         self._draw = np.random.default_rng((model.seed, 0))
         angle = self._draw.uniform(0.0, 2 * np.pi)
         self._direction = np.array([np.cos(angle), np.sin(angle)])
-        self._delay = model.latency + model.jitter * self._draw.exponential()
         self._first: float | None = None
 
-    def __call__(self, time: Floats, points: Floats, valid: Bools) -> tuple[Floats, Floats, Bools]:
-        """Return the next block with errors: times (n,) [s], points (n, 2) and validity (n,)."""
+    def __call__(self, time: Floats, points: Floats) -> Floats:
+        """Return the points (n, 2) at times (n,) [s] of the next block with errors."""
         if len(time) and self._first is None:
             self._first = float(time[0])
         minutes = (time - (self._first or 0.0))[:, None] / 60.0
         drift = minutes * self._model.drift_deg_per_min * self._direction
         noise = self._draw.normal(0.0, 1.0, (len(time), 2)) * self._model.noise_deg
-        blackouts, within = np.unique(np.floor(time / _BLACKOUT).astype(np.int64), return_inverse=True)
-        dark = bools([self._dark(index) for index in blackouts.tolist()])
-        return (
-            floats(time + self._delay),
-            floats(points + (drift + noise) * self._units),
-            bools(valid & ~dark[within]),
-        )
-
-    def _dark(self, blackout: int) -> bool:
-        """Whether gaze is lost in blackout interval `blackout`; independent of the division into blocks."""
-        return bool(np.random.default_rng((self._model.seed, 1, abs(blackout))).random() < self._model.dropout)
-
-
-def emulate_gaze(recording: GazeRecording, model: ErrorModel, units_per_deg: float) -> GazeRecording:
-    """Return a gaze recording with the errors of `model`; see `GazeErrors`."""
-    time, points, valid = GazeErrors(model, units_per_deg)(recording.time, recording.points, recording.valid)
-    return recording._replace(time=time, points=points, valid=valid)
+        return floats(points + (drift + noise) * self._units)
 
 
 def describe(model: ErrorModel) -> str:

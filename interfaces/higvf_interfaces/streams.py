@@ -2,9 +2,10 @@
 
 A replay neither sleeps nor reads the wall clock. Each poll returns the entries that are due by the session time, so a
 log plays at 8x in a session at 8x and stops while the clock is frozen. A session time that goes back means that the run
-was reset; the log then plays again from its start.
+was reset, which `RunClock` notices for all interfaces; the log then plays again from its start.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,23 @@ from higvf_console.core.commands import OperatorCommand
 from higvf_console.core.interface import OperatorContext
 
 CLOCK_GRAIN = 1e-9  # tolerance for rounding: ticks times the control period may miss a decimal time [s]
+
+
+class RunClock:
+    """Session time as an interface is told it.
+
+    Attributes:
+        now: latest session time [s].
+    """
+
+    def __init__(self) -> None:
+        """Start before the run."""
+        self.now = -math.inf
+
+    def was_reset(self, now: float) -> bool:
+        """Set the session time `now` [s], and return whether it went back, because the run was reset."""
+        before, self.now = self.now, now
+        return now < before
 
 
 class Playhead:
@@ -28,14 +46,13 @@ class Playhead:
         self._times = times
         self._first = int(np.searchsorted(times, 0.0))
         self._next = self._first
-        self._now = -np.inf
+        self._clock = RunClock()
 
     def advance(self, now: float) -> range:
         """Return the indices that became due since the last call, or since the start if the clock went back."""
-        if now < self._now:
+        if self._clock.was_reset(now):
             self._next = self._first
         start = self._next
-        self._now = now
         self._next = int(np.searchsorted(self._times, now + CLOCK_GRAIN, side="right"))
         return range(start, max(start, self._next))
 

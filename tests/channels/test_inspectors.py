@@ -12,6 +12,7 @@ from higvf_console.channels import inspection
 from higvf_console.cli.main import main
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
+from tests.conftest import TEAM
 
 TOLD: Mapping[str, object] = {
     "format": "horoscope", "samples": 3, "rate_hz": 0.5, "frame": None, "gaps": {"count": 2, "lost": {}},
@@ -98,3 +99,75 @@ def test_the_project_names_its_own_inspector() -> None:
     (line,) = [line for line in text.splitlines() if line.startswith("recordings = ")]
     named = EntryPoint("recordings", line.split('"')[1], inspection.GROUP)
     assert callable(named.load())
+
+
+def writes(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:
+    assert plot is not None
+    plot.write_text("a picture")
+    return tells(spec, plot, steps)
+
+
+def fails(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:  # noqa: ARG001
+    raise KeyError("oops")
+
+
+def test_the_namesake_of_the_channel_goes_first_then_other_packages_and_the_own_one_last(
+    installed: list[SimpleNamespace],
+) -> None:
+    asked: list[str] = []
+
+    def asks(name: str) -> inspection.Inspector:
+        def inspector(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:
+            asked.append(name)
+            return knows_nothing(spec, plot, steps)
+
+        return inspector
+
+    installed += [point(name, asks(name)) for name in ("a", "recordings", "glove", "z")]
+    installed[1].dist = SimpleNamespace(name="higvf-console")
+    for channel in ("glove", "inspect"):
+        with pytest.raises(InputError, match="no idea"):
+            inspection.inspect(InputSpec(channel, "f"))
+    assert asked == ["glove", "a", "z", "recordings", "a", "glove", "z", "recordings"]
+
+
+def test_an_inspector_that_crashes_does_not_hide_the_others(installed: list[SimpleNamespace]) -> None:
+    installed += [point("a", fails), point("b", tells)]
+    assert inspection.inspect(InputSpec("inspect", "f"))["format"] == "horoscope"
+    installed[1] = point("b", knows_nothing)
+    with pytest.raises(InputError, match="inspector 'a' failed: KeyError: 'oops'; f: no idea"):
+        inspection.inspect(InputSpec("inspect", "f"))
+
+
+def test_a_picture_that_was_not_written_is_said(installed: list[SimpleNamespace], tmp_path: Path) -> None:
+    plot = tmp_path / "p.png"
+    plot.write_text("an old picture")
+    installed.append(point("a", tells))
+    said = inspection.inspect(InputSpec("inspect", "f"), plot)["warnings"]
+    assert said == ["nothing is certain", f"no picture: {plot} was not written"]
+    installed[0] = point("a", writes)
+    assert inspection.inspect(InputSpec("inspect", "f"), plot)["warnings"] == ["nothing is certain"]
+
+
+def test_the_command_takes_a_channel_with_its_settings(
+    installed: list[SimpleNamespace],
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def settings(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:
+        return {**tells(spec, plot, steps), "channel": spec.channel, "settings": dict(spec.settings)}
+
+    monkeypatch.chdir(tmp_path)
+    installed.append(point("a", settings))
+    scenario = tmp_path / "own.yaml"
+    scenario.write_text(TEAM + "inputs: {emg: {threshold: 0.7}}\n")
+    assert main(["inspect", "emg=hand.csv:start=2", "--json", "--scenario", str(scenario)]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["channel"], told["source"], told["options"]) == ("emg", "hand.csv", {"start": "2"})
+    assert told["settings"] == {"threshold": 0.7}
+    (tmp_path / "emg=1.csv").write_text("time,label\n")
+    assert main(["inspect", "emg=1.csv", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["source"] == "emg=1.csv"
+    assert main(["inspect", "emh=hand.csv"]) == 2
+    assert "no interface 'emh' (did you mean 'emg'?)" in capsys.readouterr().err

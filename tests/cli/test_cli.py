@@ -59,6 +59,15 @@ def test_a_headless_run_writes_its_report_to_standard_output(capsys: pytest.Capt
     assert (report["scenario"], report["ticks"], report["seed"]) == ("empty", 10, 4)
 
 
+def test_a_seed_that_changes_nothing_is_warned_of(capsys: pytest.CaptureFixture[str]) -> None:
+    said = "Warning: --seed 4 changes nothing: scenario '{}' has neither jitter_m, measurement noise nor packet loss"
+    for scenario, warned in (("empty", True), ("unicycles", False)):
+        assert main(["run", scenario, "--headless", "--duration", "0.02", "--seed", "4"]) == 0
+        assert (said.format(scenario) in capsys.readouterr().err) is warned
+    assert main(["run", "empty", "--headless", "--duration", "0.02"]) == 0
+    assert "--seed" not in capsys.readouterr().err
+
+
 def test_a_report_may_go_to_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["run", "empty", "--headless", "--duration", "0.2", "--report", str(tmp_path / "report.json")]
     assert main(arguments) == 0

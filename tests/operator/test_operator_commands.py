@@ -172,7 +172,7 @@ def test_a_discard_a_stop_a_reset_and_a_new_path_drop_the_pending_path(
     assert events[-1].text == "There is nothing to confirm."
 
 
-@pytest.mark.parametrize("end", [StrokeCancel(), StrokeEnd(preview=True), StrokeEnd(use="scribble")])
+@pytest.mark.parametrize("end", [StrokeCancel(), StrokeEnd(preview=True)])
 def test_a_refused_stroke_keeps_the_pending_path(setup: Setup, end: OperatorCommand) -> None:
     before, _ = after(setup, drawn())
     state, _ = after(setup, [StrokeBegin(), StrokePoints(floats([(600, 400)])), end], before)
@@ -287,21 +287,6 @@ def test_a_change_of_control_is_reported_with_its_page_and_moves_nothing(setup: 
 def test_the_report_of_a_lost_control_states_that_nobody_steers(setup: Setup) -> None:
     _, events = after(setup, [HandOver("", how, operator="Browser 1") for how in ("released", "lost")])
     assert all("Browser 1" in event.text and "nobody steers" in event.text for event in events)
-
-
-def test_an_unknown_change_of_control_is_refused(setup: Setup) -> None:
-    _, events = after(setup, [HandOver("Browser 2", "stolen")])
-    assert events[0].kind == "refused"
-    assert "'stolen'" in events[0].text
-
-
-def test_an_unknown_use_of_a_stroke_is_refused_with_the_choices() -> None:
-    setup = team()
-    given = [StrokeBegin(), StrokePoints(floats(LINE, -1, 2)), StrokeEnd(use="nonsense")]
-    state, events = after(setup, given)
-    assert state.intent.path.kind == PathKind.NONE
-    assert state.pointer_state.stroke_source == ""
-    assert "'nonsense': choose path, redraw, priority, obstacle" in events[-1].text
 
 
 def test_a_reset_of_the_run_leaves_a_stop_latched(setup: Setup) -> None:

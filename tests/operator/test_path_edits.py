@@ -238,7 +238,6 @@ def test_without_a_path_every_repair_is_refused_and_changes_nothing() -> None:
 @pytest.mark.parametrize(
     ("command", "message"),
     [
-        (ShapePath(ending="stop"), "unknown path ending 'stop'; choose release, hold, loop"),
         (ShapePath(pace=3.0), "pace 3 is outside 0.2 to 1.5"),
         (ShapePath(duration=-1.0), "duration -1 s is not at least 0 s"),
         (ShapePath(duration=math.nan), "duration nan s is not at least 0 s"),

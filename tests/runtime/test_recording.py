@@ -19,6 +19,7 @@ from higvf_console.core.commands import (
     Discard,
     Freeze,
     HandOver,
+    InjectFault,
     LoadScenario,
     MovePathPoint,
     OperatorCommand,
@@ -297,12 +298,19 @@ SAMPLES: dict[object, object] = {
 SHAPED = {"point": floats([1.0, -math.inf]), "grip": floats([1.0, 2.0]), "sides": floats([0.0, 1.0, 2.0, 3.0])}
 
 
+WORDS: dict[tuple[type, str], str] = {
+    (StrokeEnd, "use"): "redraw", (StrokeEnd, "ending"): "hold", (ShapePath, "ending"): "loop",
+    (InjectFault, "kind"): "drop", (HandOver, "how"): "taken", (AddEntity, "kind"): "fire",
+    (MoveEntity, "kind"): "bar", (ChangeEntity, "kind"): "circle", (DeleteEntity, "kind"): "polygon",
+}  # fmt: skip
+
+
 def sample_of(kind: type[OperatorCommand]) -> OperatorCommand:
     """A command of a kind, with something in each field."""
     fields: dict[str, object] = {}
     for name, hint in get_type_hints(kind).items():
         wanted = get_args(hint)[0] if type(None) in get_args(hint) else hint
-        fields[name] = SHAPED.get(name, SAMPLES[wanted])
+        fields[name] = WORDS.get((kind, name), SHAPED.get(name, SAMPLES[wanted]))
     return kind(**fields)  # pyright: ignore[reportArgumentType]
 
 

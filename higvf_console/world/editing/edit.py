@@ -135,7 +135,7 @@ def _draft(layout: Layout, state: SimState, command: Edit) -> _Draft:  # noqa: P
     motion = state.motion
     match command:
         case AddEntity(kind=kind, point=point):
-            return _add(layout, motion, _kind(kind), _on_ground(point)[0])
+            return _add(layout, motion, EntityKind(kind), _on_ground(point)[0])
         case AddOutlines(outlines=outlines):
             return _plain(layout, *bodies.with_outlines(layout, motion, [_on_ground(outline) for outline in outlines]))
         case MoveEntity(kind=kind, index=index, point=point):
@@ -185,15 +185,8 @@ def _pair(point: Floats) -> tuple[float, float]:
     return x, y
 
 
-def _kind(word: str) -> EntityKind:
-    try:
-        return EntityKind(word)
-    except ValueError:
-        raise ScenarioError(f"'{word}' is nothing that can be edited; choose {', '.join(EntityKind)}") from None
-
-
 def _entity(layout: Layout, word: str, row: int) -> EntityRef:
-    kind = _kind(word)
+    kind = EntityKind(word)
     count = how_many(kind, layout)
     if not 0 <= row < count:
         known = f"there are {kind.value}s 1 to {count}" if count else f"there is no {kind.value}"

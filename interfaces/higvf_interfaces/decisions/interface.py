@@ -5,7 +5,6 @@ The label map has the action names and the channel's defaults; the scenario's op
     inputs: {emg: {labels: {fist: pause, spread: none, point: "robot:2"}, threshold: 0.6, refractory: 1.0}}
 """
 
-import math
 from collections.abc import Mapping, Sequence
 
 from higvf_console.core.commands import OperatorCommand, ResetRun
@@ -17,11 +16,12 @@ from higvf_interfaces.decisions.evidence import STREAMING
 from higvf_interfaces.decisions.feeds import LogFeed
 from higvf_interfaces.decisions.interpretation import Interpreter
 from higvf_interfaces.decisions.options import DECODING, RECORDED, decoder_of, signal_request
-from higvf_interfaces.emulation import ERRORS, EmulatedFeed, error_model
+from higvf_interfaces.emulation import ERRORS, ConfusedFeed, error_model, idle_seed
 from higvf_interfaces.fields import option_fields
+from higvf_interfaces.formats.clock import clock_warnings
 from higvf_interfaces.formats.signals.reading import read_decisions
 from higvf_interfaces.live import lsl
-from higvf_interfaces.streams import Stamp
+from higvf_interfaces.streams import RunClock, Stamp
 
 OPTIONS = (
     "labels", "threshold", "refractory", "start", "format",
@@ -51,7 +51,8 @@ class DecisionReplay:
         options = option_fields(spec, OPTIONS)
         decodes = decoder_of(spec, options, "channels") is not None
         self._interpreter = Interpreter(defaults, options, STREAMING if decodes else Evidence())
-        errors = error_model(options)
+        errors = error_model(options, spec.seed)
+        self._warnings = idle_seed(options)
         start = options.number("start", 0.0, -1e6, 1e6, "s")
         self._live: lsl.LslReader | None = None
         if lsl.is_live(spec, _RECORDED_ALONE if decodes else (*_RECORDED_ALONE, "stream", "rate", "period")):
@@ -65,10 +66,10 @@ class DecisionReplay:
             feed = decoder_feed(spec.source, options, start)
         else:
             feed = LogFeed(read_decisions(spec.source, signal_request(options)), start)
-        self._feed = feed if errors is None else EmulatedFeed(feed, errors)
+        self._feed = feed if errors is None else ConfusedFeed(feed, errors)
         self._name = spec.channel
         self._stamp = Stamp(spec.channel)
-        self._now = -math.inf
+        self._clock = RunClock()
         self._resets: set[int] = set()
 
     @property
@@ -77,15 +78,19 @@ class DecisionReplay:
         return self._name
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is doubtful about the recording's clock and the options."""
+        return (*self._warnings, *clock_warnings(self._feed.notes))
+
+    @property
     def trace(self) -> Sequence[Verdict]:
         """Verdicts on the last decisions, oldest first."""
         return tuple(self._interpreter.trace)
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """Return the commands of the decisions that are due, stamped with the times of the decisions."""
-        if context.time < self._now:
+        if self._clock.was_reset(context.time):
             self._interpreter.restart()
-        self._now = context.time
         given: list[OperatorCommand] = []
         for index, decision in self._feed.due(context.time):
             command = self._interpreter.command(decision, context.robots)

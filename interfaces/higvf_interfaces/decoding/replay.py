@@ -20,7 +20,7 @@ from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, 
 from higvf_interfaces.formats.text import look
 from higvf_interfaces.formats.xdf import file as xdf_file
 from higvf_interfaces.paths import named
-from higvf_interfaces.streams import CLOCK_GRAIN
+from higvf_interfaces.streams import CLOCK_GRAIN, RunClock
 
 _MAINS = 50.0  # [Hz]
 
@@ -47,6 +47,7 @@ class DecoderFeed:
             decoder.push(self._shifted(chunk))
             self._skipped += 1
         self._settled = decoder
+        self._clock = RunClock()
         self._restart()
 
     @property
@@ -66,9 +67,8 @@ class DecoderFeed:
 
     def due(self, now: float) -> list[Due]:
         """Return the decisions completed by the samples up to session time `now` [s]."""
-        if now < self._now:
+        if self._clock.was_reset(now):
             self._restart()
-        self._now = now
         given: list[Due] = []
         while self._chunk is not None:
             times, values = self._shifted(self._chunk)
@@ -91,7 +91,7 @@ class DecoderFeed:
         self._decoder = deepcopy(self._settled)
         self._chunks = islice(self._record.chunks(), self._skipped, None)
         self._chunk: SignalChunk | None = next(self._chunks, None)
-        self._now, self._count = -math.inf, 0
+        self._count = 0
 
 
 def decoder_feed(source: str, options: Fields, start: float) -> DecoderFeed:

@@ -3,28 +3,34 @@
 A log without times is rejected unless the period between entries is given.
 """
 
-import itertools
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple, cast
 
+import numpy as np
+
+from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.fields import is_number, shown
+from higvf_interfaces.formats.clock import ClockNote, event_times, is_time
 from higvf_interfaces.formats.gaze.plain import TIMES, seconds_of
-from higvf_interfaces.formats.records import CommandLog, Decision, log_start
-from higvf_interfaces.formats.text import TextFile, as_label, cell, number, without_milliseconds
+from higvf_interfaces.formats.records import CommandLog, Decision
+from higvf_interfaces.formats.text import TextFile, as_label, cell, epoch_seconds, number, without_unit
 
 CSV_NAME, JSON_NAME = "command-csv", "command-jsonl"
 CSV_TITLE = "command log CSV (time,label[,confidence])"
 JSON_TITLE = 'command log JSON lines ({"time": 1.5, "label": "fist", "confidence": 0.9})'
 LABELS = ("label", "command", "marker", "event")
 _RECORDING = "recording"  # key in the first line of the console's own recordings
+_SINCE_1970 = 1e8  # larger times count from an epoch [s]
+_FAR_APART = 100.0  # usual time between commands, if it were in milliseconds [s]
 _WAY_OUT = "a log without times needs period=SECONDS"
 
 
 class _Entry(NamedTuple):
     place: str
+    written: object  # time as in the file
     time: float
     label: str
     confidence: object  # as in the file; None or empty means unknown
@@ -60,8 +66,9 @@ def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
     notes: list[str] = []
     for index, row in enumerate(file.rows(notes), start=1):
         content = as_label(cell(row, label)), cell(row, confidence)
-        entries.append(_Entry(f"row {index}", seconds(cell(row, time)), *content))
-    return _log(file, entries, CSV_NAME, notes, period)
+        written = cell(row, time)
+        entries.append(_Entry(f"row {index}", written, seconds(written), *content))
+    return _log(file, entries, CSV_NAME, notes, period, unit=seconds is not epoch_seconds)
 
 
 def read_jsonl(file: TextFile, period: float | None = None) -> CommandLog:
@@ -96,34 +103,54 @@ def _objects(file: TextFile, broken: list[int]) -> Iterator[_Entry]:
         if _RECORDING in fields and not any(key in fields for key in LABELS):
             raise InputError(f"{file.path}: is a recording of this console; play it with: higvf replay {file.path}")
         label = next((fields[key] for key in LABELS if key in fields), "")
-        time = _number(next((fields[key] for key in TIMES if key in fields), None))
-        time = time * 1e-3 if "time_ms" in fields else without_milliseconds(time)
-        yield _Entry(f"line {index}", time, as_label(label), fields.get("confidence"))
+        written = next((fields[key] for key in TIMES if key in fields), "")
+        yield _Entry(f"line {index}", written, _time(fields), as_label(label), fields.get("confidence"))
+
+
+def _time(fields: Mapping[str, object]) -> float:
+    """Return the time of an entry [s], a number or a text; NaN if it has none."""
+    key = next((key for key in TIMES if key in fields), "")
+    value = fields.get(key)
+    if key == "time_ms":
+        return (number(value) if isinstance(value, str) else _number(value)) * 1e-3
+    return epoch_seconds(value.strip()) if isinstance(value, str) else without_unit(_number(value))
 
 
 def _number(value: object) -> float:
     return float(value) if is_number(value) else math.nan
 
 
-def _log(file: TextFile, entries: list[_Entry], name: str, notes: list[str], period: float | None) -> CommandLog:
-    if not any(math.isfinite(entry.time) for entry in entries):
+def _log(
+    file: TextFile, entries: list[_Entry], name: str, notes: list[str], period: float | None, *, unit: bool = False
+) -> CommandLog:
+    if not any(is_time(entry.time) for entry in entries):
         if period is None:
-            raise InputError(f"{file.path}: no entry has a time; {_WAY_OUT}")
+            written = next((entry.written for entry in entries if entry.written not in ("", None)), None)
+            given = "" if written is None else f"; {shown(written)} is none"
+            raise InputError(f"{file.path}: no entry has a time{given}; {_WAY_OUT}")
         entries = [entry._replace(time=number * period) for number, entry in enumerate(entries)]
         notes.append(f"no times in the file: entries spaced by the given period, {period:g} s")
-    usable = [entry for entry in entries if math.isfinite(entry.time) and entry.label]
+    usable = [entry for entry in entries if is_time(entry.time) and entry.label]
     if not usable:
         raise InputError(f"{file.path}: no entry has both a time and a label")
     if len(usable) < len(entries):
         notes.append(f"{len(entries) - len(usable)} entries without time or label dropped")
-    if any(later.time < earlier.time for earlier, later in itertools.pairwise(usable)):
-        notes.append("entries out of order: sorted by time")
-    usable.sort(key=lambda entry: entry.time)
-    start = log_start(usable[0].time)
-    if start:
-        notes.append(f"times count from an epoch: shifted by {-start:.3f} s")
-    decisions = tuple(Decision(e.time - start, e.label, _confidence(file, e)) for e in usable)
-    return CommandLog(decisions, start, name, tuple(notes))
+    order, times, epoch, repaired = event_times(floats([entry.time for entry in usable]), from_epoch=True)
+    decisions = tuple(
+        Decision(time, usable[row].label, _confidence(file, usable[row]))
+        for row, time in zip(order.tolist(), times.tolist(), strict=True)
+    )
+    if not unit and _like_milliseconds(usable):
+        lasts = f"times without unit are taken as seconds, so that the log lasts {times[-1] - times[0]:.0f} s"
+        notes.append(ClockNote(f"{lasts}; if they are milliseconds, call them time_ms"))
+    return CommandLog(decisions, epoch, name, (*notes, *repaired))
+
+
+def _like_milliseconds(entries: Sequence[_Entry]) -> bool:
+    """Return whether times could be milliseconds since the start: whole numbers, most of them far apart."""
+    written = floats([number(str(entry.written)) for entry in entries])
+    whole = bool(((written == np.round(written)) & (written < _SINCE_1970)).all())
+    return whole and len(written) > 1 and float(np.median(np.diff(written))) >= _FAR_APART
 
 
 def _confidence(file: TextFile, entry: _Entry) -> float | None:

@@ -1,6 +1,5 @@
 """Reading of gaze recordings: detects the format from the content, or uses the option `format`."""
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple, Protocol, TypeVar
@@ -9,7 +8,7 @@ import numpy as np
 
 from higvf_console.core.arrays import Floats, bools, floats
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.clock import GazeClock
+from higvf_interfaces.formats.clock import LONGEST_STEP, DeviceClock
 from higvf_interfaces.formats.gaze import bids as bids_gaze
 from higvf_interfaces.formats.gaze import (
     eyelink_asc,
@@ -111,7 +110,7 @@ class GazeFile:
         self.stream = stream
         self.distrusted = 0
         self._path, self._least = path, least
-        self._clock = GazeClock(path, stream.start, math.inf if stream.in_step else MAX_GAP)
+        self._clock = DeviceClock(path, stream.start, LONGEST_STEP if stream.in_step else MAX_GAP)
 
     def blocks(self) -> Iterator[GazeBlock]:
         """Yield the samples once, at strictly increasing times; a file damaged later on yields its readable part.
@@ -140,7 +139,7 @@ class GazeFile:
     def notes(self) -> tuple[str, ...]:
         """Repairs and assumptions so far, and the number of samples that are not trusted."""
         doubtful = (f"{self.distrusted} samples below min_confidence",) if self.distrusted else ()
-        return (*self.stream.notes, *self._clock.notes, *doubtful)
+        return tuple(dict.fromkeys((*self.stream.notes, *self._clock.repairs.notes, *doubtful)))
 
     def _check(self, confidence: Floats) -> None:
         """Refuse a confidence in another unit; as a share, every sample would be trusted."""

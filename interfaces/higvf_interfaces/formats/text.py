@@ -11,6 +11,7 @@ import re
 import unicodedata
 import zlib
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO, NamedTuple
 
@@ -27,8 +28,9 @@ TIME_UNITS = {
 _HEAD = 65_536  # bytes used to detect encoding and delimiter
 _LONGEST_LINE = 1_000_000  # characters; a file with a longer line is not text
 _TELLING = 20  # rows
-_MS_FROM = 1e11  # larger time stamps are in milliseconds, not seconds
+_EPOCHS = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))  # scale to seconds of time stamps above a value
 _WHOLE = re.compile(r"([+-]?\d+)[.,]0")
+_DATE = re.compile(r"\d{4}-?\d\d-?\d\d[T ]")
 _GZIP = b"\x1f\x8b"
 _BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
@@ -131,23 +133,26 @@ class TextFile(NamedTuple):
     def _fitting(self, rows: Iterator[list[str]], notes: list[str]) -> Iterator[list[str]]:
         """Yield the rows whose text fits under the titles."""
         titles = len(self.columns)
-        total = wide = 0
+        total = 0
+        wide: list[tuple[int, int]] = []  # number and cells of each other row
         for row in rows:
             total += 1
             if any(text.strip() for text in row[titles:]):
-                wide += 1
-                self._check_width(wide, total, _TELLING, len(row))
+                wide.append((total, len(row)))
+                if len(wide) > _TELLING:
+                    self._check_width(wide, total)
             else:
                 yield row
-        self._check_width(wide, total, 0, titles + 1)
+        self._check_width(wide, total)
         if wide:
-            notes.append(f"{wide} rows with more cells than titles dropped")
+            notes.append(f"{len(wide)} rows with more cells than titles dropped")
 
-    def _check_width(self, wide: int, total: int, least: int, cells: int) -> None:
-        if wide > least and 2 * wide > total:
+    def _check_width(self, wide: list[tuple[int, int]], total: int) -> None:
+        if 2 * len(wide) > total:
+            number, cells = wide[0]
             raise InputError(
-                f"{self.path}: its rows have more cells ({cells}) than there are titles ({len(self.columns)}); if the "
-                "numbers have decimal commas, write points, or delimit the cells by semicolons or tabs"
+                f"{self.path}, row {number}: {cells} cells for {len(self.columns)} columns; numbers with a decimal "
+                "comma need another delimiter, or quotation marks"
             )
 
     def first_rows(self, count: int) -> list[list[str]]:
@@ -225,13 +230,22 @@ def number(text: str) -> float:
 
 
 def epoch_seconds(text: str) -> float:
-    """Parse a time stamp without unit to seconds; see `without_milliseconds`."""
-    return without_milliseconds(number(text))
+    """Parse a time stamp without unit to seconds: a number (see `without_unit`), or a date and time (ISO 8601).
+
+    A date counts seconds since 1970; without a time zone it is taken as UTC.
+    """
+    if _DATE.match(text) is None:
+        return without_unit(number(text))
+    try:
+        date = datetime.fromisoformat(text)
+        return (date if date.tzinfo else date.replace(tzinfo=UTC)).timestamp()
+    except (ValueError, OverflowError):
+        return math.nan
 
 
-def without_milliseconds(stamp: float) -> float:
-    """Convert a time stamp without unit to seconds; a value above 1e11 counts milliseconds since an epoch."""
-    return stamp * 1e-3 if stamp > _MS_FROM else stamp
+def without_unit(stamp: float) -> float:
+    """Convert a time stamp without unit to seconds; large values count milli-, micro- or nanoseconds since 1970."""
+    return next((stamp * scale for above, scale in _EPOCHS if stamp > above), stamp)
 
 
 def seconds_per(file: TextFile, column: Column) -> float:

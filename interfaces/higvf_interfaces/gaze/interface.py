@@ -18,8 +18,9 @@ from higvf_console.core.commands import Cursor, OperatorCommand, StrokeBegin, St
 from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_console.core.reports import AttentionReport, CalibrationReport, CaptureReport, DwellReport
 from higvf_console.core.viewport import Viewport
-from higvf_interfaces.emulation import GAZE_ERRORS
+from higvf_interfaces.emulation import GAZE_ERRORS, idle_seed
 from higvf_interfaces.fields import Fields, option_fields
+from higvf_interfaces.formats.clock import clock_warnings
 from higvf_interfaces.gaze.attention_counts import AttentionCounts
 from higvf_interfaces.gaze.calibration import calibration_report
 from higvf_interfaces.gaze.dwell_button import IDLE, step
@@ -31,7 +32,7 @@ from higvf_interfaces.gaze.source import OPTIONS as SOURCE_OPTIONS
 from higvf_interfaces.gaze.source import GazeSource
 from higvf_interfaces.live import lsl
 from higvf_interfaces.live.gaze import LiveGaze
-from higvf_interfaces.streams import Stamp
+from higvf_interfaces.streams import RunClock, Stamp
 
 OPTIONS = (*SOURCE_OPTIONS, *lsl.OPTIONS, "clutch", "button", "viewport", "commit")
 _RECORDED_ALONE = ("format", "stream", "start", *GAZE_ERRORS)  # options that do not apply to a live stream
@@ -83,6 +84,7 @@ class GazeReplay:
         """
         options = option_fields(spec, OPTIONS)
         self._clutch, self._box, self._follows_browser, self._waits = drawing_options(options)
+        self._warnings = idle_seed(options)
         self._live = LiveGaze(spec, options) if lsl.is_live(spec, _RECORDED_ALONE) else None
         self._source = self._live or GazeSource(spec, options)
         self._playback = GazePlayback(self._source.chunks) if isinstance(self._source, GazeSource) else self._source
@@ -91,13 +93,18 @@ class GazeReplay:
         self._live_calibration = LiveCalibration(spec.arena, (shown.width_px, shown.height_px), self._source.px_per_deg)
         self._name = spec.channel
         self._stamp = Stamp(spec.channel)
-        self._now = -math.inf
+        self._clock = RunClock()
         self._forget()
 
     @property
     def name(self) -> str:
         """Channel name, shown in the status line."""
         return self._name
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is doubtful about the recording's clock and the options."""
+        return (*self._warnings, *clock_warnings(self._source.notes))
 
     def attention_report(self) -> AttentionReport | None:
         """Return the attention counts so far; None before the first sample."""
@@ -133,11 +140,10 @@ class GazeReplay:
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """Return the newest cursor and the changes of the stroke up to the session time."""
-        if context.time < self._now:
+        if self._clock.was_reset(context.time):
             self._forget()
-        self._now = context.time
         self._browser = context.viewport if self._follows_browser else None
-        new, ended = self._playback.advance(self._now)
+        new, ended = self._playback.advance(self._clock.now)
         self._calibrate()
         self._count(ended, context)
         self._press()
@@ -187,8 +193,8 @@ class GazeReplay:
     def _count(self, ended: list[Fixation], context: OperatorContext) -> None:
         """Update the attention counts."""
         playback = self._playback
-        fresh = playback.started and playback.seen and self._now - playback.time <= THRESHOLDS.longest_filled
-        self._attention.look(self._now, self._ground(playback.point) if fresh else None, context.targets)
+        fresh = playback.started and playback.seen and self._clock.now - playback.time <= THRESHOLDS.longest_filled
+        self._attention.look(self._clock.now, self._ground(playback.point) if fresh else None, context.targets)
         self._fixate(ended)
 
     def _fixate(self, ended: list[Fixation]) -> None:
@@ -200,8 +206,8 @@ class GazeReplay:
         """Update the dwell button."""
         if self._clutch != "dwell" or not self._playback.started:
             return
-        fresh = self._playback.seen and self._now - self._playback.time <= LOST
-        self._dwell = step(self._dwell, self._now, fresh and self._on_button(self._playback.point))
+        fresh = self._playback.seen and self._clock.now - self._playback.time <= LOST
+        self._dwell = step(self._dwell, self._clock.now, fresh and self._on_button(self._playback.point))
         self._toggled ^= self._dwell.pressed
 
     def _on_button(self, pixel: Floats) -> bool:
@@ -213,7 +219,7 @@ class GazeReplay:
         """Return the cursor at the newest sample, or NaN once when gaze is lost."""
         if not self._playback.started:
             return []
-        age = self._now - self._playback.time
+        age = self._clock.now - self._playback.time
         if self._playback.seen and age <= LOST and not (self._playback.ended and not new):
             self._last_seen = self._playback.time
             if not new:
@@ -231,11 +237,11 @@ class GazeReplay:
         self._lifted = self._lifted and wanted
         commands: list[OperatorCommand] = []
         if wanted and not self._drawing and not self._lifted:
-            self._drawing, self._stroke, self._last_seen = True, [], max(self._last_seen, self._now)
+            self._drawing, self._stroke, self._last_seen = True, [], max(self._last_seen, self._clock.now)
             commands.append(StrokeBegin())
         if not self._drawing:
             return commands
-        blind = self._clutch != "always" and self._now - self._last_seen > PEN_UP
+        blind = self._clutch != "always" and self._clock.now - self._last_seen > PEN_UP
         if not wanted or blind:
             rest = self._playback.unfinished()
             ended = [*ended, *rest]

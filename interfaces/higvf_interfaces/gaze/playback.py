@@ -7,7 +7,7 @@ import numpy as np
 from higvf_console.core.arrays import Floats
 from higvf_interfaces.gaze.fixations import THRESHOLDS, Classified, Fixation, fixation
 from higvf_interfaces.gaze.prefetch import Prefetcher
-from higvf_interfaces.streams import CLOCK_GRAIN
+from higvf_interfaces.streams import CLOCK_GRAIN, RunClock
 
 
 class GazePlayback:
@@ -26,6 +26,7 @@ class GazePlayback:
         """
         self._chunks = Prefetcher(chunks)
         self.first_time = self._chunks.first_time
+        self._clock = RunClock()
         self._begin()
 
     def advance(self, now: float) -> tuple[bool, list[Fixation]]:
@@ -34,10 +35,9 @@ class GazePlayback:
         Returns:
             Whether there are new samples, and the fixations that have ended since the last call.
         """
-        if now < self._now:
+        if self._clock.was_reset(now):
             self._chunks.rewind()
             self._begin()
-        self._now = now
         self._chunks.read_on(now)
         new, ended = self._play()
         while (following := self._following()) is not None and following.time[0] <= now + CLOCK_GRAIN:
@@ -77,7 +77,6 @@ class GazePlayback:
         return self._played and self._following() is None
 
     def _begin(self) -> None:
-        self._now = -np.inf
         self.started = False
         self._take()
 
@@ -97,7 +96,7 @@ class GazePlayback:
 
     def _play(self) -> tuple[bool, list[Fixation]]:
         """Play the part of the current chunk that is due."""
-        chunk, until = self._chunk, self._now + CLOCK_GRAIN
+        chunk, until = self._chunk, self._clock.now + CLOCK_GRAIN
         due = max(self._next, int(np.searchsorted(chunk.time, until, side="right")))
         done = max(self._fixation, int(np.searchsorted(chunk.time[chunk.last], until, side="right")))
         ended = [fixation(chunk, int(chunk.first[k]), int(chunk.last[k])) for k in range(self._fixation, done)]

@@ -48,7 +48,7 @@ class GazeSource:
         self.method = options.choice("method", IVT, METHODS)
         self._start = options.number("start", 0.0, -1e6, 1e6, "s")
         self._trusted_from = options.number("min_confidence", MIN_CONFIDENCE, 0.0, 1.0)
-        self._errors = error_model(options)
+        self._errors = error_model(options, spec.seed)
         self.away = self._seen = 0
         self._loaded: tuple[GazeStream, list[GazeBlock]] | None = None
         self.file = self._open()
@@ -64,13 +64,12 @@ class GazeSource:
         worsen = GazeErrors(self._errors, self.px_per_deg) if self._errors is not None else None
         for block in self.file.blocks():
             pixels = to_pixels(block.points, self.screen)
-            time, valid = block.time, block.valid
             if worsen is not None:
-                time, pixels, valid = worsen(time, pixels, valid)
-            usable = valid & on_screen(pixels, self.screen)
-            self._seen += int(np.count_nonzero(valid))
-            self.away += int(np.count_nonzero(valid & ~usable))
-            yield block, Pixels(time + self._start, pixels, bools(usable))
+                pixels = worsen(block.time, pixels)
+            usable = block.valid & on_screen(pixels, self.screen)
+            self._seen += int(np.count_nonzero(block.valid))
+            self.away += int(np.count_nonzero(block.valid & ~usable))
+            yield block, Pixels(block.time + self._start, pixels, bools(usable))
 
     def chunks(self) -> Iterator[Classified | None]:
         """Yield the classified samples from the start; one item per block, see `chunk_per_block`."""

@@ -1,5 +1,9 @@
-"""Inspection of command logs: counts and confidence of the labels, and their actions by channel."""
+"""Inspection of command logs: counts and confidence of the labels, and their actions by channel.
 
+For the channel of a run, the log is also played as the run would, with the settings of the scenario.
+"""
+
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -7,13 +11,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from higvf_console.core.errors import InputError
+from higvf_console.core.interface import OperatorContext
 from higvf_console.core.optional import optional
-from higvf_interfaces.decisions.actions import ACTIONS
 from higvf_interfaces.decisions.bci import CLASSES
 from higvf_interfaces.decisions.emg import GESTURES
+from higvf_interfaces.decisions.interface import DecisionReplay
+from higvf_interfaces.decisions.interpretation import label_map, plain_label
 from higvf_interfaces.decisions.options import signal_request
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, read_decisions
+from higvf_interfaces.formats.xdf.file import survey
+from higvf_interfaces.inspect import streams as inspect_streams
 from higvf_interfaces.inspect.description import Request, description, write_picture
 
 if TYPE_CHECKING:
@@ -21,7 +30,8 @@ if TYPE_CHECKING:
 else:
     cv2 = optional("cv2", "devices")
 
-_CHANNELS: tuple[tuple[str, Mapping[str, str]], ...] = (("emg", GESTURES), ("bci", CLASSES))
+CHANNELS: Mapping[str, Mapping[str, str]] = {"emg": GESTURES, "bci": CLASSES}
+_MANY = 1_000_000  # robots of a team whose number is unknown
 _SHOWN = 30  # labels
 _UNKNOWN = "unknown"
 _ROW, _LEFT, _WIDTH = 22, 150, 900  # [px]
@@ -40,26 +50,37 @@ def describe(request: Request) -> Mapping[str, object]:
     """Read and describe the log.
 
     Raises:
-        InputError: If the log has no times or no labels.
+        InputError: If the log has no times or no labels. Of an XDF file with several event streams and none chosen,
+            the streams are described.
     """
-    log = read_decisions(request.spec.source, signal_request(request.options))
+    try:
+        log = read_decisions(request.spec.source, signal_request(request.options))
+    except InputError as refusal:
+        if inspect_streams.knows(request) and request.format is None:
+            return inspect_streams.describe(request, str(refusal))
+        raise
     labels = Counter(decision.label for decision in log.decisions)
     sure = [decision.confidence for decision in log.decisions if decision.confidence is not None]
     if request.plot is not None:
         write_picture(request.plot, timeline(log.decisions))
-    unknown = [
-        label for label in labels if all(_actions(labels, known).get(label) == _UNKNOWN for _, known in _CHANNELS)
-    ]
-    hint = (f"labels unknown to all channels: {', '.join(unknown[:_SHOWN])}; map them in the scenario's inputs",)
+    channels = _channels(request)
+    becomes: dict[str, object] = {channel: _actions(labels, known) for channel, known in channels.items()}
+    unknown = [label for label in labels if all(_action(label, known) == _UNKNOWN for known in channels.values())]
+    who = f"channel {request.spec.channel}" if request.spec.channel in CHANNELS else "all channels"
+    hint = (f"labels unknown to {who}: {', '.join(unknown[:_SHOWN])}; map them in the scenario's inputs",)
+    if request.spec.channel in CHANNELS:
+        becomes["commands"] = commands_given(request)
+    streams = [stream.info for stream in survey(request.file.path).streams] if inspect_streams.knows(request) else []
     return description(
         format_name=log.format,
         kind="commands",
+        streams=streams,
         samples=len(log.decisions),
         duration=log.decisions[-1].time - log.decisions[0].time,
         warnings=(*log.notes, *(hint if unknown else ())),
         labels=dict(labels.most_common(_SHOWN)),
         confidence={"known": len(sure), "mean": round(float(np.mean(sure)), 3) if sure else None},
-        becomes={channel: _actions(labels, actions) for channel, actions in _CHANNELS},
+        becomes=becomes,
     )
 
 
@@ -81,7 +102,40 @@ def timeline(decisions: Sequence[Decision]) -> NDArray[np.uint8]:
     return picture
 
 
-def _actions(labels: Counter[str], defaults: Mapping[str, str]) -> Mapping[str, str]:
-    """Return the default action of each label in a channel."""
-    known = {**{action: action for action in ACTIONS}, **{name.casefold(): action for name, action in defaults.items()}}
-    return {label: known.get(label.strip().casefold(), _UNKNOWN) for label, _ in labels.most_common(_SHOWN)}
+def _channels(request: Request) -> dict[str, Mapping[str, str]]:
+    """Return the actions by label of the channel of the request, with its label map; or of all channels."""
+    asked = request.spec.channel
+    return {
+        channel: label_map(defaults, request.options)
+        for channel, defaults in CHANNELS.items()
+        if channel == asked or asked not in CHANNELS
+    }
+
+
+def _actions(labels: Counter[str], known: Mapping[str, str]) -> Mapping[str, str]:
+    """Return the action of each label in a channel."""
+    return {label: _action(label, known) for label, _ in labels.most_common(_SHOWN)}
+
+
+def _action(label: str, known: Mapping[str, str]) -> str:
+    return known.get(plain_label(label), _UNKNOWN)
+
+
+def commands_given(request: Request) -> Mapping[str, int]:
+    """Return how often each command is given when a run plays the whole recording on the request's channel."""
+    spec = request.spec
+    replay = DecisionReplay(spec, CHANNELS[spec.channel])
+    try:
+        context = OperatorContext(
+            time=math.inf,
+            operator="",
+            viewport=None,
+            clutch=False,
+            paused=False,
+            influenced=0,
+            extinguished=(),
+            robots=spec.robots or _MANY,
+        )
+        return dict(Counter(type(command).__name__ for command in replay.poll(context)).most_common())
+    finally:
+        replay.close()

@@ -1,10 +1,10 @@
 """Inspection of a file: format, streams, columns, rate, validity, repairs, and conversion to commands.
 
 The console finds `inspect` by the entry-point group `higvf_console.inspectors`. The first entry of `KINDS` that
-recognises the file describes it.
+recognises the file describes it; for a channel of decisions without a decoder, commands go first, as in a run.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -68,10 +68,11 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
         InputError: If the file is unrecognised or unreadable, or an option is invalid. Unrecognised files are rejected
             with the list of formats tried.
     """
-    request = Request(spec, look(spec.source), option_fields(spec, OPTIONS), plot, steps)
-    named_decoder(request.options)
+    lsl.is_live(spec, ())  # refuses options of a live stream
+    request = Request(spec, look(spec.source), option_fields(spec, (*OPTIONS, *lsl.OPTIONS)), plot, steps)
+    decodes = named_decoder(request.options) is not None
     text = bool(request.file.head) or request.format is not None
-    for kind in KINDS if text else KINDS[:1]:  # a folder can only be a gaze recording
+    for kind in _kinds(spec.channel, decodes) if text else KINDS[:1]:  # a folder can only be a gaze recording
         if kind.knows(request):
             kind.check(request.options)
             return kind.describe(request)
@@ -81,3 +82,10 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
             f"format: {request.options.text('format')!r} is not one of {', '.join(name for name, _ in sought)}"
         )
     raise unknown_format(request.file, sought)
+
+
+def _kinds(channel: str, decodes: bool) -> Sequence[Kind]:
+    """Return the kinds in the order in which a channel asks them."""
+    of_decisions = channel in inspect_commands.CHANNELS
+    first = () if not of_decisions else ("signals",) if decodes else ("commands",)
+    return sorted(KINDS, key=lambda kind: (kind.name not in first, of_decisions and kind.name == "gaze"))

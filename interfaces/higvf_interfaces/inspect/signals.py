@@ -12,7 +12,8 @@ from higvf_interfaces.formats.gaze.plain import TIMES
 from higvf_interfaces.formats.reading import choose_format
 from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, SIGNAL_FORMATS, read_decisions
 from higvf_interfaces.formats.signals.records import SignalRecord, pick_channels
-from higvf_interfaces.formats.xdf.file import survey
+from higvf_interfaces.formats.xdf.file import fitting, survey
+from higvf_interfaces.inspect import commands as inspect_commands
 from higvf_interfaces.inspect import streams as inspect_streams
 from higvf_interfaces.inspect.description import Request, description
 
@@ -21,9 +22,13 @@ _SHOWN = 30  # labels
 
 
 def knows(request: Request) -> bool:
-    """Return whether the file is a recording of raw samples; a command log is none."""
+    """Return whether the file is a recording of raw samples; a command log, or an XDF file of events only, is none."""
     if request.format is not None:
         return request.format in [known.name for known in SIGNAL_FORMATS]
+    if inspect_streams.knows(request):
+        wanted = signal_request(request.options).stream
+        meant = fitting(survey(request.file.path).streams, wanted)
+        return not meant or not all(stream.marks for stream in meant)
     played = next((known.name for known in DECISION_FORMATS if known.matches(request.file)), None)
     is_log = played == command_log.CSV_NAME and request.file.find(*TIMES) is not None
     return not is_log and any(known.matches(request.file) for known in SIGNAL_FORMATS)
@@ -63,9 +68,18 @@ def describe(request: Request) -> Mapping[str, object]:
         gaps={"count": len(gaps) - 1, "longest_s": round(max(gaps), 3), "total_s": round(sum(gaps), 3)},
         epoch_s=record.epoch,
         labels=_labels(request),
-        becomes={"commands": "with a decoder: decoder=lda or decoder=ssvep"},
+        becomes={"commands": _commands(request)},
         warnings=(*record.notes, *picture),
     )
+
+
+def _commands(request: Request) -> object:
+    """Return the counts of the commands that the request's channel and decoder give; without these, what they need."""
+    if request.spec.channel not in inspect_commands.CHANNELS:
+        return "with a decoder, on the channel emg or bci: decoder=lda or decoder=ssvep"
+    if not request.options.has("decoder"):
+        return "with a decoder: decoder=lda or decoder=ssvep"
+    return inspect_commands.commands_given(request)
 
 
 def _titled(record: SignalRecord) -> list[str]:

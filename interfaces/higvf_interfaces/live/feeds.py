@@ -7,18 +7,18 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
-import numpy as np
-
 from higvf_console.core.arrays import floats
 from higvf_interfaces.decisions.feeds import DecisionFeed, Due
 from higvf_interfaces.decisions.options import words
 from higvf_interfaces.decoding.contract import Decoder
 from higvf_interfaces.fields import Fields
+from higvf_interfaces.formats.clock import Repairs
 from higvf_interfaces.formats.records import Decision
 from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, signal_places, unique_names
 from higvf_interfaces.formats.xdf.file import channel_texts
-from higvf_interfaces.formats.xdf.markers import decision_of, label_of
+from higvf_interfaces.formats.xdf.markers import decision_of, label_of, several_texts
 from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
+from higvf_interfaces.streams import RunClock
 
 MARKERS = StreamQuery(type="Markers")
 
@@ -36,12 +36,11 @@ class _SessionClock:
     """Session times of a live stream's decisions: non-decreasing, and 0 for decisions before the run."""
 
     def __init__(self) -> None:
-        self._latest, self._now = 0.0, -math.inf
+        self._latest, self._run = 0.0, RunClock()
 
     def at(self, now: float, ago: float) -> float:
-        if now < self._now:
-            self._latest = 0.0  # the run was reset
-        self._now = now
+        if self._run.was_reset(now):
+            self._latest = 0.0
         self._latest = min(now, max(self._latest, now - max(0.0, ago)))
         return self._latest
 
@@ -61,7 +60,7 @@ class MarkerFeed:
     @property
     def notes(self) -> Sequence[str]:
         """Notes on the stream."""
-        return self.reader.notes
+        return (*self.reader.notes, *several_texts(self.reader.channels))
 
     @property
     def started(self) -> bool:
@@ -110,7 +109,7 @@ class LiveDecoderFeed:
         if not samples:
             return []
         times = floats([sample.time for sample in samples])
-        kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
+        kept = Repairs().advancing(times)
         self._latest = float(times[kept][-1])
         values = floats([sample.values for sample in samples], -1, self.reader.channels)[kept][:, self._columns]
         return [self._due(decision, now) for decision in self._decoder.push(SignalChunk(times[kept], floats(values)))]

@@ -12,12 +12,14 @@ from higvf_console.core.arrays import Floats, bools, floats
 from higvf_console.core.interface import InputSpec
 from higvf_interfaces.decisions.options import word
 from higvf_interfaces.fields import Fields
+from higvf_interfaces.formats.clock import Repairs
 from higvf_interfaces.formats.records import MIN_CONFIDENCE, GazeStream, beyond, trusted
 from higvf_interfaces.formats.xdf.gaze import gaze_channels
 from higvf_interfaces.gaze.chunked_fixations import NO_PIXELS, ChunkClassifier, Pixels
 from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, THRESHOLDS, Classified, Fixation, fixations_of
 from higvf_interfaces.gaze.screens import NO_PIXELS_HINT, TELLING, are_shares, choose_screen, on_screen, to_pixels
 from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
+from higvf_interfaces.streams import RunClock
 
 GAZE = StreamQuery(type="Gaze")
 
@@ -63,6 +65,7 @@ class LiveGaze:
         except Exception:
             self.reader.close()
             raise
+        self._clock = RunClock()
         self._restart()
 
     @property
@@ -80,7 +83,7 @@ class LiveGaze:
     @property
     def time(self) -> float:
         """Session time of the newest sample [s]."""
-        return min(self._now, self._now - (self.reader.now - self._latest))
+        return min(self._clock.now, self._clock.now - (self.reader.now - self._latest))
 
     def advance(self, now: float) -> tuple[bool, list[Fixation]]:
         """Process the samples that arrived by session time `now` [s].
@@ -88,15 +91,14 @@ class LiveGaze:
         Returns:
             Whether there are new samples, and the fixations that have ended, in session time.
         """
-        if now < self._now:
+        if self._clock.was_reset(now):
             self._restart()
-        self._now = now
         samples = [sample for sample in self.reader.take() if sample.time > self._latest]
         if not samples:
             self.newest = NO_PIXELS
             return False, []
         times = floats([sample.time for sample in samples])
-        kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
+        kept = Repairs().advancing(times)
         values = floats([sample.values for sample in samples], -1, self.reader.channels)[kept]
         raw = floats(values[:, [self._x, self._y]])
         if len(self._probe) < TELLING:
@@ -125,7 +127,7 @@ class LiveGaze:
 
     def _fixations(self, chunk: Classified) -> list[Fixation]:
         """Return the fixations of a chunk, in session time."""
-        shift = self._now - self.reader.now
+        shift = self._clock.now - self.reader.now
         return [rest._replace(start=rest.start + shift, end=rest.end + shift) for rest in fixations_of(chunk)]
 
     def close(self) -> None:
@@ -135,7 +137,7 @@ class LiveGaze:
     def _restart(self) -> None:
         """Reset the state, because the run was reset; the device continues."""
         self._classifier = ChunkClassifier(self.px_per_deg, self._method)
-        self._now = self._latest = -math.inf
+        self._latest = -math.inf
         self.started = self.seen = False
         self.point: Floats = np.full(2, np.nan)
         self.newest = NO_PIXELS

@@ -4,7 +4,7 @@
 
 A time-out of `pull_sample` does not distinguish a silent device from a lost one. The reader therefore keeps its own
 sign of life: the newest sample of a stream with a rate; for an event stream, an answer of the network. Times are on
-this machine's LSL clock (`proc_clocksync`) and non-decreasing.
+this machine's LSL clock (`proc_clocksync`); a device that stamps by another clock is joined on (`ArrivalClock`).
 """
 
 import threading
@@ -19,6 +19,8 @@ from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
 from higvf_interfaces.decisions.options import word
 from higvf_interfaces.fields import Fields
+from higvf_interfaces.formats.clock import RESTART
+from higvf_interfaces.formats.common_clock import ArrivalClock
 
 SOURCE = "lsl"  # source of a live input: --input gaze=lsl:name=...
 OPTIONS = ("name", "type", "source_id", "host", "within")
@@ -130,6 +132,7 @@ class LslReader:
         self.labels = tuple((channel.findtext("label") or "").strip() for channel in described)
         self.name = stream_summary(full)
         self.lost = 0
+        self._clock = ArrivalClock(float(_BUFFERED), RESTART if self.rate else float(_BUFFERED))
         self._waiting: deque[LslSample] = deque(maxlen=capacity)
         self._alive: float | None = None  # [s] of the LSL clock
         self._stopping = threading.Event()
@@ -149,7 +152,7 @@ class LslReader:
     @property
     def notes(self) -> tuple[str, ...]:
         """The stream and the number of losses."""
-        return (self.name, *((f"lost {self.lost} times",) if self.lost else ()))
+        return (self.name, *((f"lost {self.lost} times",) if self.lost else ()), *self._clock.notes)
 
     def take(self) -> list[LslSample]:
         """Return the samples received since the last call, without waiting."""
@@ -165,7 +168,7 @@ class LslReader:
             self._thread.join(2.0)
 
     def _opened(self, info: Any) -> Any:
-        flags = self._lsl.proc_clocksync | self._lsl.proc_monotonize
+        flags = self._lsl.proc_clocksync  # not proc_monotonize: it holds the time still after a clock was set back
         inlet = self._lsl.StreamInlet(info, max_buflen=_BUFFERED, recover=False, processing_flags=flags)
         inlet.open_stream(timeout=WITHIN)
         inlet.time_correction(timeout=WITHIN)  # otherwise the first sample would wait for it
@@ -187,9 +190,9 @@ class LslReader:
         values, at = self._inlet.pull_sample(timeout=_WAIT)
         if at is not None:
             more, times = self._inlet.pull_chunk(timeout=0.0, max_samples=1024)
-            self._waiting.append(LslSample(float(at), values))
-            self._waiting.extend(LslSample(float(t), sample) for t, sample in zip(times, more, strict=True))
-            self._alive = self.now
+            self._alive = now = self.now
+            for stamp, sample in zip((at, *times), (values, *more), strict=True):
+                self._waiting.append(LslSample(self._clock.time(float(stamp), now), sample))
         elif not self.rate and presence.results():
             self._alive = self.now
 

@@ -1,19 +1,15 @@
 """A script of operator actions as an interface: the way to repeat a run, and to test adapter and controller alike."""
 
-import math
-
 import numpy as np
 
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand, Pick, Prioritise, ResetRun, StrokeBegin, StrokePoints
 from higvf_console.core.edits import AddEntity, EntityKind
-from higvf_console.core.errors import ScriptError
-from higvf_console.core.interface import ChannelHealth, ChannelState, InputSpec, OperatorContext
-from higvf_interfaces.emulation import DELAYS, EmulatedInterface, error_model
-from higvf_interfaces.fields import option_fields
+from higvf_console.core.errors import InputError, ScriptError
+from higvf_console.core.interface import LINK_OPTIONS, ChannelHealth, ChannelState, InputSpec, OperatorContext
 from higvf_interfaces.paths import named
 from higvf_interfaces.scripts.file import Script, Stroke, read_script
-from higvf_interfaces.streams import CLOCK_GRAIN, Stamp
+from higvf_interfaces.streams import CLOCK_GRAIN, RunClock, Stamp
 
 
 class ScriptPlayer:
@@ -28,7 +24,7 @@ class ScriptPlayer:
         self._name = name
         self._entries, self.warnings = script
         self._stamp = Stamp(name)
-        self._now = -math.inf
+        self._clock = RunClock()
         self._resets: set[int] = set()
         self._forget()
 
@@ -39,14 +35,13 @@ class ScriptPlayer:
 
     def poll(self, context: OperatorContext) -> list[OperatorCommand]:
         """Commands that have fallen due, in order of time."""
-        if context.time < self._now:
+        if self._clock.was_reset(context.time):
             self._forget()
-        self._now = context.time
         given: list[OperatorCommand] = []
         for due, index in self._due(context):
             given += self._drawn_until(due, context)
             given += self._fire(index, due, context)
-        return given + self._drawn_until(self._now + CLOCK_GRAIN, context)
+        return given + self._drawn_until(self._clock.now + CLOCK_GRAIN, context)
 
     def health(self, now: float) -> ChannelHealth:  # noqa: ARG002 - a script cannot fall silent
         """How many entries have fired; ended after the last."""
@@ -70,11 +65,11 @@ class ScriptPlayer:
             if index in self._fired:
                 continue
             if index not in self._event_times:
-                met = entry.trigger.met(self._now, context.extinguished)
+                met = entry.trigger.met(self._clock.now, context.extinguished)
                 if met is None:
                     continue
                 self._event_times[index] = met + entry.trigger.after
-            if self._event_times[index] <= self._now + CLOCK_GRAIN:
+            if self._event_times[index] <= self._clock.now + CLOCK_GRAIN:
                 due.append((self._event_times[index], index))
         return sorted(due)
 
@@ -95,14 +90,18 @@ class ScriptPlayer:
         return [self._stamp(command, due, context) for due, command in ready]
 
 
-def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
-    """Entry point `script`; its options are those of an emulated link, `emulation.DELAYS`.
+def open_script(spec: InputSpec) -> ScriptPlayer:
+    """Entry point `script`; it has no options of its own.
 
     Raises:
         ScriptError: the script cannot be used, or names a robot that the team does not have.
-        InputError: an option cannot be used.
+        InputError: an option is given.
     """
-    errors = error_model(option_fields(spec, DELAYS))
+    if given := [*spec.options, *spec.settings]:
+        raise InputError(
+            f"input {spec.channel}={spec.source}: a script has no option {given[0]!r}; options of every channel: "
+            f"{', '.join(LINK_OPTIONS)}, seed"
+        )
     script = read_script(named(spec.source))
     actions = [entry.action for entry in script.entries]
     added = sum(isinstance(action, AddEntity) and action.kind == EntityKind.ROBOT for action in actions)
@@ -110,8 +109,7 @@ def open_script(spec: InputSpec) -> ScriptPlayer | EmulatedInterface:
         robot = _robot(entry.action)
         if robot is not None and spec.robots is not None and robot >= spec.robots + added:
             raise ScriptError(f"{entry.place}: robot: there is no robot {robot + 1}; give 1 to {spec.robots + added}")
-    player = ScriptPlayer(spec.channel, script)
-    return player if errors is None else EmulatedInterface(player, errors)
+    return ScriptPlayer(spec.channel, script)
 
 
 def _robot(action: Stroke | OperatorCommand) -> int | None:

@@ -1,13 +1,15 @@
 """Command logs read the same as CSV and as JSON lines."""
 
+import json
 from collections.abc import Callable
 
 import pytest
 
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
-from higvf_interfaces.formats.signals.reading import read_decisions
-from higvf_interfaces.formats.signals.records import SignalRequest
+from higvf_interfaces.formats.reading import read_gaze
+from higvf_interfaces.formats.signals.reading import read_decisions, read_signals
+from higvf_interfaces.formats.signals.records import SignalRequest, whole
 from higvf_interfaces.inspect.inspection import inspect
 
 Write = Callable[..., str]
@@ -96,3 +98,69 @@ def test_a_log_without_times_or_labels_is_refused(write: Write) -> None:
         read_decisions(write("time,what\n1,fist\n"), SignalRequest(format="command-csv"))
     with pytest.raises(InputError, match=r"unrecognised format.*command-jsonl.*command-csv"):
         read_decisions(write("time,what\n1,fist\n"))
+
+
+ISO = ("2026-11-30T15:20:01.250Z", "2026-11-30T16:20:02.750+01:00", "2026-11-30 15:20:06.25")
+
+
+@pytest.mark.parametrize("form", ["csv", "semicolon", "json"])
+def test_times_may_be_dates(write: Callable[..., str], form: str) -> None:
+    if form == "json":
+        text = "".join(json.dumps({"time": time, "label": "fist"}) + "\n" for time in ISO)
+    else:
+        text = "time,label\n" + "".join(f"{time},fist\n" for time in ISO)
+    log = read_decisions(write(text.replace(",", ";").replace(".", ",") if form == "semicolon" else text))
+    assert [decision.time for decision in log.decisions] == pytest.approx([0.0, 1.5, 5.0], abs=1e-6)
+    assert log.epoch == pytest.approx(1_796_052_001.25)
+
+
+@pytest.mark.parametrize("time", ["2026-13-30T15:20:01", "2026-11-30T25:00:00", "20261130 x", "0000-01-01 00:00:00"])
+def test_a_date_that_is_none_is_no_time(write: Callable[..., str], time: str) -> None:
+    with pytest.raises(InputError, match="no entry has a time"):
+        read_decisions(write(f"time,label\n{time},fist\n"))
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "read"),
+    [
+        ("time,label", "2,5,open", read_decisions),
+        ("time,x [px],y [px]", "2,5,100,200", read_gaze),
+        ("timestamps,C3", "2,5,7,5", lambda file: whole(read_signals(file, SignalRequest(rate=10.0)))),
+    ],
+    ids=["log", "gaze", "signals"],
+)
+def test_a_row_of_more_cells_than_the_header_is_refused(
+    write: Write, header: str, row: str, read: Callable[[str], object]
+) -> None:
+    with pytest.raises(InputError, match=r"row 1: \d cells for \d columns; numbers with a decimal comma need another"):
+        read(write(f"{header}\n{row}\n{row}\n"))
+
+
+@pytest.mark.parametrize("scale", [1e3, 1e6, 1e9], ids=["ms", "μs", "ns"])
+def test_epoch_times_may_count_smaller_units(write: Write, scale: float) -> None:
+    stamps = [int(seconds * 1e3) * int(scale / 1e3) for seconds in (1_700_000_000.0, 1_700_000_001.5)]
+    log = read_decisions(write(f"time,label\n{stamps[0]},fist\n{stamps[1]},open\n"))
+    assert [decision.time for decision in log.decisions] == pytest.approx([0.0, 1.5], abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("header", "times", "warned"),
+    [
+        ("time", (1500, 3000, 9000), True),
+        ("time_ms", (1500, 3000, 9000), False),
+        ("time", (1.5, 300.5, 900.0), False),
+        ("time", (1, 2, 3, 300), False),
+        ("time", (1_700_000_000, 1_700_000_200), False),
+        ("time", ("2026-11-30 10:00:00", "2026-11-30 10:10:00"), False),
+    ],
+)
+def test_times_that_may_be_milliseconds_are_warned_of(
+    write: Write, header: str, times: tuple[object, ...], warned: bool
+) -> None:
+    log = read_decisions(write(f"{header},label\n" + "".join(f"{time},fist\n" for time in times)))
+    assert any("if they are milliseconds, call them time_ms" in note for note in log.notes) is warned
+
+
+def test_what_is_no_time_is_shown(write: Write) -> None:
+    with pytest.raises(InputError, match=r"no entry has a time; '23:59:58.5' is none; a log without times needs"):
+        read_decisions(write("time,label\n23:59:58.5,fist\n"))

@@ -180,7 +180,7 @@ def test_rows_out_of_order_are_dropped_and_clock_restarts_are_joined(write: Writ
     assert gaze.points[:, 0].tolist() == [1, 1, 1]
     restarted = read_gaze(write("time,x,y\n50,1,2\n50.1,1,2\n50.2,1,2\n0,3,4\n0.1,3,4\n"))
     assert restarted.time.tolist() == pytest.approx([50, 50.1, 50.2, 50.3, 50.4])
-    assert any("restarts" in note for note in restarted.notes)
+    assert any("restart" in note for note in restarted.notes)
 
 
 def test_duplicate_samples_are_dropped(write: Write) -> None:

@@ -46,9 +46,12 @@ def test_a_long_gap_in_gaze_does_not_shift_it_against_the_other_streams(write: C
 def test_gaze_on_another_clock_than_the_other_streams_is_noted(write: Callable[..., str]) -> None:
     eyes = Stream("Tobii", "Gaze", "g", 100, [9e5 + k / 100 for k in range(50)], [(1.0, 2.0)] * 50, ("x", "y"))
     file = write(xdf(eyes, Stream("Cues", "Markers", "m", 0, [10.0], ["pause"])))
-    assert read_gaze(file).notes == (
-        "gaze starts 899990 s after the earliest stream, possibly on another clock; shift it with start=",
-    )
+    note = "Cues and Tobii lie 899990 s apart, so on different clocks: the earliest sample of each clock is at time 0; "
+    gaze, cues = read_gaze(file), read_decisions(file)
+    assert gaze.notes == (f"{note}shift one with start=",)
+    assert (gaze.time[0], gaze.epoch) == (0.0, pytest.approx(9e5))
+    assert (cues.decisions[0].time, cues.epoch) == (0.0, pytest.approx(10.0))
+    assert any("899990 s apart" in text for text in cues.notes)
 
 
 @pytest.mark.parametrize("timed", [False, True], ids=["counted", "device times"])

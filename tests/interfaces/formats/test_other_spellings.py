@@ -80,13 +80,13 @@ def test_gaze_of_psychopy_is_read_with_the_origin_of_psychopy(write: Write) -> N
 
 @pytest.mark.parametrize("row", ["{t},0,5{k},0,300,5", "{t},5{k},5,300"])
 def test_decimal_commas_between_commas_are_refused_in_any_table(write: Write, row: str) -> None:
-    with pytest.raises(InputError, match=r"more cells \(\d\) than there are titles \(3\); if the numbers have decimal"):
+    with pytest.raises(InputError, match=r"row 1: \d cells for 3 columns; numbers with a decimal comma need another"):
         read_gaze(write(gaze("time,x [px],y [px]", row)))
 
 
 def test_row_names_without_a_title_are_refused(write: Write) -> None:
     text = signal("time TP9 AF7".replace(" ", ","), '"{k}",{t:.3f},{k}.5,7')
-    with pytest.raises(InputError, match="more cells"):
+    with pytest.raises(InputError, match="row 1: 4 cells for 3 columns"):
         read_signals(write(text))
 
 

@@ -34,14 +34,14 @@ def test_a_gap_is_kept_and_a_long_gap_is_shortened() -> None:
     steps = np.diff(times)
     assert steps[1999] == pytest.approx(2.0, abs=0.01)
     assert steps[3999] == pytest.approx(10.0, abs=0.01)
-    assert clock.notes() == ["2 gaps, the longest 300.0 s, shortened to 10 s"]
+    assert clock.repairs.notes == ("1 gap shortened to 10 s, the longest 300 s",)
 
 
 def test_steps_back_of_the_clock_are_joined() -> None:
     clock = SampleClock(RATE)
     times = smoothed(floats(TRUE - 100.0 * (np.arange(5000) >= 2000)), clock)
     assert times == pytest.approx(TRUE, abs=0.01)
-    assert clock.notes() == ["1 steps back of the clock joined"]
+    assert clock.repairs.notes == ("1 clock restart joined",)
 
 
 def test_missing_stamps_are_interpolated_at_the_nominal_rate() -> None:

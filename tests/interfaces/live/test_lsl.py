@@ -1,5 +1,6 @@
 """Live streams are found, read, reported as lost and reconnected; the devices are outlets on the loopback interface."""
 
+import time
 from collections.abc import Callable, Iterator
 from types import ModuleType
 from typing import Any
@@ -61,6 +62,18 @@ def test_markers_become_commands_at_the_session_times_of_their_stamps(
     health = emg.health(5.0)
     assert health.state is ChannelState.LIVE
     assert "name fists, type Markers" in health.detail
+
+
+def test_a_device_that_stamps_by_unix_time_is_joined_on_at_its_arrival_and_it_is_said(
+    lsl: ModuleType, opened: Callable[..., Any], at: ContextAt
+) -> None:
+    device = Device(lsl, "Markers", name="unix")
+    emg = opened(open_emg, "emg", name="unix")
+    until(device.consumed)
+    off = time.time() - lsl.local_clock()
+    device.push("fist", at=lsl.local_clock() + off)
+    assert 4.0 < polled(emg, at, Pause, now=5.0)[0].time <= 5.0
+    assert f"its clock was {off:.0f} s off this machine's: joined 1 time" in emg.health(5.0).detail
 
 
 def test_markers_before_the_run_count_at_its_start(lsl: ModuleType, opened: Callable[..., Any], at: ContextAt) -> None:

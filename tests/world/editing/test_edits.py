@@ -201,7 +201,6 @@ def test_a_unicycle_is_moved_by_its_centre_and_turns_about_it() -> None:
 
 
 REFUSALS = [
-    (AddEntity("lake", at(1.0, 1.0)), "'lake' is nothing that can be edited; choose robot, fire, circle, bar, polygon"),
     (AddEntity("polygon", at(1.0, 1.0)), "a polygon needs an outline: draw one"),
     (MoveEntity("circle", 7, at(1.0, 1.0)), "there is no circle 8: there are circles 1 to 2"),
     (DeleteEntity("fire", -1), "there is no fire 0"),

@@ -126,14 +126,14 @@ def _updated(file: TextFile, setting: _Setting, cells: list[str]) -> _Setting:
                     f"{file.path}: its samples are {kind[:20]}, not gaze on the screen; convert with edf2asc -sg"
                 )
             return setting._replace(eyes=tuple(k for k, word in enumerate(("LEFT", "RIGHT")) if word in words))
+        case ["START" | "END" | ">>>>>>>" as word, *_] | ["MSG", _, "!CAL" as word, *_]:  # a calibration ends it too
+            return setting._replace(recording=word == "START", shut=frozenset())  # a blink may have no end
         case ["MSG", _, *words]:
             return _sized(setting, words)
         case ["SBLINK", eye, *_] if eye in _EYES:
             return setting._replace(shut=setting.shut | {_EYES[eye]})
         case ["EBLINK", eye, *_] if eye in _EYES:
             return setting._replace(shut=setting.shut - {_EYES[eye]})
-        case ["START" | "END" as word, *_]:  # a blink may have no end in its block
-            return setting._replace(recording=word == "START", shut=frozenset())
         case _:
             return setting
 

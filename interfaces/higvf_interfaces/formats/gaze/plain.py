@@ -20,7 +20,7 @@ from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, ep
 
 NAME = "gaze-csv"
 TITLE = "plain gaze CSV (time,x,y[,confidence])"
-TIMES = ("time", "timestamp", "t", "time_s", "time_ms")
+TIMES = ("time", "timestamp", "t", "time_s", "time_ms", "datetime")
 _VALIDITIES = ("valid", "is_valid", "gaze_valid", "validity")
 _METRES = ("m", "metres", "meters")
 _LOOKED_AT = 2000  # rows

@@ -1,8 +1,12 @@
-"""BIDS event tables (`*_events.tsv`): onset, duration [s] and label of each event."""
+"""BIDS event tables (`*_events.tsv`): onset, duration [s] and label of each event.
 
-import math
+Events of one trial type that the column `value` tells apart are labelled TRIAL_TYPE/VALUE.
+"""
 
+from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.clock import event_times, is_time
+from higvf_interfaces.formats.labels import told_apart
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals.records import SignalRequest
 from higvf_interfaces.formats.text import Column, TextFile, as_label, cell, number
@@ -10,6 +14,7 @@ from higvf_interfaces.formats.text import Column, TextFile, as_label, cell, numb
 NAME = "bids-events"
 TITLE = "BIDS events.tsv (onset, duration, trial_type)"
 _LABELS = ("trial_type", "event_type", "label", "value", "stim_type")
+_VALUE = "value"
 _CONFIDENCES = ("confidence", "probability")
 _MISSING = {"", "n/a", "nan"}
 
@@ -32,21 +37,30 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
             f"{file.path}: an events table needs onset and one of {', '.join(_LABELS)}; has: {file.titles}"
         )
     notes: list[str] = []
-    decisions: list[Decision] = []
+    events: list[tuple[float, str, str, float | None]] = []
     without = 0
     for row in file.rows(notes):
-        time, label, trust = number(cell(row, onset)), _label(row, labels), number(cell(row, confidence))
-        if math.isfinite(time) and label:
-            decisions.append(Decision(time, label, trust if 0 <= trust <= 1 else None))
+        time, trust = number(cell(row, onset)), number(cell(row, confidence))
+        label, kind = _label(row, labels)
+        if is_time(time) and label:
+            events.append((time, label, kind, trust if 0 <= trust <= 1 else None))
         else:
             without += 1
     if without:
         notes.append(f"{without} events without onset or label dropped")
-    if not decisions:
+    if not events:
         raise InputError(f"{file.path}: no event has both an onset and a label")
-    return CommandLog(tuple(sorted(decisions, key=lambda decision: decision.time)), 0.0, NAME, tuple(notes))
+    named, told = told_apart([(label, kind) for _, label, kind, _ in events], "{label}/{kind}")
+    order, times, epoch, repaired = event_times(floats([event[0] for event in events]), from_epoch=False)
+    decisions = tuple(
+        Decision(time, named[row], events[row][3]) for row, time in zip(order.tolist(), times.tolist(), strict=True)
+    )
+    return CommandLog(decisions, epoch, NAME, (*notes, *told, *repaired))
 
 
-def _label(row: list[str], columns: list[Column]) -> str:
-    texts = (as_label(cell(row, column)) for column in columns)
-    return next((text for text in texts if text.casefold() not in _MISSING), "")
+def _label(row: list[str], columns: list[Column]) -> tuple[str, str]:
+    """Return the label, from the first column that has one, and the value that tells it apart, if another column."""
+    texts = [(column.name, as_label(cell(row, column))) for column in columns]
+    known = [(name, text) for name, text in texts if text.casefold() not in _MISSING]
+    name, label = known[0] if known else ("", "")
+    return label, next((text for other, text in known if other == _VALUE != name), "")

@@ -1,9 +1,15 @@
 """BrainVision markers (.vmrk, or its .vhdr): `Mk2=Stimulus,S  1,487,1,0`, positions in samples from 1.
 
+The label of a marker is its description; where two types share a description, it is TYPE/DESCRIPTION for both.
 Only the header contains the sampling interval, so a marker file needs its header in the same folder, or a rate.
 """
 
+from typing import NamedTuple
+
+from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.clock import event_times
+from higvf_interfaces.formats.labels import told_apart
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals.records import SignalRequest
 from higvf_interfaces.formats.text import TextFile, look, number
@@ -15,13 +21,19 @@ _NO_EVENT = {"new segment"}
 _Sections = dict[str, dict[str, str]]
 
 
+class _Marker(NamedTuple):
+    time: float
+    type: str
+    text: str
+
+
 def matches(file: TextFile) -> bool:
     """Return whether the first line is that of a BrainVision header or marker file."""
     return _kind(file) != ""
 
 
 def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
-    """Read the markers; the labels are their descriptions, or their types if the description is empty.
+    """Read the markers; a marker without description has its type as label.
 
     Raises:
         InputError: If the marker file is missing, the sampling interval is unknown, or there is no event.
@@ -44,11 +56,15 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
     period = 1 / request.rate if request.rate and not interval > 0 else interval
     if not period > 0:
         raise InputError(f"{file.path}: the sampling interval is unknown: put the .vhdr beside it, or give rate=HZ")
-    entries = [_decision(text, period) for text in marks.get("marker infos", {}).values()]
-    decisions = sorted((entry for entry in entries if entry is not None), key=lambda decision: decision.time)
-    if not decisions:
+    entries = [_marker(text, period) for text in marks.get("marker infos", {}).values()]
+    markers = [entry for entry in entries if entry is not None]
+    if not markers:
         raise InputError(f"{file.path}: there is no event among the {len(entries)} BrainVision markers")
-    return CommandLog(tuple(decisions), 0.0, NAME, tuple(notes))
+    described = [(marker.text or marker.type, marker.type if marker.text else "") for marker in markers]
+    labels, apart = told_apart(described, "{kind}/{label}")
+    order, times, epoch, repaired = event_times(floats([marker.time for marker in markers]), from_epoch=False)
+    decisions = tuple(Decision(t, labels[k], None) for k, t in zip(order.tolist(), times.tolist(), strict=True))
+    return CommandLog(decisions, epoch, NAME, (*notes, *apart, *repaired))
 
 
 def _kind(file: TextFile) -> str:
@@ -93,11 +109,10 @@ def _plain(name: str, file: TextFile) -> str:
     return base
 
 
-def _decision(text: str, period: float) -> Decision | None:
-    parts = [part.strip().replace("\\1", ",") for part in text.split(",")]
+def _marker(text: str, period: float) -> _Marker | None:
+    parts = [" ".join(part.replace("\\1", ",").split()) for part in text.split(",")]
     place = number(parts[2]) if len(parts) > 2 else float("nan")
-    label = (parts[1] if len(parts) > 1 else "") or parts[0]
     time = (place - 1) * period
-    if not label or parts[0].casefold() in _NO_EVENT or not abs(time) < 1e9:
+    if not any(parts[:2]) or parts[0].casefold() in _NO_EVENT or not abs(time) < 1e9:
         return None
-    return Decision(time, " ".join(label.split()), None)
+    return _Marker(time, parts[0], parts[1] if len(parts) > 1 else "")

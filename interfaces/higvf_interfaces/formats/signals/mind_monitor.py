@@ -12,9 +12,10 @@ good, 2 medium, 4 bad; badly fitted samples are counted in a note. Time stamps a
 import math
 from collections import Counter
 from collections.abc import Iterator
-from datetime import UTC, datetime
 
+from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.clock import event_times
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals.records import SignalRecord, SignalRequest
 from higvf_interfaces.formats.signals.table import SampleTable, table_signals
@@ -47,7 +48,7 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
         InputError: If there is no time stamp, no raw electrode, or no sample.
     """
     time = file.find("timestamp")
-    channels = [column for column in file.columns if column.name.startswith(("raw_", "aux"))]
+    channels = _channels(file)
     if time is None or not channels:
         raise InputError(f"{file.path}: needs the columns TimeStamp and RAW_TP9; has: {file.titles}")
 
@@ -62,7 +63,7 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
         names=tuple(column.title.strip() for column in channels),
         units=("uV",) * len(channels),
         time=time.place,
-        seconds=_seconds,
+        seconds=epoch_seconds,
         counter=None,
         marker=None,
         rate=None,
@@ -82,19 +83,26 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
     Raises:
         InputError: If there is no event, or no row has a time.
     """
-    time, column = file.find("timestamp"), file.find(*_EVENTS)
+    time, column, channels = file.find("timestamp"), file.find(*_EVENTS), _channels(file)
     notes: list[str] = []
-    epoch = math.nan
-    decisions: list[Decision] = []
+    begun = math.nan  # time of the first sample, time 0 of the signals
+    events: list[tuple[float, str]] = []
     for row in file.rows(notes):
-        at = _seconds(cell(row, time))
-        if math.isfinite(at):
-            epoch = at if math.isnan(epoch) else epoch
-            if label := _label(cell(row, column)):
-                decisions.append(Decision(at - epoch, label, None))
-    if not decisions:
+        at, label = epoch_seconds(cell(row, time)), _label(cell(row, column))
+        if math.isnan(begun) and any(cell(row, channel) for channel in channels):
+            begun = at
+        if label:
+            events.append((at, label))
+    begun = begun if math.isfinite(begun) else next((at for at, _ in events if math.isfinite(at)), 0.0)
+    order, times, shift, repaired = event_times(floats([at - begun for at, _ in events]), from_epoch=False)
+    if not len(order):
         raise InputError(f"{file.path}: no event in a column {' or '.join(_EVENTS)}, so it holds no decisions")
-    return CommandLog(tuple(sorted(decisions, key=lambda d: d.time)), epoch, MARKED_NAME, tuple(notes))
+    decisions = tuple(Decision(t, events[k][1], None) for k, t in zip(order.tolist(), times.tolist(), strict=True))
+    return CommandLog(decisions, begun + shift, MARKED_NAME, (*notes, *repaired))
+
+
+def _channels(file: TextFile) -> list[Column]:
+    return [column for column in file.columns if column.name.startswith(("raw_", "aux"))]
 
 
 def _samples(file: TextFile, channels: list[Column], notes: list[str]) -> Iterator[list[str]]:
@@ -116,14 +124,6 @@ def _samples(file: TextFile, channels: list[Column], notes: list[str]) -> Iterat
     if off:
         notes.append(f"{off} samples with the head band off are missing")
     notes += [f"{count} samples of {title} with a bad fit (HSI)" for title, count in sorted(loose.items())]
-
-
-def _seconds(text: str) -> float:
-    """Parse a time stamp such as 2025-07-01 14:56:05.592, or seconds since 1970."""
-    try:
-        return datetime.fromisoformat(text).replace(tzinfo=UTC).timestamp()
-    except ValueError:
-        return epoch_seconds(text)
 
 
 def _label(text: str) -> str:

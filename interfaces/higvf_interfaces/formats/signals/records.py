@@ -8,6 +8,7 @@ import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.clock import Repairs
 
 _SAME_RATE = 0.01  # relative difference below which two rates are equal
 _TRIGGERS = re.compile(r"status|trig(ger)?s?|stim?( \d+)?|markers?\d*|events?", re.IGNORECASE)
@@ -157,8 +158,7 @@ def unique_names(names: Sequence[str]) -> tuple[str, ...]:
 def sliced(times: Floats, values: Floats) -> Iterator[SignalChunk]:
     """Yield samples in chunks; samples out of order or without a finite time are dropped."""
     kept = np.flatnonzero(np.isfinite(times))
-    if len(kept):
-        kept = kept[np.concatenate([[True], np.diff(np.maximum.accumulate(times[kept])) > 0])]
+    kept = kept[Repairs().advancing(floats(times[kept]))]
     for start in range(0, len(kept), CHUNK):
         part = kept[start : start + CHUNK]
         yield SignalChunk(floats(times[part]), floats(values[part]))

@@ -6,13 +6,13 @@ Time stamps of a radio link come in bursts, repeat and run backwards, although t
 
 follows the drift of the stamps but not their jitter; d is 1, or more if a sample counter shows lost packets. A stamp
 that deviates by more than `GAP` marks a gap in the recording or a clock that was set: the loop restarts there, and a
-gap longer than `MAX_GAP` is shortened to it.
+gap is repaired as every other clock's (`formats.clock`).
 """
 
 import numpy as np
 
-from higvf_console.core.arrays import Floats
-from higvf_interfaces.formats.records import MAX_GAP
+from higvf_console.core.arrays import Floats, floats
+from higvf_interfaces.formats.clock import Repairs, joined
 
 GAP = 0.5  # a larger deviation of a stamp from its expected time is a gap [s]
 _GAIN = 0.01  # gain of the loop per sample
@@ -23,8 +23,9 @@ def estimate_rate(stamps: Floats) -> float:
     """Estimate the sampling rate [Hz] from bursty time stamps (n,) [s]; NaN if undetermined.
 
     A span of `_LAG` stamps covers a whole number of bursts, so the median span is off by up to one burst; the mean of
-    the spans near the median is not. Spans across a gap are excluded.
+    the spans near the median is not. Spans across a gap are excluded; a clock that was set is joined first.
     """
+    stamps, _ = joined(stamps)
     stamps = stamps[np.isfinite(stamps)]
     lag = min(_LAG, max(1, len(stamps) // 2), len(stamps) - 1)
     if lag < 1:
@@ -45,8 +46,7 @@ class SampleClock:
         self._period = 1.0 / rate
         self._origin = np.nan  # offset subtracted from the stamps; changes with every repair
         self._last = 0.0
-        self._gaps: list[float] = []
-        self._set_back = 0
+        self.repairs = Repairs()
 
     def times(self, stamps: Floats, steps: Floats) -> Floats:
         """Return the times (n,) [s] of the next samples, at most some thousands.
@@ -55,6 +55,7 @@ class SampleClock:
             stamps: (n,) device times [s]; NaN where missing.
             steps: (n,) sampling periods since the previous sample, at least 1.
         """
+        stamps = self.repairs.plausible(stamps)
         times = np.empty(len(stamps))
         start = 0
         while start < len(stamps):
@@ -85,19 +86,8 @@ class SampleClock:
 
     def _jump(self, raw: float, expected: float) -> None:
         if raw > expected:
-            self._gaps.append(raw - expected)
-            self._last += min(raw - self._last, MAX_GAP)
+            self._last += float(self.repairs.bridged(floats([raw - self._last]), expected - self._last)[0])
         else:
-            self._set_back += 1  # joined, because times must increase
+            self.repairs.restarted()
             self._last = expected
         self._origin += raw - self._last
-
-    def notes(self) -> list[str]:
-        """Return the repairs so far."""
-        repairs: list[str] = []
-        if self._gaps:
-            cut = f", shortened to {MAX_GAP:.0f} s" if max(self._gaps) > MAX_GAP else ""
-            repairs.append(f"{len(self._gaps)} gaps, the longest {max(self._gaps):.1f} s{cut}")
-        if self._set_back:
-            repairs.append(f"{self._set_back} steps back of the clock joined")
-        return repairs

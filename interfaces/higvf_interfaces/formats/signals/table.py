@@ -140,7 +140,6 @@ def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[st
     if table.counter is not None:
         modulus = _modulus(floats([_cell(row, table.counter) for row in islice(_rows(table, []), _HEAD)]))
     lost, last = 0, math.nan
-    doubled = 0
     while block := list(islice(rows, CHUNK)):
         steps = np.ones(len(block))
         if modulus is not None:
@@ -148,9 +147,8 @@ def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[st
             steps = _counted(counter, last, modulus)
             last, lost = float(counter[-1]), lost + int(steps.sum()) - len(steps)
         times = clock.times(_stamps(table, block), steps)
-        advancing = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
+        advancing = clock.repairs.advancing(times)
         if not advancing.all():
-            doubled += np.count_nonzero(~advancing)
             block = [row for row, kept in zip(block, advancing, strict=True) if kept]
         yield _Block(floats(times[advancing]), block)
     if table.time is None:
@@ -160,9 +158,7 @@ def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[st
         notes.extend(unused_rate(given, rate))
     if lost:
         notes.append(f"{lost} samples lost by the radio link")
-    if doubled:
-        notes.append(f"{doubled} samples out of order dropped")
-    notes.extend(clock.notes())
+    notes.extend(clock.repairs.notes)
 
 
 def _stamps(table: SampleTable, rows: list[list[str]]) -> Floats:

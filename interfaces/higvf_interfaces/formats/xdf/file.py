@@ -1,25 +1,27 @@
 """XDF files (Lab Streaming Layer): survey of the streams, and selection of one.
 
 Stream names are not unique and types are unreliable, so a stream is selected by name, type, source id or number; a
-failed selection lists all streams. The survey walks the chunks before pyxdf loads the file, because pyxdf trusts chunk
-lengths that may be wrong in a damaged file. Format: github.com/sccn/xdf, "Specifications".
+failed selection lists all streams. A device that was recorded twice, because it was lost and found again, is one
+stream. Streams and chunks that are damaged are left out, and the others are read.
 """
 
 import xml.etree.ElementTree as ET
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.clock import counted
 from higvf_interfaces.formats.records import StreamInfo
 from higvf_interfaces.formats.text import TextFile
+from higvf_interfaces.formats.xdf.chunks import MAGIC, Chunk, Tag, length_at, read_chunks
 
-MAGIC = b"XDF:"
-_HEADER, _SAMPLES, _FOOTER = 2, 3, 6
 _LONGEST_HEADER = 10_000_000  # bytes
+_STAMP = 8  # bytes of a time stamp, which a sample may lack
+_TEXTS = "string"
+_SIZES = {_TEXTS: 1, "double64": 8, "float32": 4, "int64": 8, "int32": 4, "int16": 2, "int8": 1}  # bytes, at least
 
 
 class XdfStream(NamedTuple):
@@ -32,6 +34,7 @@ class XdfStream(NamedTuple):
         texts: whether the samples are text.
         samples: number of samples.
         closed: whether the stream has a footer; without one the recording was cut off.
+        parts: numbers of the streams that are joined to this one, its own first.
     """
 
     number: int
@@ -40,6 +43,7 @@ class XdfStream(NamedTuple):
     texts: bool
     samples: int = 0
     closed: bool = False
+    parts: tuple[int, ...] = ()
 
     @property
     def marks(self) -> bool:
@@ -56,10 +60,21 @@ class XdfStream(NamedTuple):
 
 
 class Survey(NamedTuple):
-    """The streams of a file, and whether it ends within a chunk."""
+    """The contents of a file.
+
+    Attributes:
+        streams: those with a readable header.
+        truncated: whether the file ends within a chunk.
+        notes: what was left out.
+        data: bytes of the file.
+        chunks: intact chunks of these streams, footers included.
+    """
 
     streams: tuple[XdfStream, ...]
     truncated: bool
+    notes: tuple[str, ...]
+    data: bytes
+    chunks: tuple[Chunk, ...]
 
 
 def matches(file: TextFile) -> bool:
@@ -68,40 +83,41 @@ def matches(file: TextFile) -> bool:
 
 
 def survey(path: Path) -> Survey:
-    """List the streams of a file without loading the samples.
+    """List the streams of a file, and its intact chunks.
 
     Raises:
-        InputError: If the file is not XDF, ends before its first stream, or declares more samples than it has bytes.
+        InputError: If the file is not XDF, or ends before its first stream.
     """
+    data, chunks, damaged, truncated = read_chunks(path)
     streams: dict[int, XdfStream] = {}
-    samples: Counter[int] = Counter()
-    closed: set[int] = set()
-    truncated = False
-    try:
-        size = path.stat().st_size
-        with path.open("rb") as file:
-            if file.read(len(MAGIC)) != MAGIC:
-                raise InputError(f"{path}: is not an XDF file: it does not begin with {MAGIC.decode()}")
-            while file.tell() < size:
-                chunk = _next_chunk(file, size)
-                if chunk is None:
-                    truncated = True
-                    break
-                tag, end = chunk
-                number = int.from_bytes(file.read(4), "little") if tag in (_HEADER, _SAMPLES, _FOOTER) else 0
-                if tag == _HEADER:
-                    streams[number] = _header(path, file, number, end)
-                elif tag == _SAMPLES:
-                    samples[number] += _count(path, file, end)
-                elif tag == _FOOTER:
-                    closed.add(number)
-                file.seek(end)
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read: {problem}") from problem
-    if truncated and not streams:
-        raise InputError(f"{path}: the XDF file cannot be read: it ends before its first stream")
-    counted = (s._replace(samples=samples[number], closed=number in closed) for number, s in streams.items())
-    return Survey(tuple(counted), truncated)
+    notes = [f"{counted(damaged, 'damaged place')} skipped"] if damaged else []
+    kept: list[Chunk] = []
+    unreadable = 0
+    for chunk in chunks:
+        if chunk.tag == Tag.HEADER:
+            try:
+                streams[chunk.stream] = _header(data[chunk.content : chunk.end], chunk.stream)
+            except ValueError as problem:
+                notes.append(f"stream {chunk.stream} left out: {problem}")
+                continue
+        stream = streams.get(chunk.stream)
+        if stream is None:
+            continue
+        if chunk.tag == Tag.SAMPLES:
+            count = _samples(data, chunk, stream)
+            if count is None:
+                unreadable += 1
+                continue
+            streams[chunk.stream] = stream._replace(samples=stream.samples + count)
+        elif chunk.tag == Tag.FOOTER:
+            streams[chunk.stream] = stream._replace(closed=True)
+        kept.append(chunk)
+    if unreadable:
+        notes.append(f"{counted(unreadable, 'damaged chunk')} of samples left out")
+    if not streams:
+        held = "; ".join(notes) or ("it ends before its first stream" if truncated else "it has no streams")
+        raise InputError(f"{path}: the XDF file cannot be read: {held}")
+    return Survey(tuple(streams.values()), truncated, tuple(notes), data, tuple(kept))
 
 
 def choose(
@@ -126,14 +142,19 @@ def choose(
     Raises:
         InputError: If no stream or several match; the message lists all streams.
     """
-    words = [word.strip().casefold() for word in (wanted or "").split("+") if word.strip()]
-    fit = [stream for stream in candidates if all(word in _handles(stream) for word in words)]
-    if len(fit) == 1:
-        return fit[0]
+    fit = fitting(candidates, wanted)
+    if len(fit) == 1 or (fit and fit[0].info.source_id and len({_device(stream) for stream in fit}) == 1):
+        return fit[0]._replace(parts=tuple(stream.number for stream in fit), closed=all(s.closed for s in fit))
     listed = "; ".join(map(str, streams)) or "none"
-    asked = f"{option}={(wanted or '')[:80]} fits" if words else "the file has"
+    asked = f"{option}={wanted[:80]} fits" if wanted and wanted.strip(" +") else "the file has"
     way_out = f"; choose one by {option}=TYPE, NAME, SOURCE or NUMBER, or several of these joined by +"
     raise InputError(f"{path}: {asked} {len(fit)} {what}{way_out if streams else ''}; the file has: {listed}")
+
+
+def fitting(streams: Sequence[XdfStream], wanted: str | None) -> list[XdfStream]:
+    """Return the streams that have all the words joined by `+` as type, name, source id or number; all if None."""
+    words = [word.strip().casefold() for word in (wanted or "").split("+") if word.strip()]
+    return [stream for stream in streams if all(word in _handles(stream) for word in words)]
 
 
 def channel_texts(header: ET.Element, key: str, count: int) -> list[str]:
@@ -147,44 +168,59 @@ def _handles(stream: XdfStream) -> set[str]:
     return names | {str(stream.number), f"#{stream.number}", f"{stream.number}.0"}
 
 
-def _next_chunk(file: IO[bytes], size: int) -> tuple[int, int] | None:
-    """Return tag and end of the next chunk, or None if the file ends within it."""
-    length = _length(file)
-    if length is None or length < 2 or file.tell() + length > size:
-        return None
-    end = file.tell() + length
-    return int.from_bytes(file.read(2), "little"), end
+def _device(stream: XdfStream) -> tuple[object, ...]:
+    """Return what the parts of a stream that was recorded twice have in common."""
+    labels = tuple(channel_texts(stream.header, "label", stream.info.channels))
+    return (*stream.info, stream.texts, labels)
 
 
-def _length(file: IO[bytes]) -> int | None:
-    width = int.from_bytes(file.read(1), "little")
-    content = file.read(width) if width in (1, 4, 8) else b""
-    return int.from_bytes(content, "little") if content and len(content) == width else None
+def _header(content: bytes, number: int) -> XdfStream:
+    """Parse the header of a stream.
 
-
-def _header(path: Path, file: IO[bytes], number: int, end: int) -> XdfStream:
-    length = end - file.tell()
-    if not 0 <= length <= _LONGEST_HEADER:
-        raise InputError(f"{path}: the header of stream {number} has an invalid length, {length} bytes")
+    Raises:
+        ValueError: If it is damaged; the message says how.
+    """
+    if len(content) > _LONGEST_HEADER:
+        raise ValueError(f"its header has {len(content)} bytes")
     try:
-        header = ET.fromstring(file.read(length).decode("utf-8", errors="replace"))
+        header = ET.fromstring(content.decode("utf-8", errors="replace"))
         channels, rate = int(_text(header, "channel_count") or 0), float(_text(header, "nominal_srate") or 0)
     except (ET.ParseError, ValueError) as problem:
-        raise InputError(f"{path}: the header of stream {number} is damaged: {problem}") from problem
+        raise ValueError(f"its header is damaged: {problem}") from problem
     if not 0 < channels <= 100_000 or not np.isfinite(rate) or rate < 0:
-        raise InputError(f"{path}: stream {number} declares {channels} channels at {rate:g} Hz: the file is damaged")
+        raise ValueError(f"it declares {channels} channels at {rate:g} Hz")
+    kind = _text(header, "channel_format")
+    if kind not in _SIZES:
+        raise ValueError(f"its samples are {kind[:20] or 'of no type'!r}, not one of {', '.join(_SIZES)}")
     info = StreamInfo(_text(header, "name"), _text(header, "type"), _text(header, "source_id"), channels, rate)
-    return XdfStream(number, info, header, _text(header, "channel_format") == "string")
+    return XdfStream(number, info, header, kind == _TEXTS)
 
 
-def _count(path: Path, file: IO[bytes], end: int) -> int:
-    """Return the number of samples that the chunk declares; each takes at least one byte."""
-    samples = _length(file)
-    if samples is None or samples > end - file.tell():
-        raise InputError(
-            f"{path}: a chunk declares {samples} samples in {end - file.tell()} bytes: the file is damaged"
-        )
-    return samples
+def _samples(data: bytes, chunk: Chunk, stream: XdfStream) -> int | None:
+    """Return the number of samples of a chunk; None if it does not agree with the size of the chunk."""
+    field = length_at(data, chunk.content)
+    if field is None:
+        return None
+    count, place = field
+    if stream.texts:
+        return count if _end_of_texts(data, place, count, stream.info.channels, chunk.end) == chunk.end else None
+    size = _SIZES[_text(stream.header, "channel_format")] * stream.info.channels
+    least, most = count * (1 + size), count * (1 + _STAMP + size)
+    return count if least <= chunk.end - place <= most else None
+
+
+def _end_of_texts(data: bytes, place: int, samples: int, channels: int, end: int) -> int | None:
+    """Return the index behind `samples` samples of text; None if they do not fit before `end`."""
+    for _ in range(samples):
+        if place >= end:
+            return None
+        place += 1 + (_STAMP if data[place] else 0)
+        for _ in range(channels):
+            field = length_at(data, place)
+            if field is None or field[1] + field[0] > end:
+                return None
+            place = field[0] + field[1]
+    return place
 
 
 def _text(header: ET.Element, key: str) -> str:

@@ -20,7 +20,6 @@ from higvf_interfaces.formats.coordinates import Coordinates, stated_frame
 from higvf_interfaces.formats.records import (
     BLOCK,
     BOTTOM_LEFT,
-    EPOCH_FROM,
     TOP_LEFT,
     Doubt,
     GazeBlock,
@@ -104,21 +103,16 @@ def stream(file: TextFile, wanted: Wanted) -> GazeStream:
     labels, x, y, confidence = channels.labels, channels.x, channels.y, channels.confidence
     if chosen.texts:
         raise InputError(f"{file.path}: stream {chosen.info.name!r} holds text, not numbers")
-    samples = load(file.path, chosen, found.streams)
+    samples = load(file.path, chosen, found, sampled=True)
     values = floats(samples.values)
     start = _first(samples.time) - samples.earliest
-    notes = ["the file is truncated: only its readable part is used"] if found.truncated else []
-    notes += channels.notes
-    if start >= EPOCH_FROM:
-        notes.append(
-            f"gaze starts {start:.0f} s after the earliest stream, possibly on another clock; shift it with start="
-        )
+    truncated = ["the file is truncated: only its readable part is used"] if found.truncated else []
     return GazeStream(
         format=NAME,
         columns=tuple(labels[place] or f"channel {place + 1}" for place in (x, y, confidence) if place is not None),
         frame=channels.frame,
         blocks=_blocks(samples.time, values[:, [x, y]], None if confidence is None else values[:, confidence]),
-        notes=notes,
+        notes=[*truncated, *samples.notes, *channels.notes],
         origin=channels.origin,
         start=start,
         in_step=True,

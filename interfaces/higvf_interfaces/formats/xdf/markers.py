@@ -1,6 +1,5 @@
 """Marker streams of XDF files: plain labels, intervals "0s" ... "0e", or JSON objects with a label."""
 
-import itertools
 import json
 from collections.abc import Sequence
 from typing import cast
@@ -10,6 +9,7 @@ import numpy as np
 from higvf_console.core.errors import InputError
 from higvf_interfaces.fields import is_number, shown
 from higvf_interfaces.formats.command_log import LABELS
+from higvf_interfaces.formats.labels import joined_label
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals.records import SignalRequest
 from higvf_interfaces.formats.text import TextFile, as_label
@@ -27,23 +27,17 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
     Raises:
         InputError: If the file is not XDF, no marker stream or several match, or the stream is empty.
     """
-    streams = xdf_file.survey(file.path).streams
-    marks = [stream for stream in streams if stream.marks]
-    stream = xdf_file.choose(file.path, streams, request.stream, marks, "event streams", request.stream_option)
-    samples = load(file.path, stream, streams)
-    notes = cut_off(stream, len(samples.time))
-    timed = [
-        (float(time), sample)
-        for time, sample in zip(samples.time - samples.earliest, samples.values, strict=True)
-        if np.isfinite(time)
-    ]  # fmt: skip
-    decisions = [decision for time, sample in timed if (decision := decision_of(time, label_of(sample)))]
+    found = xdf_file.survey(file.path)
+    marks = [stream for stream in found.streams if stream.marks]
+    stream = xdf_file.choose(file.path, found.streams, request.stream, marks, "event streams", request.stream_option)
+    samples = load(file.path, stream, found)
+    times = (samples.time - samples.earliest).tolist()
+    given = [decision_of(time, label_of(sample)) for time, sample in zip(times, samples.values, strict=True)]
+    decisions = tuple(decision for decision in given if decision is not None)
     if not decisions:
         raise InputError(f"{file.path}: the marker stream {stream.info.name} holds no label")
-    if any(later.time < earlier.time for earlier, later in itertools.pairwise(decisions)):
-        notes.append("entries out of order: sorted by time")
-        decisions.sort(key=lambda decision: decision.time)
-    return CommandLog(tuple(decisions), samples.earliest, NAME, tuple(notes))
+    notes = (*cut_off(stream, len(times)), *samples.notes, *several_texts(stream.info.channels))
+    return CommandLog(decisions, samples.earliest, NAME, notes)
 
 
 def decision_of(time: float, text: str) -> Decision | None:
@@ -62,8 +56,19 @@ def decision_of(time: float, text: str) -> Decision | None:
 
 
 def label_of(sample: object) -> str:
-    """Return a marker as text."""
-    value = cast(Sequence[object], sample)[0] if isinstance(sample, list | np.ndarray) and len(sample) else sample
+    """Return a marker as text: all its channels, joined by `/`; of JSON the first channel alone."""
+    values = cast(Sequence[object], sample) if isinstance(sample, list | np.ndarray) else [sample]
+    texts = [_text(value) for value in values]
+    return texts[0] if texts and texts[0].startswith("{") else joined_label(texts)
+
+
+def several_texts(channels: int) -> list[str]:
+    """Return a note if a marker has more than one channel."""
+    read = "its label is all of them, joined by /, or the first alone if that is JSON"
+    return [f"each marker has {channels} channels: {read}"] if channels > 1 else []
+
+
+def _text(value: object) -> str:
     if isinstance(value, float | np.floating):
         return as_label(float(value))
     return as_label(value) if isinstance(value, str) else shown(value)
