@@ -147,6 +147,13 @@ def gazepoint(path: Path, samples: Sequence[Eye]) -> Path:
     return path
 
 
+def webgazer_json(path: Path, samples: Sequence[Eye]) -> Path:
+    """JSON lines of a listener that writes null while it sees no face."""
+    rows = [{"t": round(1e3 * e.time), "x": e.x if e.seen else None, "y": e.y if e.seen else None} for e in samples]
+    path.write_text("".join(json.dumps(row) + "\n" for row in rows))
+    return path
+
+
 def eyelink_asc(path: Path, samples: Sequence[Eye]) -> Path:
     """Both eyes, the right one missing; the left one finite in a blink."""
     start = 2_154_556
@@ -233,6 +240,7 @@ WRITERS: dict[str, Callable[[Path, Sequence[Eye]], Path]] = {
     "neon-native": neon_native,
     "gazepoint": gazepoint,
     "eyelink-asc": eyelink_asc,
+    "webgazer-json": webgazer_json,
     "bids": bids,
     "xdf": xdf,
 }

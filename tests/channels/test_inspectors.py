@@ -104,7 +104,7 @@ def test_the_project_names_its_own_inspector() -> None:
 def writes(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:
     assert plot is not None
     plot.write_text("a picture")
-    return tells(spec, plot, steps)
+    return inspects(spec, plot, steps)
 
 
 def fails(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:  # noqa: ARG001
@@ -132,7 +132,7 @@ def test_the_namesake_of_the_channel_goes_first_then_other_packages_and_the_own_
 
 
 def test_an_inspector_that_crashes_does_not_hide_the_others(installed: list[SimpleNamespace]) -> None:
-    installed += [point("a", fails), point("b", tells)]
+    installed += [point("a", fails), point("b", inspects)]
     assert inspection.inspect(InputSpec("inspect", "f"))["format"] == "horoscope"
     installed[1] = point("b", knows_nothing)
     with pytest.raises(InputError, match="inspector 'a' failed: KeyError: 'oops'; f: no idea"):
@@ -142,7 +142,7 @@ def test_an_inspector_that_crashes_does_not_hide_the_others(installed: list[Simp
 def test_a_picture_that_was_not_written_is_said(installed: list[SimpleNamespace], tmp_path: Path) -> None:
     plot = tmp_path / "p.png"
     plot.write_text("an old picture")
-    installed.append(point("a", tells))
+    installed.append(point("a", inspects))
     said = inspection.inspect(InputSpec("inspect", "f"), plot)["warnings"]
     assert said == ["nothing is certain", f"no picture: {plot} was not written"]
     installed[0] = point("a", writes)
@@ -156,7 +156,7 @@ def test_the_command_takes_a_channel_with_its_settings(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def settings(spec: InputSpec, plot: Path | None, steps: bool) -> Mapping[str, object]:
-        return {**tells(spec, plot, steps), "channel": spec.channel, "settings": dict(spec.settings)}
+        return {**inspects(spec, plot, steps), "channel": spec.channel, "settings": dict(spec.settings)}
 
     monkeypatch.chdir(tmp_path)
     installed.append(point("a", settings))

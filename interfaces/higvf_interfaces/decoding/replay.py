@@ -16,7 +16,7 @@ from higvf_interfaces.decoding.ssvep import HOP, WINDOW, SsvepDecoder
 from higvf_interfaces.decoding.trials import shift_to, trials_of
 from higvf_interfaces.fields import Fields, is_number, shown
 from higvf_interfaces.formats.signals.reading import read_decisions, read_signals
-from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, SignalRequest
+from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, SignalRequest, plain_unit
 from higvf_interfaces.formats.text import look
 from higvf_interfaces.formats.xdf import file as xdf_file
 from higvf_interfaces.paths import named
@@ -154,7 +154,9 @@ def labelled(source: str, record: SignalRecord, options: Fields) -> Labelled:
     return Labelled(trials_of([d._replace(time=d.time + shift) for d in log.decisions], length), notes)
 
 
-def calibrated(source: str, request: SignalRequest, options: Fields, mains: float) -> tuple[EmgModel, Sequence[str]]:
+def calibrated(
+    source: str, request: SignalRequest, options: Fields, mains: float, units: Sequence[str] = ()
+) -> tuple[EmgModel, Sequence[str]]:
     """Fit the EMG model to a labelled recording.
 
     Args:
@@ -162,14 +164,21 @@ def calibrated(source: str, request: SignalRequest, options: Fields, mains: floa
         request: how to read it.
         options: options of the input.
         mains: mains frequency [Hz].
+        units: units of the channels to be decoded; empty where unknown.
 
-        Returns:
-            The model, and notes on the markers.
+    Returns:
+        The model, and notes on the markers.
 
     Raises:
-        InputError: If the recording lacks a requested channel or has too few trials.
+        InputError: If the recording lacks a requested channel, has other units, or has too few trials.
     """
     record = read_signals(source, request)
+    for name, own, other in zip(record.names, record.units, units, strict=False):
+        if own and other and plain_unit(own) != plain_unit(other):
+            options.fail(
+                f"calibration: {name} of {source} is in {own[:20]} and the signal to decode in {other[:20]}; record "
+                "both in one unit"
+            )
     trials, notes = labelled(source, record, options)
     until = options.number("calibrate_to", math.inf, 0.0, math.inf, "s")
     front = EmgFrontEnd(record.rate, mains)
@@ -180,7 +189,9 @@ def calibrated(source: str, request: SignalRequest, options: Fields, mains: floa
 def _lda(source: str, record: SignalRecord, options: Fields, mains: float) -> tuple[EmgDecoder, list[str]]:
     calibration = options.text("calibration")
     own, request = _same(calibration, source), _request_of(calibration, source, options)
-    model, moved = calibrated(calibration, request if own else request._replace(format=None), options, mains)
+    model, moved = calibrated(
+        calibration, request if own else request._replace(format=None), options, mains, record.units
+    )
     if len(model.deadband) != len(record.names):
         options.fail(
             f"calibration: {calibration} has {len(model.deadband)} channels and the recording {len(record.names)}; "

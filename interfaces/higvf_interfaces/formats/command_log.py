@@ -64,7 +64,7 @@ def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
     seconds = seconds_of(file.path, time)
     entries: list[_Entry] = []
     notes: list[str] = []
-    for index, row in enumerate(file.exact_rows(notes), start=1):
+    for index, row in enumerate(file.rows(notes), start=1):
         content = as_label(cell(row, label)), cell(row, confidence)
         written = cell(row, time)
         entries.append(_Entry(f"row {index}", written, seconds(written), *content))

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from higvf_console.core.arrays import bools, floats
+from higvf_console.core.arrays import Floats, bools, floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import LONGEST_STEP, DeviceClock
 from higvf_interfaces.formats.gaze import bids as bids_gaze
@@ -19,9 +19,20 @@ from higvf_interfaces.formats.gaze import (
     tobii_old,
     tobii_prolab,
     tobii_research,
+    webgazer,
 )
 from higvf_interfaces.formats.gaze import plain as gaze_csv
-from higvf_interfaces.formats.records import ANYTHING, MAX_GAP, GazeBlock, GazeRecording, GazeStream, Wanted
+from higvf_interfaces.formats.records import (
+    ANYTHING,
+    MAX_GAP,
+    MIN_CONFIDENCE,
+    GazeBlock,
+    GazeRecording,
+    GazeStream,
+    Wanted,
+    beyond,
+    trusted,
+)
 from higvf_interfaces.formats.text import TextFile, look
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 
@@ -59,6 +70,7 @@ GAZE_FORMATS: tuple[GazeFormat, ...] = (
     GazeFormat(neon_csv.NAME, neon_csv.TITLE, neon_csv.matches, neon_csv.stream),
     GazeFormat(gazepoint.NAME, gazepoint.TITLE, gazepoint.matches, gazepoint.stream),
     GazeFormat(bids_gaze.NAME, bids_gaze.TITLE, bids_gaze.matches, bids_gaze.stream),
+    GazeFormat(webgazer.NAME, webgazer.TITLE, webgazer.matches, webgazer.stream),
     GazeFormat(gaze_csv.NAME, gaze_csv.TITLE, gaze_csv.matches, gaze_csv.stream),
 )
 
@@ -86,26 +98,36 @@ _Known = TypeVar("_Known", bound=KnownFormat)
 
 
 class GazeFile:
-    """A gaze recording that is read block by block, with repaired times that start near 0."""
+    """A gaze recording that is read block by block: repaired times that start near 0, and only trusted samples valid.
 
-    def __init__(self, path: Path, stream: GazeStream) -> None:
-        """Wrap the stream of a format."""
+    Attributes:
+        stream: stream of the format.
+        distrusted: number of samples with too low a confidence so far.
+    """
+
+    def __init__(self, path: Path, stream: GazeStream, least: float = MIN_CONFIDENCE) -> None:
+        """Wrap the stream of a format; samples with a confidence below `least` are not valid."""
         self.stream = stream
-        self._path = path
+        self.distrusted = 0
+        self._path, self._least = path, least
         self._clock = DeviceClock(path, stream.start, LONGEST_STEP if stream.in_step else MAX_GAP)
 
     def blocks(self) -> Iterator[GazeBlock]:
         """Yield the samples once, at strictly increasing times; a file damaged later on yields its readable part.
 
         Raises:
-            InputError: If no row has a time, or not even the first block can be read.
+            InputError: If no row has a time, a confidence exceeds 1, or not even the first block can be read.
         """
         readable = False
         try:
             for block in self.stream.blocks:
                 time, kept = self._clock.repair(block.time)
                 if len(time):
-                    yield GazeBlock(time, block.points[kept], block.valid[kept], block.confidence[kept])
+                    confidence = block.confidence[kept]
+                    self._check(confidence)
+                    sure = trusted(confidence, self._least)
+                    self.distrusted += int(np.count_nonzero(block.valid[kept] & ~sure))
+                    yield GazeBlock(time, block.points[kept], bools(block.valid[kept] & sure), confidence)
                     readable = True
         except InputError as problem:
             if not readable:
@@ -115,8 +137,17 @@ class GazeFile:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Repairs and assumptions so far."""
-        return tuple(dict.fromkeys((*self.stream.notes, *self._clock.repairs.notes)))
+        """Repairs and assumptions so far, and the number of samples that are not trusted."""
+        doubtful = (f"{self.distrusted} samples below min_confidence",) if self.distrusted else ()
+        return tuple(dict.fromkeys((*self.stream.notes, *self._clock.repairs.notes, *doubtful)))
+
+    def _check(self, confidence: Floats) -> None:
+        """Refuse a confidence in another unit; as a share, every sample would be trusted."""
+        if beyond(confidence).any():
+            raise InputError(
+                f"{self._path}: confidence {float(np.nanmax(confidence)):g} is not a share from 0 to 1; divide the "
+                "column by its largest value"
+            )
 
     @property
     def epoch(self) -> float:
@@ -124,14 +155,16 @@ class GazeFile:
         return self.stream.epoch + self._clock.epoch
 
 
-def stream_gaze(source: str, format_name: str | None = None, wanted: Wanted = ANYTHING) -> GazeFile:
-    """Open a gaze recording of any length.
+def stream_gaze(
+    source: str, format_name: str | None = None, wanted: Wanted = ANYTHING, least: float = MIN_CONFIDENCE
+) -> GazeFile:
+    """Open a gaze recording of any length; samples with a confidence below `least` are not valid.
 
     Raises:
         InputError: If the file is missing, empty or unrecognised, or lacks a required part of its format.
     """
     file = look(source)
-    return GazeFile(file.path, choose_format(file, format_name, GAZE_FORMATS).stream(file, wanted))
+    return GazeFile(file.path, choose_format(file, format_name, GAZE_FORMATS).stream(file, wanted), least)
 
 
 def read_gaze(source: str, format_name: str | None = None, wanted: Wanted = ANYTHING) -> GazeRecording:

@@ -14,7 +14,10 @@ from higvf_console.core.arrays import Bools, Floats, bools, floats
 FRAMES = ("arena", "screen", "unit")
 SCENE_FRAMES = {"scene": "screen", "scene-unit": "unit"}  # frame of a head-mounted camera -> frame it may be read as
 TOP_LEFT, BOTTOM_LEFT = "top left", "bottom left"
-ORIGINS = (TOP_LEFT, BOTTOM_LEFT)
+CENTER, CENTER_UP = "center", "center up"
+ORIGINS = (TOP_LEFT, BOTTOM_LEFT, CENTER, CENTER_UP)
+MIN_CONFIDENCE = 0.6  # samples of lower confidence are not valid, unless the option min_confidence says otherwise
+_ROUNDING = 1e-6  # by which a confidence may exceed 1
 MAX_GAP = 10.0  # longer gaps between samples are shortened to this [s]
 EPOCH_FROM = 3600.0  # a log that starts later counts from an epoch, not from the start of a run [s]
 BLOCK = 256  # samples read at once; bounds the memory and the time of one poll
@@ -36,7 +39,8 @@ class GazeRecording(NamedTuple):
         epoch: device time at `time` = 0 [s].
         format: name of the format.
         notes: repairs and assumptions.
-        origin: corner of the screen or scene at coordinates 0, 0; y increases away from it.
+        origin: corner of the screen or scene at coordinates 0, 0, from which y increases; or its center, with y
+            increasing downwards (center) or upwards (center up).
     """
 
     time: Floats
@@ -77,6 +81,13 @@ class StreamInfo(NamedTuple):
     rate: float
 
 
+class Doubt(NamedTuple):
+    """A statement that is not understood, and the option that replaces it: frame, origin or screen."""
+
+    option: str
+    statement: str
+
+
 class GazeStream(NamedTuple):
     """An open gaze recording, as returned by a format's module.
 
@@ -93,6 +104,7 @@ class GazeStream(NamedTuple):
         has_confidence: whether the file has confidences.
         epoch: device time already subtracted from the times of the blocks [s].
         streams: all streams of the file, if it holds several.
+        doubts: statements about the coordinates that are not understood.
     """
 
     format: str
@@ -107,6 +119,7 @@ class GazeStream(NamedTuple):
     has_confidence: bool = False
     epoch: float = 0.0
     streams: tuple[StreamInfo, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
 
 
 class Wanted(NamedTuple):
@@ -118,6 +131,16 @@ class Wanted(NamedTuple):
 
 
 ANYTHING = Wanted()
+
+
+def trusted(confidence: Floats, least: float) -> Bools:
+    """Return whether each confidence (n,) is sufficient; unknown ones (NaN) are, those above 1 are not."""
+    return bools(~(confidence < least) & ~beyond(confidence))
+
+
+def beyond(confidence: Floats) -> Bools:
+    """Return whether each confidence (n,) exceeds 1, so that it is counted in another unit."""
+    return bools(confidence > 1 + _ROUNDING)
 
 
 def blocks_of(rows: Iterable[Row]) -> Iterator[GazeBlock]:

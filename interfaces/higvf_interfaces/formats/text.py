@@ -27,6 +27,7 @@ TIME_UNITS = {
 }  # [s]; NFKC maps both characters for mu to this one
 _HEAD = 65_536  # bytes used to detect encoding and delimiter
 _LONGEST_LINE = 1_000_000  # characters; a file with a longer line is not text
+_TELLING = 20  # rows
 _EPOCHS = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))  # scale to seconds of time stamps above a value
 _WHOLE = re.compile(r"([+-]?\d+)[.,]0")
 _DATE = re.compile(r"\d{4}-?\d\d-?\d\d[T ]")
@@ -107,12 +108,11 @@ class TextFile(NamedTuple):
         """Yield the cells of each row below the header; a truncated last row is dropped with a note.
 
         Raises:
-            InputError: If the text is not a table.
+            InputError: If the text is not a table, or most rows have more cells than there are titles, as where decimal
+                commas stand between commas; single ones are dropped with a note.
         """
-        quoting = csv.QUOTE_NONE if self.delimiter == "\t" else csv.QUOTE_MINIMAL
-        reader = csv.reader(self.lines(notes), delimiter=self.delimiter, quoting=quoting)
-        below = itertools.islice(reader, 1, None)
         try:
+            below = self._fitting(self._below(notes), notes)
             last = next(below, None)
             for row in below:
                 if last is not None:
@@ -125,25 +125,41 @@ class TextFile(NamedTuple):
         except csv.Error as problem:
             raise InputError(f"{self.path}: is not a table: {problem}") from problem
 
-    def exact_rows(self, notes: list[str]) -> Iterator[list[str]]:
-        """Yield the cells of each row as `rows`, of a table that has no more cells than titles.
+    def _below(self, notes: list[str]) -> Iterator[list[str]]:
+        """Yield the cells of each line below the header."""
+        quoting = csv.QUOTE_NONE if self.delimiter == "\t" else csv.QUOTE_MINIMAL
+        return itertools.islice(csv.reader(self.lines(notes), delimiter=self.delimiter, quoting=quoting), 1, None)
 
-        Raises:
-            InputError: As `rows`, or if a row has more cells, as numbers with a decimal comma give.
-        """
-        for index, row in enumerate(self.rows(notes), start=1):
-            if len(row) > len(self.columns) and any(extra.strip() for extra in row[len(self.columns) :]):
-                raise InputError(
-                    f"{self.path}, row {index}: {len(row)} cells for {len(self.columns)} columns; numbers with a "
-                    "decimal comma need another delimiter, or quotation marks"
-                )
-            yield row
+    def _fitting(self, rows: Iterator[list[str]], notes: list[str]) -> Iterator[list[str]]:
+        """Yield the rows whose text fits under the titles."""
+        titles = len(self.columns)
+        total = 0
+        wide: list[tuple[int, int]] = []  # number and cells of each other row
+        for row in rows:
+            total += 1
+            if any(text.strip() for text in row[titles:]):
+                wide.append((total, len(row)))
+                if len(wide) > _TELLING:
+                    self._check_width(wide, total)
+            else:
+                yield row
+        self._check_width(wide, total)
+        if wide:
+            notes.append(f"{len(wide)} rows with more cells than titles dropped")
+
+    def _check_width(self, wide: list[tuple[int, int]], total: int) -> None:
+        if 2 * len(wide) > total:
+            number, cells = wide[0]
+            raise InputError(
+                f"{self.path}, row {number}: {cells} cells for {len(self.columns)} columns; numbers with a decimal "
+                "comma need another delimiter, or quotation marks"
+            )
 
     def first_rows(self, count: int) -> list[list[str]]:
-        """Return the cells of at most `count` rows below the header, as far as they are readable."""
+        """Return the cells of at most `count` readable rows below the header, whatever their width."""
         rows: list[list[str]] = []
-        with contextlib.suppress(InputError):
-            rows.extend(itertools.islice(self.rows([]), count))
+        with contextlib.suppress(InputError, csv.Error):
+            rows.extend(itertools.islice(self._below([]), count))
         return rows
 
     def _open(self) -> IO[str]:
@@ -230,6 +246,19 @@ def epoch_seconds(text: str) -> float:
 def without_unit(stamp: float) -> float:
     """Convert a time stamp without unit to seconds; large values count milli-, micro- or nanoseconds since 1970."""
     return next((stamp * scale for above, scale in _EPOCHS if stamp > above), stamp)
+
+
+def seconds_per(file: TextFile, column: Column) -> float:
+    """Return the length [s] of the unit of time in a column's title.
+
+    Raises:
+        InputError: If the title has no unit, or an unknown one.
+    """
+    if column.unit not in TIME_UNITS:
+        raise InputError(
+            f"{file.path}: {column.unit[:80]!r} is not a unit of time; known units: {', '.join(TIME_UNITS)}"
+        )
+    return TIME_UNITS[column.unit]
 
 
 def as_label(value: object) -> str:

@@ -8,11 +8,19 @@ from higvf_console.core.arrays import Bools, Floats, bools, floats
 from higvf_console.core.errors import InputError
 from higvf_console.core.viewport import Arena, Viewport, fit
 from higvf_interfaces.fields import Fields, shown
-from higvf_interfaces.formats.records import BOTTOM_LEFT, FRAMES, ORIGINS, SCENE_FRAMES, GazeStream
+from higvf_interfaces.formats.records import BOTTOM_LEFT, CENTER, CENTER_UP, FRAMES, ORIGINS, SCENE_FRAMES, GazeStream
 from higvf_interfaces.gaze.calibration import Calibration, read_calibration, to_arena
 from higvf_interfaces.paths import named
 
 DEFAULT_SCREEN = (1920.0, 1080.0)  # [px]
+_LARGEST_SHARE = 1.5  # of the screen; gaze may leave it
+TELLING = 20  # points
+NO_PIXELS_HINT = "x and y lie between 0 and 1, so they are no pixels; give frame=unit (0 to 1 of the screen)"
+_WAYS_OUT = {  # by the option that replaces a statement
+    "frame": "frame=arena (metres), frame=screen (pixels) or frame=unit (0 to 1 of the screen)",
+    "origin": "origin=top-left, origin=bottom-left, origin=center (y downwards) or origin=center-up",
+    "screen": "screen=WIDTHxHEIGHT in pixels",
+}
 
 
 class UnusableError(InputError):
@@ -24,7 +32,7 @@ class Screen(NamedTuple):
 
     Attributes:
         frame: frame of the recorded points: arena, screen or unit.
-        origin: corner of the screen at coordinates 0, 0.
+        origin: corner of the screen at coordinates 0, 0, or its center; see `GazeRecording`.
         shown: size of the screen [px] and default position of the arena on it.
         calibration: mapping to the arena; None means the mapping of `shown`.
         notes: assumptions made.
@@ -38,17 +46,23 @@ class Screen(NamedTuple):
 
 
 def choose_screen(stream: GazeStream, options: Fields, arena: Arena) -> Screen:
-    """Determine the screen of a recording from the options, then the file, then the defaults.
+    """Determine the screen of a recording or a live stream from the options, then the file, then the defaults.
 
     Raises:
         InputError: If an option is invalid.
-        UnusableError: If neither the options nor the file give the frame.
+        UnusableError: If neither the options nor the file give the frame, or the file states something about its
+            coordinates that is not understood and no option replaces it.
     """
+    for doubt in stream.doubts:
+        if not options.has(doubt.option):
+            options.fail(f"{doubt.statement} is not understood; give {_WAYS_OUT[doubt.option]}", UnusableError)
     text = options.text("calibration") if options.has("calibration") else ""
     calibration = read_calibration(named(text)) if text else None
     origin = options.choice("origin", stream.origin.replace(" ", "-"), [name.replace(" ", "-") for name in ORIGINS])
     size, notes = _choose_size(stream, options, calibration)
     frame = _choose_frame(stream, options, calibration is not None)
+    if origin == CENTER and not options.has("origin"):
+        notes += ("origin at the center, y assumed to count downwards; if it counts upwards, give origin=center-up",)
     return Screen(frame, origin.replace("-", " "), fit(arena, *size), calibration, notes)
 
 
@@ -58,7 +72,13 @@ def to_pixels(points: Floats, screen: Screen) -> Floats:
         return screen.shown.to_screen(points)
     size = np.array([screen.shown.width_px, screen.shown.height_px])
     pixels = points * size if screen.frame == "unit" else floats(points)
-    if screen.origin == BOTTOM_LEFT:
+    if screen.origin in (CENTER, CENTER_UP):
+        pixels[:, 0] += size[0] / 2
+    if screen.origin == CENTER:
+        pixels[:, 1] += size[1] / 2
+    elif screen.origin == CENTER_UP:
+        pixels[:, 1] = size[1] / 2 - pixels[:, 1]
+    elif screen.origin == BOTTOM_LEFT:
         pixels[:, 1] = size[1] - pixels[:, 1]
     return pixels
 
@@ -67,6 +87,12 @@ def on_screen(pixels: Floats, screen: Screen) -> Bools:
     """Return whether each point (n, 2) [px] lies on the screen; False for NaN."""
     size = np.array([screen.shown.width_px, screen.shown.height_px])
     return bools(((pixels >= 0) & (pixels <= size)).all(axis=1))
+
+
+def are_shares(points: Floats, screen: Screen) -> bool:
+    """Return whether recorded points (n, 2) that are said to be pixels lie between 0 and 1, too close for any gaze."""
+    known = points[np.isfinite(points).all(axis=1)]
+    return screen.frame == "screen" and len(known) >= TELLING and bool(np.abs(known).max() <= _LARGEST_SHARE)
 
 
 def to_ground(pixels: Floats, screen: Screen, browser: Viewport | None = None) -> Floats:

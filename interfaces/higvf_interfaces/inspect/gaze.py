@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from higvf_interfaces.formats.reading import GAZE_FORMATS, GazeFile, choose_format
-from higvf_interfaces.formats.records import GazeBlock, Wanted
+from higvf_interfaces.formats.records import MIN_CONFIDENCE, GazeBlock, Wanted
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 from higvf_interfaces.gaze.chunked_fixations import Pixels, classify_blocks
 from higvf_interfaces.gaze.conversion_preview import ConversionPreview
@@ -109,7 +109,9 @@ def _unusable(request: Request, counts: SampleCounts, reason: str) -> Mapping[st
     options = request.options
     wanted = Wanted(*(str(options.values[key]) if options.has(key) else None for key in ("stream", "x", "y")))
     gaze = GazeFile(
-        request.file.path, choose_format(request.file, request.format, GAZE_FORMATS).stream(request.file, wanted)
+        request.file.path,
+        choose_format(request.file, request.format, GAZE_FORMATS).stream(request.file, wanted),
+        options.number("min_confidence", MIN_CONFIDENCE, 0.0, 1.0),
     )
     for block in gaze.blocks():
         counts.add(block)
@@ -123,7 +125,7 @@ def _unusable(request: Request, counts: SampleCounts, reason: str) -> Mapping[st
         duration=counts.duration,
         rate=counts.rate,
         frame=gaze.stream.frame,
-        origin=gaze.stream.origin,
+        origin=None if any(doubt.option == "origin" for doubt in gaze.stream.doubts) else gaze.stream.origin,
         valid_share=counts.valid / max(counts.samples, 1),
         screen_px=gaze.stream.screen and list(gaze.stream.screen),
         epoch_s=gaze.epoch,

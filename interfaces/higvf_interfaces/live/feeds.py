@@ -14,7 +14,8 @@ from higvf_interfaces.decoding.contract import Decoder
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.clock import Repairs
 from higvf_interfaces.formats.records import Decision
-from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, unique_names
+from higvf_interfaces.formats.signals.records import SignalChunk, SignalRecord, signal_places, unique_names
+from higvf_interfaces.formats.xdf.file import channel_texts
 from higvf_interfaces.formats.xdf.markers import decision_of, label_of, several_texts
 from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
 from higvf_interfaces.streams import RunClock
@@ -137,7 +138,10 @@ def live_feed(options: Fields) -> LiveFeed:
         names = unique_names(reader.labels if named else [""] * reader.channels)
         columns = _columns(names, words(options), options)
         chosen = tuple(names[column] for column in columns)
-        record = SignalRecord(chosen, ("",) * len(chosen), reader.rate, 0.0, "lsl", [], _no_chunks)
+        units = channel_texts(reader.header, "unit", reader.channels)
+        record = SignalRecord(
+            chosen, tuple(units[column] for column in columns), reader.rate, 0.0, "lsl", [], _no_chunks
+        )
         decoder, notes = make_decoder("", record, options)
     except Exception:
         reader.close()
@@ -150,7 +154,7 @@ def _columns(names: Sequence[str], wanted: Sequence[str], options: Fields) -> li
     missing = [name for name in wanted if name.casefold() not in places]
     if missing:
         options.fail(f"channels: there is no channel {missing[0]!r}; the stream has: {', '.join(names)}")
-    return [places[name.casefold()] for name in wanted] or list(range(len(names)))
+    return [places[name.casefold()] for name in wanted] or signal_places(names)
 
 
 def _no_chunks() -> Iterator[SignalChunk]:

@@ -13,11 +13,11 @@ from higvf_console.core.interface import InputSpec
 from higvf_interfaces.decisions.options import word
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.formats.clock import Repairs
-from higvf_interfaces.formats.records import GazeStream
-from higvf_interfaces.formats.xdf.gaze import described_channels, frame_of, point_channels
+from higvf_interfaces.formats.records import MIN_CONFIDENCE, GazeStream, beyond, trusted
+from higvf_interfaces.formats.xdf.gaze import gaze_channels
 from higvf_interfaces.gaze.chunked_fixations import NO_PIXELS, ChunkClassifier, Pixels
 from higvf_interfaces.gaze.fixations import IVT, METHODS, PX_PER_DEG, THRESHOLDS, Classified, Fixation, fixations_of
-from higvf_interfaces.gaze.screens import choose_screen, on_screen, to_pixels
+from higvf_interfaces.gaze.screens import NO_PIXELS_HINT, TELLING, are_shares, choose_screen, on_screen, to_pixels
 from higvf_interfaces.live.lsl import WITHIN, LslReader, StreamQuery, query_of
 from higvf_interfaces.streams import RunClock
 
@@ -50,16 +50,17 @@ class LiveGaze:
         """
         self.px_per_deg = options.number("px_per_deg", PX_PER_DEG, 1.0, 1000.0, "px/deg")
         self._method = options.choice("method", IVT, METHODS)
-        self._trusted_from = options.number("min_confidence", 0.6, 0.0, 1.0)
+        self._trusted_from = options.number("min_confidence", MIN_CONFIDENCE, 0.0, 1.0)
         within = options.number("within", WITHIN, 0.1, 3600.0, "s")
+        self._beyond, self._probe = 0, floats([], 0, 2)
         self.reader = LslReader(query_of(options, GAZE), options.place, within)
         try:
-            labels, units = described_channels(self.reader.header, self.reader.channels)
             x, y = (word(options, key) if options.has(key) else None for key in ("x", "y"))
-            self._x, self._y, origin = point_channels(options.place, labels, x, y)
-            self._confidence = labels.index("confidence") if "confidence" in labels else None
-            columns = (labels[self._x], labels[self._y])
-            stream = GazeStream("lsl", columns, frame_of(units[self._x], origin), iter(()), [], origin)
+            channels = gaze_channels(options.place, self.reader.header, self.reader.channels, x, y)
+            self._x, self._y, self._confidence = channels.x, channels.y, channels.confidence
+            self._assumed = tuple(channels.notes)
+            columns = (channels.labels[self._x], channels.labels[self._y])
+            stream = GazeStream("lsl", columns, channels.frame, iter(()), [], channels.origin, doubts=channels.doubts)
             self.screen = choose_screen(stream, options, spec.arena)
         except Exception:
             self.reader.close()
@@ -75,7 +76,9 @@ class LiveGaze:
     @property
     def notes(self) -> tuple[str, ...]:
         """The stream, and assumptions made."""
-        return (*self.reader.notes, *self.screen.notes)
+        beyond_one = (f"{self._beyond} samples with a confidence above 1 are not used",) if self._beyond else ()
+        shares = (f"gaze is not used: {NO_PIXELS_HINT}",) if are_shares(self._probe, self.screen) else ()
+        return (*self.reader.notes, *self._assumed, *self.screen.notes, *beyond_one, *shares)
 
     @property
     def time(self) -> float:
@@ -97,10 +100,16 @@ class LiveGaze:
         times = floats([sample.time for sample in samples])
         kept = Repairs().advancing(times)
         values = floats([sample.values for sample in samples], -1, self.reader.channels)[kept]
-        points = to_pixels(floats(values[:, [self._x, self._y]]), self.screen)
+        raw = floats(values[:, [self._x, self._y]])
+        if len(self._probe) < TELLING:
+            self._probe = floats(np.concatenate([self._probe, raw[np.isfinite(raw).all(axis=1)]])[:TELLING])
+        points = to_pixels(raw, self.screen)
         valid = np.isfinite(points).all(axis=1) & on_screen(points, self.screen)
+        valid &= not are_shares(self._probe, self.screen)
         if self._confidence is not None:
-            valid &= ~(values[:, self._confidence] < self._trusted_from)
+            confidence = floats(values[:, self._confidence])
+            valid &= trusted(confidence, self._trusted_from)
+            self._beyond += int(np.count_nonzero(beyond(confidence)))
         points[~valid] = np.nan
         self._latest, self.started = float(times[kept][-1]), True
         self.point, self.seen = points[-1], bool(valid[-1])

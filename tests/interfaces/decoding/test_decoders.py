@@ -248,6 +248,14 @@ def test_calibration_with_other_channels_is_refused(write: Write) -> None:
         open_emg(InputSpec("emg", played, options={"decoder": "lda", "calibration": calibration}))
 
 
+def test_calibration_in_another_unit_is_refused(write: Write) -> None:
+    marks = [m for cue in CUES[:6] for m in ((cue.start, f"{cue.label}_start"), (cue.end, f"{cue.label}_end"))]
+    calibration = write(table(emg(cues=CUES[:6]), marks).replace("ch0", "ch0 [V]"), "calibration.csv")
+    played = write(table(emg(cues=CUES[:1])).replace("ch0", "ch0 [uV]"), "played.csv")
+    with pytest.raises(InputError, match=r"ch0 .*is in v and the signal to decode in uv; record both in one unit"):
+        open_emg(InputSpec("emg", played, options={"decoder": "lda", "calibration": calibration}))
+
+
 def test_the_shared_ssvep_recording_plays_through_the_channel(sample: Callable[[str], Path], at: ContextAt) -> None:
     file = str(sample("eeg_ssvep_muse/data_2017-09-14-21.20.04.csv"))
     replay = open_bci(InputSpec("bci", file, options={"decoder": "ssvep", "targets": "1@30+2@20", "mains": "60"}))

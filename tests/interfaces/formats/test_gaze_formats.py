@@ -97,8 +97,8 @@ def test_without_a_sensor_column_rows_are_selected_by_validity(write: Write) -> 
     assert len(read_gaze(write(text)).time) == 3
 
 
-def test_with_unknown_validity_words_samples_with_coordinates_are_valid(write: Write) -> None:
-    gaze = read_gaze(write(tobii(tracker(0, "1", "2", "ja"), tracker(8, "", "", "nein")).replace("Invalid", "nein")))
+def test_without_validity_values_samples_with_coordinates_are_valid_with_a_note(write: Write) -> None:
+    gaze = read_gaze(write(tobii(tracker(0, "1", "2", ""), tracker(8, "", "", "")).replace("Invalid", "")))
     assert gaze.valid.tolist() == [True, False]
     assert any("validity values" in note for note in gaze.notes)
 

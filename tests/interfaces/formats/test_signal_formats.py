@@ -119,7 +119,7 @@ def test_edf_channels_become_a_signal_and_annotations_decisions(tmp_path: Path) 
     assert samples.values[300].tolist() == pytest.approx([300, 600], abs=0.02)
     assert samples.times[300] == 1.5
     assert record.notes == [
-        "1 channels with other rates than 200 Hz dropped",
+        "other rates than 200 Hz, left out: Temp (10 Hz); choose them by channels=",
         "marked bad in channels.tsv: EMG1",
         "channels.tsv contradicts the header in the units of 1 channels: the header is used",
     ]

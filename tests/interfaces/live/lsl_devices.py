@@ -43,6 +43,7 @@ class Device:
         rate: float = 0.0,
         labels: Sequence[str] = (),
         unit: str = "",
+        system: str = "",
         source_id: str | None = None,
     ) -> None:
         texts = not labels
@@ -55,6 +56,7 @@ class Device:
             channel = channels.append_child("channel")
             channel.append_child_value("label", label)
             channel.append_child_value("unit", unit)
+            channel.append_child_value("coordinate_system", system)
         self._outlet: Any = lsl.StreamOutlet(info)
 
     def push(self, *values: Any, at: float = 0.0) -> None:

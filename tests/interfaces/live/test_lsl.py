@@ -170,6 +170,51 @@ def test_a_gaze_stream_without_labels_needs_to_be_told_its_channels(lsl: ModuleT
     device.kill()
 
 
+def test_live_gaze_of_a_scene_camera_is_refused_unless_the_frame_is_given(
+    lsl: ModuleType, opened: Callable[..., Any]
+) -> None:
+    device = Device(lsl, "Gaze", name="glasses", rate=120.0, labels=GAZE, unit="pixels", system="world")
+    with pytest.raises(InputError, match=r"camera on the head.*calibration=FILE.*frame=screen"):
+        opened(open_gaze, "gaze", name="glasses")
+    opened(open_gaze, "gaze", name="glasses", frame="screen")
+    device.kill()
+
+
+def test_a_live_coordinate_system_or_unit_that_is_not_understood_is_refused(
+    lsl: ModuleType, opened: Callable[..., Any]
+) -> None:
+    for name, unit, system, said in (("angles", "degrees", "", "degrees"), ("eyes", "pixels", "eye", "'eye'")):
+        device = Device(lsl, "Gaze", name=name, rate=120.0, labels=GAZE, unit=unit, system=system)
+        with pytest.raises(InputError, match=f"{said}.* is not understood; give frame="):
+            opened(open_gaze, "gaze", name=name)
+        device.kill()
+
+
+def test_live_confidence_in_per_cent_is_not_trusted_and_said(
+    lsl: ModuleType, opened: Callable[..., Any], at: ContextAt
+) -> None:
+    device = Device(lsl, "Gaze", name="percent", rate=120.0, labels=GAZE, unit="pixels")
+    gaze = opened(open_gaze, "gaze", name="percent")
+    until(device.consumed)
+    device.push(300.0, 300.0, 95.0)
+    until(lambda: gaze.poll(at(1.0)) is not None and gaze.health(1.0).state is ChannelState.LIVE)
+    assert not any(isinstance(command, Cursor) for command in gaze.poll(at(1.0)))
+    assert "1 samples with a confidence above 1 are not used" in gaze.health(1.0).detail
+
+
+def test_live_shares_of_the_screen_that_are_called_pixels_are_lost_gaze(
+    lsl: ModuleType, opened: Callable[..., Any], at: ContextAt
+) -> None:
+    device = Device(lsl, "Gaze", name="shares", rate=120.0, labels=GAZE, unit="")
+    gaze = opened(open_gaze, "gaze", name="shares", frame="screen")
+    until(device.consumed)
+    for number in range(30):
+        device.push(0.5, number / 30, 1.0)
+    until(lambda: gaze.poll(at(1.0)) is not None and "gaze is not used: x and y lie between" in gaze.health(1.0).detail)
+    device.push(0.5, 0.5, 1.0)
+    assert not any(isinstance(command, Cursor) and np.isfinite(command.point).all() for command in gaze.poll(at(1.1)))
+
+
 def test_a_live_signal_is_decoded_here(lsl: ModuleType, opened: Callable[..., Any], at: ContextAt) -> None:
     rate = 128.0
     device = Device(lsl, "EEG", name="scalp", rate=rate, labels=("Fz", "Oz"))

@@ -4,11 +4,10 @@
      "PhysioType": "eyetrack", "x_coordinate": {"Units": "pixel"}, "timestamp": {"Units": "ms"}}
 
 StartTime is the time of the first sample on the clock of the events' onsets. Without a time column, sample k has the
-time StartTime + k / SamplingFrequency. The events' JSON sidecar (`StimulusPresentation`), if present in the same
-folder, gives size and origin of the screen. "n/a" means missing.
+time StartTime + k / SamplingFrequency. The events' JSON sidecar (`StimulusPresentation`) gives size and origin of the
+screen. Sidecars are inherited from the folders above. "n/a" means missing.
 """
 
-import json
 import math
 from collections.abc import Iterator, Mapping
 from itertools import count, islice
@@ -18,17 +17,25 @@ from typing import NamedTuple, cast
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.fields import is_number
+from higvf_interfaces.formats.bids_files import merged_json, stem_of
 from higvf_interfaces.formats.clock import unit_by_steps
-from higvf_interfaces.formats.records import BOTTOM_LEFT, TOP_LEFT, GazeStream, Row, Wanted, blocks_of
+from higvf_interfaces.formats.coordinates import stated_frame, stated_origin
+from higvf_interfaces.formats.records import TOP_LEFT, Doubt, GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TIME_UNITS, TextFile, number
 
 NAME = "bids"
 TITLE = "BIDS eye tracking (tsv.gz or tsv, with its JSON beside it)"
 _TIMES = ("timestamp", "eye1_timestamp", "time")
-_FRAMES = {"pixel": "screen", "pixels": "screen", "px": "screen", "normalized": "unit"}
 _LONG_UNITS = {"seconds": "s", "second": "s", "milliseconds": "ms", "microseconds": "μs", "nanoseconds": "ns"}
-_LARGEST = 1_000_000  # maximum size of a sidecar [bytes]
 _FIRST_ROWS = 2000
+
+
+class _Presentation(NamedTuple):
+    """Size [px] and origin of the screen, and the statements that are not understood."""
+
+    screen: tuple[float, float] | None = None
+    origin: str = TOP_LEFT
+    doubts: tuple[Doubt, ...] = ()
 
 
 class _Table(NamedTuple):
@@ -49,22 +56,24 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     """Open the table.
 
     Raises:
-        InputError: If the sidecar or its gaze columns are missing, there are neither times nor a sampling frequency, or
-            StartTime is not a number.
+        InputError: If the sidecar or its gaze columns are missing, there are neither times nor a sampling frequency,
+            the unit of time is unknown, or StartTime is not a number.
     """
     sidecar = _sidecar(file.path)
     table = _table(sidecar) if sidecar is not None else None
     if table is None:
         raise InputError(
-            f'{file.path}: a BIDS table has no header; put {_stem(file.path)}.json beside it, whose "Columns" include '
-            "x_coordinate and y_coordinate"
+            f"{file.path}: a BIDS table has no header; put {stem_of(file.path)}.json beside it, whose "
+            '"Columns" include x_coordinate and y_coordinate'
         )
     notes: list[str] = []
     times, start = _times(file, table, notes), table.sidecar.get("StartTime", 0)
     if not is_number(start):
         raise InputError(f"{file.path}: StartTime in its JSON is not a number of seconds")
-    units = _text(table.sidecar.get(table.columns[table.x]), "Units") or _text(table.sidecar, "SampleCoordinateUnits")
-    screen, origin = _presentation(file.path)
+    common = _text(table.sidecar, "SampleCoordinateUnits")
+    units = [_text(table.sidecar.get(table.columns[axis]), "Units") or common for axis in (table.x, table.y)]
+    stated = stated_frame(units, [_text(table.sidecar, "SampleCoordinateSystem")])
+    screen, origin, doubts = _presentation(file.path)
 
     def rows() -> Iterator[Row]:
         for cells in _cells(file, table, notes):
@@ -74,13 +83,14 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     return GazeStream(
         format=NAME,
         columns=tuple(used),
-        frame=_FRAMES.get(units.casefold()),
+        frame=stated.frame,
         blocks=blocks_of(rows()),
         notes=notes,
         origin=origin,
         screen=screen,
         start=float(start),
         in_step=True,
+        doubts=(*stated.doubts, *doubts),
     )
 
 
@@ -93,7 +103,12 @@ def _times(file: TextFile, table: _Table, notes: list[str]) -> "_Times":
         return _Times(None, 1 / float(rate))
     unit = _text(table.sidecar.get(table.columns[table.time]), "Units")
     unit = _LONG_UNITS.get(unit.casefold(), unit)
-    if unit not in TIME_UNITS:
+    if unit and unit not in TIME_UNITS:
+        raise InputError(
+            f"{file.path}: {unit[:80]!r}, the unit of {table.columns[table.time]} in its JSON, is not a unit of time; "
+            f"known units: {', '.join(TIME_UNITS)}"
+        )
+    if not unit:
         place = table.time
         unit = unit_by_steps(floats([number(c[place]) for c in islice(_cells(file, table, []), _FIRST_ROWS)]))
         notes.append(f"{table.columns[place]} has no unit in the JSON: {unit} inferred from its steps")
@@ -141,45 +156,27 @@ def _table(sidecar: Mapping[str, object]) -> _Table | None:
 
 
 def _sidecar(path: Path) -> Mapping[str, object] | None:
-    if path.name == _stem(path) or path.suffix == ".json":
+    if not path.name.endswith((".tsv", ".tsv.gz")):
         return None
-    return _json(path.with_name(_stem(path) + ".json"))
+    return merged_json(path, stem_of(path).rsplit("_", 1)[-1])
 
 
-def _presentation(path: Path) -> tuple[tuple[float, float] | None, str]:
-    """Return size [px] and origin of the screen from the events' JSON sidecar."""
-    entities = _stem(path).rsplit("_", 1)[0]
-    for name in (entities + "_events.json", entities.split("_recording-")[0] + "_events.json"):
-        found = (_json(path.with_name(name)) or {}).get("StimulusPresentation")
-        if isinstance(found, dict):
-            shown = cast(dict[str, object], found)
-            corner = " ".join(map(str, cast(list[object], shown["ScreenOrigin"]))) if _listed(shown, 2) else TOP_LEFT
-            size = shown.get("ScreenResolution")
-            sides = [float(s) for s in cast(list[object], size) if is_number(s)] if isinstance(size, list) else []
-            screen = (sides[0], sides[1]) if len(sides) == 2 and min(sides) >= 1 else None
-            return screen, BOTTOM_LEFT if corner.casefold() == BOTTOM_LEFT else TOP_LEFT
-    return None, TOP_LEFT
-
-
-def _listed(mapping: Mapping[str, object], length: int) -> bool:
-    value = mapping.get("ScreenOrigin")
-    return isinstance(value, list) and len(cast(list[object], value)) == length
+def _presentation(path: Path) -> _Presentation:
+    """Return the screen by the events' JSON sidecar."""
+    found = (merged_json(path, "events") or {}).get("StimulusPresentation")
+    if not isinstance(found, dict):
+        return _Presentation()
+    shown = cast(dict[str, object], found)
+    corner, size = shown.get("ScreenOrigin"), shown.get("ScreenResolution")
+    words = ", ".join(map(str, cast(list[object], corner))) if isinstance(corner, list) else str(corner)
+    origin, doubts = (TOP_LEFT, ()) if corner is None else stated_origin(words, "ScreenOrigin")
+    sides = [float(s) for s in cast(list[object], size) if is_number(s)] if isinstance(size, list) else []
+    if len(sides) == 2 and min(sides) >= 1:
+        return _Presentation((sides[0], sides[1]), origin, doubts)
+    unknown = () if size is None else (Doubt("screen", f"ScreenResolution {str(size)[:60]}"),)
+    return _Presentation(None, origin, (*doubts, *unknown))
 
 
 def _text(mapping: object, key: str) -> str:
     value = cast(dict[str, object], mapping).get(key, "") if isinstance(mapping, dict) else ""
     return value if isinstance(value, str) else ""
-
-
-def _stem(path: Path) -> str:
-    return path.name.removesuffix(".gz").removesuffix(".tsv")
-
-
-def _json(path: Path) -> Mapping[str, object] | None:
-    try:
-        if path.stat().st_size > _LARGEST:
-            return None
-        content: object = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return None
-    return cast(dict[str, object], content) if isinstance(content, dict) else None

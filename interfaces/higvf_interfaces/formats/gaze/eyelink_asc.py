@@ -1,6 +1,6 @@
 """EyeLink ASC text written by `edf2asc`: samples, messages and events, one per line.
 
-    MSG     2095865 DISPLAY_COORDS 0 0 1279 1023          inclusive: 1280 px wide; GAZE_COORDS takes precedence
+    MSG     2095865 DISPLAY_COORDS 0 0 1279 1023          the last pixel, so 1280 px wide; GAZE_COORDS alike
     SAMPLES GAZE LEFT RIGHT RATE 1000.00 TRACKING CR      one or two eyes; HREF, PUPIL: not screen coordinates
     2154556   139.6   132.1   784.0 ...                   time [ms]; x, y [px] and pupil per eye; flags; "." = missing
     SBLINK L 2154600 ... EBLINK L 2154600 2154700 100     samples between are invalid, even if finite
@@ -143,6 +143,15 @@ def _sized(setting: _Setting, words: list[str]) -> _Setting:
         if name in words[:3]:
             bounds = [number(word) for word in words[words.index(name) + 1 :][:4]]
             if len(bounds) == 4 and bounds[2] > bounds[0] and bounds[3] > bounds[1]:
-                screen = bounds[2] - bounds[0] + 1, bounds[3] - bounds[1] + 1
-                return setting._replace(origin=(bounds[0], bounds[1]), screen=screen)
+                spans = bounds[2] - bounds[0], bounds[3] - bounds[1]
+                return setting._replace(origin=(bounds[0], bounds[1]), screen=_size(*spans))
     return setting
+
+
+def _size(width: float, height: float) -> tuple[float, float]:
+    """Return the screen size [px] from the span of its bounds.
+
+    The bounds name the last pixel (0 to 1919), but some programs write the size (0 to 1920); screens have even sides.
+    """
+    written = width % 2 == 0 and height % 2 == 0
+    return (width, height) if written else (width + 1, height + 1)

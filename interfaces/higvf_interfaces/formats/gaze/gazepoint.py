@@ -38,7 +38,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     def rows() -> Iterator[Row]:
         for row in file.rows(notes):
             point = number(cell(row, x)), number(cell(row, y))
-            yield number(cell(row, time)), *point, says_yes(cell(row, validity)), math.nan
+            yield number(cell(row, time)), *point, says_yes(file, row, validity), math.nan
 
     used = tuple(column.title for column in (time, x, y, validity))
     return GazeStream(NAME, used, "unit", blocks_of(rows()), notes, start=None)

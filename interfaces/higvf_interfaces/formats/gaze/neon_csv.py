@@ -60,7 +60,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         for row in file.rows(notes):
             time = nanoseconds(cell(row, columns.time))
             shut = bool(cell(row, columns.blink)) or _inside(time, starts, ends)
-            seen = not shut and all(says_yes(cell(row, column)) for column in columns.seen)
+            seen = not shut and all(says_yes(file, row, column) for column in columns.seen)
             seconds = math.nan if time is None else (time - epoch) * 1e-9
             yield seconds, number(cell(row, columns.x)), number(cell(row, columns.y)), seen, math.nan
 

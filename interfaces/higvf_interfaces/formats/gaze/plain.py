@@ -1,7 +1,8 @@
-"""Plain gaze tables, `time,x,y[,confidence][,valid]`: a header line, then one row per sample.
+"""Plain gaze tables, `time,x,y[,confidence][,valid][,blink]`: a header line, then one row per sample.
 
 The delimiter is comma, semicolon or tab. Times are in seconds unless the title has a unit (`time [ms]`). The unit of x
-gives the frame (`x [m]` arena, `x [px]` screen); without one the option `frame` is required.
+and y gives the frame (`x [m]` arena, `x [px]` screen, `x [norm]` unit); without a known one the option `frame` is
+required.
 """
 
 from collections.abc import Callable, Iterator
@@ -12,14 +13,16 @@ import numpy as np
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import unit_by_steps
-from higvf_interfaces.formats.gaze.binocular import says_no
+from higvf_interfaces.formats.coordinates import Coordinates, stated_frame
+from higvf_interfaces.formats.gaze.binocular import says_yes
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, epoch_seconds, number
 
 NAME = "gaze-csv"
 TITLE = "plain gaze CSV (time,x,y[,confidence])"
 TIMES = ("time", "timestamp", "t", "time_s", "time_ms", "datetime")
-_FRAMES = {"m": "arena", "px": "screen"}
+_VALIDITIES = ("valid", "is_valid", "gaze_valid", "validity")
+_METRES = ("m", "metres", "meters")
 _LOOKED_AT = 2000  # rows
 _TELLING = 10  # more times than this are needed to infer their unit
 
@@ -40,26 +43,35 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         raise InputError(f"{file.path}: no time column (one of {', '.join(TIMES)}); has: {file.titles}")
     if x is None or y is None:
         raise InputError(f"{file.path}: no gaze columns (x and y); has: {file.titles}")
-    confidence, validity = file.find("confidence"), file.find("valid")
+    confidence, validity, blink = file.find("confidence"), file.find(*_VALIDITIES), file.find("blink")
+    if confidence is not None and confidence.unit:
+        raise InputError(
+            f"{file.path}: the unit {confidence.unit[:40]!r} of the confidence is not understood; write a share from 0 "
+            "to 1 under the title confidence"
+        )
     seconds = seconds_of(file.path, time)
     if seconds is epoch_seconds:
         _check_steps(file, time)
-    notes: list[str] = []
+    stated = Coordinates("arena") if x.unit in _METRES and y.unit in _METRES else stated_frame((x.unit, y.unit))
+    assumed = validity is not None and validity.name == "validity"
+    notes = [f"{validity.title}: 1 taken as valid, 0 as invalid"] if validity is not None and assumed else []
 
     def rows() -> Iterator[Row]:
-        for row in file.exact_rows(notes):
-            valid = not says_no(cell(row, validity))
+        for row in file.rows(notes):
+            valid = validity is None or says_yes(file, row, validity, empty=True)
+            valid = valid and not (blink is not None and says_yes(file, row, blink))
             point = number(cell(row, x)), number(cell(row, y))
             yield seconds(cell(row, time)), *point, valid, number(cell(row, confidence))
 
     return GazeStream(
         format=NAME,
-        columns=tuple(column.title for column in (time, x, y, confidence, validity) if column is not None),
-        frame=_FRAMES.get(x.unit),
+        columns=tuple(column.title for column in (time, x, y, confidence, validity, blink) if column is not None),
+        frame=stated.frame,
         blocks=blocks_of(rows()),
         notes=notes,
         start=None,
         has_confidence=confidence is not None,
+        doubts=stated.doubts,
     )
 
 

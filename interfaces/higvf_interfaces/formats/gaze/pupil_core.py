@@ -1,8 +1,8 @@
 """Pupil Core tables: `gaze_positions.csv`, and `gaze_positions_on_surface_NAME.csv` of the surface tracker.
 
 Coordinates are normalised with the origin at the BOTTOM left: to the image of the scene camera in the first table, to
-the surface (such as a screen with markers) in the second, whose column `on_surf` marks gaze on the surface. Times count
-from an arbitrary epoch. The vendor recommends a minimum confidence of 0.6.
+the surface (such as a screen with markers) in the second, whose column `on_surf`, in older exports `on_srf`, marks gaze
+on the surface. Times count from an arbitrary epoch. The vendor recommends a minimum confidence of 0.6.
 """
 
 from collections.abc import Iterator
@@ -14,6 +14,7 @@ from higvf_interfaces.formats.text import Column, TextFile, cell, number
 
 CORE, SURFACE = "pupil-core", "pupil-surface"
 CORE_TITLE, SURFACE_TITLE = "Pupil Core gaze_positions.csv", "Pupil Core gaze on a surface"
+_ON_SURFACE = ("on_surf", "on_srf")
 _CLOCKS = ("gaze_timestamp", "timestamp", "world_timestamp")
 
 
@@ -24,7 +25,7 @@ def matches_core(file: TextFile) -> bool:
 
 def matches_surface(file: TextFile) -> bool:
     """Return whether the header has a normalised position on a surface."""
-    return file.find(*_CLOCKS) is not None and file.find("x_norm") is not None and file.find("on_surf") is not None
+    return all(file.find(*names) is not None for names in (_CLOCKS, ("x_norm",), _ON_SURFACE))
 
 
 def stream_core(file: TextFile, _: Wanted) -> GazeStream:
@@ -42,7 +43,10 @@ def stream_surface(file: TextFile, _: Wanted) -> GazeStream:
     Raises:
         InputError: a column is missing.
     """
-    return _stream(file, SURFACE, "unit", ("x_norm", "y_norm"), file.find("on_surf"))
+    on = file.find(*_ON_SURFACE)
+    if on is None:
+        raise InputError(f"{file.path}: no column {' or '.join(_ON_SURFACE)}, so gaze off the surface is unknown")
+    return _stream(file, SURFACE, "unit", ("x_norm", "y_norm"), on)
 
 
 def _stream(file: TextFile, name: str, frame: str, point: tuple[str, str], on: Column | None) -> GazeStream:
@@ -54,7 +58,7 @@ def _stream(file: TextFile, name: str, frame: str, point: tuple[str, str], on: C
 
     def rows() -> Iterator[Row]:
         for row in file.rows(notes):
-            here = on is None or says_yes(cell(row, on))
+            here = on is None or says_yes(file, row, on)
             yield (
                 number(cell(row, time)),
                 number(cell(row, x)),

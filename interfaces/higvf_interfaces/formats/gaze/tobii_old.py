@@ -14,7 +14,7 @@ from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import unit_by_steps
 from higvf_interfaces.formats.gaze.binocular import NO_EYE, Eye, both
 from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
-from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, number
+from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, number, seconds_per
 
 NAME = "tobii-old"
 TITLE = "Tobii Studio, E-Prime or old Tobii SDK table (validity 0 to 4)"
@@ -58,7 +58,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         raise InputError(f"{file.path}: no time column (one of {', '.join(_TIMES)}); has: {file.titles}")
     notes: list[str] = []
     clock = clocks[0]
-    scale = TIME_UNITS.get(clock.unit, 0.0)
+    scale = seconds_per(file, clock) if clock.unit else 0.0
     if not scale:
         first = floats([number(cell(row, clock)) for row in islice(file.rows([]), _FIRST_ROWS)])
         unit = unit_by_steps(first)

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.bids_files import sidecars, stem_of
 from higvf_interfaces.formats.text import cell, look
 
 _ENDINGS = ("_emg", "_eeg", "_ieeg", "_meg", "_physio")
@@ -18,16 +19,15 @@ class ChannelNote(NamedTuple):
 
 
 def beside(recording: Path) -> dict[str, ChannelNote]:
-    """Read the channel table in the folder of a BIDS recording, by channel name; empty without one.
+    """Read the channel table of a BIDS recording, the most specific that applies to it, by channel name; else empty.
 
     Raises:
         InputError: If the table has no column `name`.
     """
-    stem = recording.stem
-    ending = next((ending for ending in _ENDINGS if stem.endswith(ending)), None)
-    path = recording.with_name(f"{stem.removesuffix(ending or '')}_channels.tsv")
-    if ending is None or not path.is_file():
+    tables = sidecars(recording, "channels", "tsv") if stem_of(recording).endswith(_ENDINGS) else []
+    if not tables:
         return {}
+    path = tables[-1]
     file = look(str(path))
     name, kind, unit, status = (file.find(title) for title in ("name", "type", "units", "status"))
     if name is None:

@@ -39,16 +39,19 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
         InputError: If the marker file is missing, the sampling interval is unknown, or there is no event.
     """
     kind = _kind(file)
+    notes: list[str] = []
     if kind == _HEADER:
         header = _sections(file)
         name = _value(header, "common infos", "markerfile")
         if not name:
             raise InputError(f"{file.path}: the BrainVision header names no marker file")
-        marks = _sections(look(str(file.path.with_name(_plain(name, file)))))
+        named, own = file.path.with_name(_plain(name, file)), file.path.with_suffix(".vmrk")
+        renamed = not named.is_file() and own.is_file()
+        notes += [f"{named.name} is missing: {own.name}, which is named as the header, used"] if renamed else []
+        marks = _sections(look(str(own if renamed else named)))
     else:
         marks = _sections(file)
-        beside = file.path.with_suffix(".vhdr")
-        header = _sections(look(str(beside))) if beside.is_file() else {}
+        header = _header_of(file)
     interval = number(_value(header, "common infos", "samplinginterval")) * 1e-6
     period = 1 / request.rate if request.rate and not interval > 0 else interval
     if not period > 0:
@@ -58,10 +61,10 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
     if not markers:
         raise InputError(f"{file.path}: there is no event among the {len(entries)} BrainVision markers")
     described = [(marker.text or marker.type, marker.type if marker.text else "") for marker in markers]
-    labels, notes = told_apart(described, "{kind}/{label}")
+    labels, apart = told_apart(described, "{kind}/{label}")
     order, times, epoch, repaired = event_times(floats([marker.time for marker in markers]), from_epoch=False)
     decisions = tuple(Decision(t, labels[k], None) for k, t in zip(order.tolist(), times.tolist(), strict=True))
-    return CommandLog(decisions, epoch, NAME, (*notes, *repaired))
+    return CommandLog(decisions, epoch, NAME, (*notes, *apart, *repaired))
 
 
 def _kind(file: TextFile) -> str:
@@ -69,6 +72,16 @@ def _kind(file: TextFile) -> str:
     if "brainvision data exchange" not in line:
         return ""
     return next((kind for kind in (_HEADER, _MARKERS) if kind in line), "")
+
+
+def _header_of(file: TextFile) -> _Sections:
+    """Return the header of a marker file: the one named as it, or the only one that names it."""
+    beside = file.path.with_suffix(".vhdr")
+    if beside.is_file():
+        return _sections(look(str(beside)))
+    headers = [_sections(look(str(path))) for path in sorted(file.path.parent.glob("*.vhdr"))]
+    naming = [header for header in headers if _value(header, "common infos", "markerfile") == file.path.name]
+    return naming[0] if len(naming) == 1 else {}
 
 
 def _sections(file: TextFile) -> _Sections:

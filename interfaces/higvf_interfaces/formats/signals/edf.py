@@ -1,7 +1,8 @@
-"""European Data Format (EDF, EDF+) and BioSemi's BDF: channels as signals, annotations as decisions.
+"""European Data Format (EDF, EDF+) and BioSemi's BDF: channels as signals, annotations and triggers as decisions.
 
-Only the channels of the most common sampling rate are read. Units come from the header, even if a BIDS channel table
-contradicts it. EDF is read in slices, BDF as a whole.
+The channels of one sampling rate are read: that of the named channels, else the rate with the most samples. A trigger
+channel, such as BioSemi's Status, is no signal; a channel without a physical range is left out. Units come from the
+header, even if a BIDS channel table contradicts it. EDF is read in slices, BDF as a whole.
 """
 
 import struct
@@ -19,11 +20,13 @@ from higvf_console.core.optional import optional
 from higvf_interfaces.formats.clock import event_times, is_time
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals import bids_channels
+from higvf_interfaces.formats.signals.edf_annotations import Annotations, read_annotations
 from higvf_interfaces.formats.signals.records import (
     CHUNK,
     SignalChunk,
     SignalRecord,
     SignalRequest,
+    is_trigger,
     unique_names,
     unused_rate,
 )
@@ -43,9 +46,19 @@ _BROKEN = (ValueError, KeyError, IndexError, TypeError, AttributeError, OSError,
            ArithmeticError, UnicodeError, AssertionError, struct.error)  # fmt: skip
 
 
+_CODE = 0xFFFF  # bits of BioSemi's Status that hold the trigger; those above tell the state of the device
+
+
 class _Content(NamedTuple):
     data: Any  # edfio.Edf or Bdf
+    annotations: Annotations
     notes: list[str]
+
+
+class _Channel(NamedTuple):
+    name: str
+    signal: Any  # edfio.EdfSignal or BdfSignal
+    rate: float  # [Hz]
 
 
 def matches(file: TextFile) -> bool:
@@ -54,25 +67,23 @@ def matches(file: TextFile) -> bool:
 
 
 def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
-    """Read the channels of the most common rate.
+    """Read the channels of one rate.
 
     Raises:
-        InputError: If the file is not EDF or BDF, or has no samples.
+        InputError: If the file is not EDF or BDF, has no samples, or the named channels have different rates or unknown
+            values.
     """
-    data, notes = _load(file.path)
+    data, _, notes = _load(file.path)
     try:
-        rates = Counter(float(signal.sampling_frequency) for signal in data.signals)
-        (rate, _), *others = rates.most_common()
-        signals = [signal for signal in data.signals if float(signal.sampling_frequency) == rate]
+        channels = _chosen(file.path, _usable(file.path, data, request, notes), request, notes)
+        rate, signals = channels[0].rate, [channel.signal for channel in channels]
         count = int(data.num_data_records) * min(signal.samples_per_data_record for signal in signals)
-        names, units = [str(signal.label) for signal in signals], [str(signal.physical_dimension) for signal in signals]
+        names, units = [channel.name for channel in channels], [str(signal.physical_dimension) for signal in signals]
         signals[0].get_data_slice(0.0, min(1, count) / rate)
     except _BROKEN as problem:
         raise InputError(f"{file.path}: the file has no readable signals: {str(problem)[:200]}") from problem
     if count < 1 or not rate > 0:
         raise InputError(f"{file.path}: the file has no samples")
-    if others:
-        notes.append(f"{sum(n for _, n in others)} channels with other rates than {rate:g} Hz dropped")
     notes += _by_bids(file.path, names, units)
     notes += unused_rate(request.rate, rate)
 
@@ -82,26 +93,98 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
             values = np.column_stack([signal.get_data_slice(start / rate, stop / rate) for signal in signals])
             yield SignalChunk(floats(np.arange(start, stop) / rate), floats(values))
 
-    return SignalRecord(unique_names(names), tuple(units), rate, 0.0, NAME, notes, chunks)
+    return SignalRecord(tuple(names), tuple(units), rate, 0.0, NAME, notes, chunks)
 
 
 def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa: ARG001 - annotations carry their times
-    """Read the annotations.
+    """Read the annotations and the changes of trigger channels.
 
     Raises:
-        InputError: If the file is not EDF or BDF, or has no annotations.
+        InputError: If the file is not EDF or BDF, or has neither annotations nor triggers.
     """
-    data, notes = _load(file.path)
+    data, annotations, notes = _load(file.path)
+    found = list(annotations.texts)
     try:
-        found = [(float(a.onset), str(a.text).strip()) for a in data.annotations]
+        for signal in data.signals:
+            if is_trigger(str(signal.label)):
+                codes = _triggers(signal, _version(file.path) == _BDF)
+                found += codes
+                notes.append(f"{len(codes)} triggers of the channel {signal.label}")
     except _BROKEN as problem:
-        raise InputError(f"{file.path}: the annotations cannot be read: {str(problem)[:200]}") from problem
-    labelled = [(time, label) for time, label in found if label and is_time(time)]
+        raise InputError(f"{file.path}: the triggers cannot be read: {str(problem)[:200]}") from problem
+    labelled = sorted((time, label) for time, label in found if label and is_time(time))  # two lists made one
     if not labelled:
-        raise InputError(f"{file.path}: the file has no annotations, so it holds no decisions")
+        raise InputError(f"{file.path}: the file has neither annotations nor triggers, so it holds no decisions")
     order, times, epoch, repaired = event_times(floats([time for time, _ in labelled]), from_epoch=False)
     decisions = tuple(Decision(time, labelled[row][1], None) for row, time in zip(order, times.tolist(), strict=True))
     return CommandLog(decisions, epoch, MARKED_NAME, (*notes, *repaired))
+
+
+def _usable(path: Path, data: Any, request: SignalRequest, notes: list[str]) -> list[_Channel]:
+    """Return the channels that hold a signal, and note the others.
+
+    Raises:
+        InputError: If a named channel has no physical range, or no channel is left.
+    """
+    names = unique_names([str(signal.label) for signal in data.signals])
+    known = [_Channel(name, s, float(s.sampling_frequency)) for name, s in zip(names, data.signals, strict=True)]
+    wanted = {name.casefold() for name in request.channels}
+    flat = [channel for channel in known if not _has_range(channel.signal)]
+    refused = [channel.name for channel in flat if channel.name.casefold() in wanted]
+    if refused:
+        raise InputError(
+            f"{path}: channel {refused[0]} has no physical range (its minimum equals its maximum), so its values are "
+            "unknown; leave it out of channels="
+        )
+    triggers = [c for c in known if is_trigger(str(c.signal.label)) and c.name.casefold() not in wanted]
+    if flat:
+        notes.append(f"without a physical range, left out: {', '.join(channel.name for channel in flat)}")
+    if triggers:
+        notes.append(f"triggers, no signal: {', '.join(channel.name for channel in triggers)}")
+    left = [channel for channel in known if channel not in flat and channel not in triggers]
+    if not left:
+        raise InputError(f"{path}: the file has no channel with a signal; it has: {', '.join(names)}")
+    return left
+
+
+def _chosen(path: Path, channels: list[_Channel], request: SignalRequest, notes: list[str]) -> list[_Channel]:
+    """Return the channels of the rate of the named ones, else of the rate with the most samples a second.
+
+    Raises:
+        InputError: If a named channel is missing, or the named channels have different rates.
+    """
+    counts = Counter(channel.rate for channel in channels)
+    rate = max(counts, key=lambda rate: rate * counts[rate])
+    wanted = [name.casefold() for name in request.channels]
+    if wanted:
+        named = [channel for channel in channels if channel.name.casefold() in wanted]
+        missing = set(wanted) - {channel.name.casefold() for channel in named}
+        if missing or len({channel.rate for channel in named}) != 1:
+            listed = ", ".join(f"{channel.name} ({channel.rate:g} Hz)" for channel in channels)
+            problem = f"there is no channel {min(missing)!r}" if missing else "the named channels have different rates"
+            raise InputError(f"{path}: channels: {problem}; choose channels of one rate; the file has: {listed}")
+        rate = named[0].rate
+    dropped = [channel for channel in channels if channel.rate != rate]
+    if dropped and not wanted:
+        listed = ", ".join(f"{channel.name} ({channel.rate:g} Hz)" for channel in dropped)
+        notes.append(f"other rates than {rate:g} Hz, left out: {listed}; choose them by channels=")
+    return [channel for channel in channels if channel.rate == rate]
+
+
+def _has_range(signal: Any) -> bool:
+    return signal.physical_min != signal.physical_max and signal.digital_min != signal.digital_max
+
+
+def _triggers(signal: Any, coded: bool) -> list[tuple[float, str]]:
+    """Return time [s] and code of each change of a trigger channel to another value than its resting one."""
+    values = np.asarray(signal.digital).astype(np.int64) & _CODE if coded else np.rint(signal.data).astype(np.int64)
+    if not len(values):
+        return []
+    kinds, counts = np.unique(values, return_counts=True)
+    resting = int(kinds[np.argmax(counts)])
+    changed = np.flatnonzero(np.diff(values, prepend=resting))
+    rate = float(signal.sampling_frequency)
+    return [(int(k) / rate, str(values[k])) for k in changed if values[k] not in (0, resting)]
 
 
 def _version(path: Path) -> bytes:
@@ -120,13 +203,14 @@ def _load(path: Path) -> _Content:
         warnings.simplefilter("always")
         try:
             data = edfio.read_bdf(path) if version == _BDF else edfio.read_edf(path)
-            continuous = data.is_continuous
+            annotations = read_annotations(path, 3 if version == _BDF else 2)
         except _BROKEN as problem:
             raise InputError(f"{path}: the file cannot be read: {str(problem)[:200]}") from problem
-    if not continuous:
+    if not annotations.continuous:
         raise InputError(f"{path}: the recording has gaps (EDF+D), which is not supported; export it as EDF+C")
     cut = [f"the recording was cut off: {warning.message}" for warning in caught if "records" in str(warning.message)]
-    return _Content(data, cut)
+    latin = ["an annotation is not UTF-8: read as Latin-1"] if annotations.repaired else []
+    return _Content(data, annotations, [*cut, *latin])
 
 
 def _by_bids(path: Path, names: list[str], units: list[str]) -> list[str]:

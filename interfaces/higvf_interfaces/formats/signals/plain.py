@@ -19,7 +19,7 @@ NAME = "signal-csv"
 TITLE = "table of samples (timestamps, one column a channel[, Marker0])"
 MARKED_NAME = "signal-csv-markers"
 MARKED_TITLE = "marker column of a table of samples (timestamps,...,Marker0)"
-STAMPS = (*TIMES, "timestamps", "lsl_timestamp", "time_stamp", "lsl time")
+STAMPS = (*TIMES, "timestamps", "lsl_timestamp", "lsl_ts", "unix_ts", "time_stamp", "lsl time")
 _MARKERS = ("marker0", "marker", "markers", "stim", "trigger", "status", "event")
 _UNMARKED = ("", "0", "0.0")
 _NO_CHANNEL = {"x", "y", "confidence", "valid", "label", "command"}
@@ -61,7 +61,7 @@ def _table(file: TextFile, name: str) -> SampleTable:
         raise InputError(f"{file.path}: no column of numbers beside the time; has: {file.titles}")
 
     def rows(notes: list[str]) -> Iterator[list[str]]:
-        return file.exact_rows(notes)
+        return file.rows(notes)
 
     marker = file.find(*_MARKERS)
     return SampleTable(

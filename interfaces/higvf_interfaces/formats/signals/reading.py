@@ -6,7 +6,7 @@ from typing import Generic, NamedTuple, TypeVar
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats import command_log
 from higvf_interfaces.formats.records import CommandLog
-from higvf_interfaces.formats.signals import bids_events, brainvision, edf, myo, openbci
+from higvf_interfaces.formats.signals import bids_events, brainflow, brainvision, edf, mind_monitor, myo, openbci
 from higvf_interfaces.formats.signals import plain as signal_csv
 from higvf_interfaces.formats.signals.records import SignalRecord, SignalRequest, pick_channels
 from higvf_interfaces.formats.text import TextFile, look
@@ -53,7 +53,9 @@ SIGNAL_FORMATS: tuple[SignalFormat[SignalRecord], ...] = (
     SignalFormat(xdf_signals.NAME, xdf_signals.TITLE, xdf_signals.matches, xdf_signals.read_signals),
     SignalFormat(edf.NAME, edf.TITLE, edf.matches, edf.read_signals),
     SignalFormat(openbci.NAME, openbci.TITLE, openbci.matches, openbci.read_signals),
+    SignalFormat(brainflow.NAME, brainflow.TITLE, brainflow.matches, brainflow.read_signals),
     SignalFormat(myo.NAME, myo.TITLE, myo.matches, myo.read_signals),
+    SignalFormat(mind_monitor.NAME, mind_monitor.TITLE, mind_monitor.matches, mind_monitor.read_signals),
     SignalFormat(signal_csv.NAME, signal_csv.TITLE, signal_csv.matches, signal_csv.read_signals),
 )
 DECISION_FORMATS: tuple[SignalFormat[CommandLog], ...] = (
@@ -61,7 +63,11 @@ DECISION_FORMATS: tuple[SignalFormat[CommandLog], ...] = (
     SignalFormat(edf.MARKED_NAME, edf.MARKED_TITLE, edf.matches, edf.read_markers),
     SignalFormat(brainvision.NAME, brainvision.TITLE, brainvision.matches, brainvision.read_markers),
     SignalFormat(openbci.NAME, openbci.TITLE, openbci.matches, openbci.read_markers),
+    SignalFormat(brainflow.NAME, brainflow.TITLE, brainflow.matches, brainflow.read_markers),
     SignalFormat(bids_events.NAME, bids_events.TITLE, bids_events.matches, bids_events.read_markers),
+    SignalFormat(
+        mind_monitor.MARKED_NAME, mind_monitor.MARKED_TITLE, mind_monitor.matches_marked, mind_monitor.read_markers
+    ),
     SignalFormat(
         signal_csv.MARKED_NAME, signal_csv.MARKED_TITLE, signal_csv.matches_marked, signal_csv.read_markers
     ),

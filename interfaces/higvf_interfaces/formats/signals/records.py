@@ -1,5 +1,6 @@
 """Records of all readers of raw signals: a header, and the samples in chunks of bounded size."""
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -10,6 +11,15 @@ from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import Repairs
 
 _SAME_RATE = 0.01  # relative difference below which two rates are equal
+_TRIGGERS = re.compile(r"status|trig(ger)?s?|stim?( \d+)?|markers?\d*|events?", re.IGNORECASE)
+_NO_SIGNALS = re.compile(  # time stamps, counters, states and motion that programs write beside the signals
+    r"(acc|accel|accelerometer|gyro|gyroscope|mag|magnetometer)([ _-]?channel)?[ _-]?[xyz\d]?|validation.*|"
+    r"(secondary )?(time[ _]?stamps?|times?)\b.*|(lsl|unix)[ _]?(ts|time.*)|id|index|unnamed: \d+|battery.*|"
+    r"(cq|eq|pm|mot|fac|pow)\..*|marker(index|type|value.*)|.*\.(rawcq|markerhardware)|"  # of Emotiv
+    r"(sample|packet|package)[ _]?(index|counter|count|number|num|id)?|counter|.*\.(counter|interpolated|battery.*)",
+    re.IGNORECASE,
+)
+_UNITS = {"microvolt": "uV", "uv": "uV", "millivolt": "mV", "mv": "mV", "volt": "V", "v": "V"}
 CHUNK = 512  # maximum number of samples of a chunk; read in a fraction of a control period
 
 
@@ -73,26 +83,59 @@ def whole(record: SignalRecord) -> SignalChunk:
 
 
 def pick_channels(record: SignalRecord, wanted: Sequence[str], place: str) -> SignalRecord:
-    """Return the record restricted to the channels `wanted`, in that order; all channels if empty.
+    """Return the record restricted to the channels `wanted`, in that order; all channels with a signal if empty.
 
     Raises:
         InputError: If a channel is missing; the message lists the channels.
     """
     if not wanted:
-        return record
+        held = signal_places(record.names)
+        if len(held) == len(record.names):
+            return record
+        others = [name for k, name in enumerate(record.names) if k not in held]
+        return _restricted(record, held, f"no signals, left out: {', '.join(others)}; choose them by channels=")
     known = {name.casefold(): place for place, name in enumerate(record.names)}
     missing = [name for name in wanted if name.casefold() not in known]
     if missing:
         raise InputError(f"{place}: there is no channel {missing[0]!r}; the file has: {', '.join(record.names)}")
-    columns = [known[name.casefold()] for name in wanted]
+    return _restricted(record, [known[name.casefold()] for name in wanted])
+
+
+def signal_places(names: Sequence[str]) -> list[int]:
+    """Return the places of the channels that hold a signal by their names: no time, counter, trigger or motion.
+
+    If no name is left, all channels count.
+    """
+    return [k for k, name in enumerate(names) if not is_trigger(name) and not _NO_SIGNALS.fullmatch(name.strip())] or [
+        *range(len(names))
+    ]
+
+
+def is_trigger(name: str) -> bool:
+    """Return whether a channel holds triggers by its name, such as BioSemi's Status."""
+    return _TRIGGERS.fullmatch(name.strip()) is not None
+
+
+def _restricted(record: SignalRecord, columns: list[int], note: str = "") -> SignalRecord:
+    def noted() -> None:
+        if note and note not in record.notes:  # the notes of a text file begin anew when it is read again
+            record.notes.append(note)
 
     def chunks() -> Iterator[SignalChunk]:
         for chunk in record.chunks():
+            noted()
             yield SignalChunk(chunk.times, floats(chunk.values[:, columns]))
 
+    noted()
     return record._replace(
         names=tuple(record.names[k] for k in columns), units=tuple(record.units[k] for k in columns), chunks=chunks
     )
+
+
+def plain_unit(text: str) -> str:
+    """Return a unit of voltage in its usual spelling: `microvolts` and `µV` give `uV`; other units as they are."""
+    plain = text.strip().casefold().replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+    return _UNITS.get(plain.removesuffix("s"), text.strip())
 
 
 def unused_rate(given: float | None, rate: float) -> list[str]:

@@ -1,5 +1,6 @@
 """Signals and markers from text tables, read block by block."""
 
+import math
 from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
@@ -23,7 +24,8 @@ from higvf_interfaces.formats.text import as_label, number, plain
 
 LOWEST_RATE, HIGHEST_RATE = 0.1, 100_000.0  # [Hz]
 _HEAD = 4096  # samples from which the rate is estimated
-_COUNTER = 256  # modulus of the sample counter of an OpenBCI Cyton
+_MODULI = (101, 128, 201, 256)  # of usual sample counters: OpenBCI Ganglion 101 or 201, Cyton 256
+_NEAR = 3  # highest counts that may have been lost where a counter wraps
 
 
 class SampleTable(NamedTuple):
@@ -134,12 +136,15 @@ def _rows(table: SampleTable, notes: list[str]) -> Iterator[list[str]]:
 def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[str]) -> Iterator[_Block]:
     clock = SampleClock(rate)
     rows = _rows(table, notes)
-    lost, counted, last = 0, table.counter is not None, -1.0
+    modulus = None
+    if table.counter is not None:
+        modulus = _modulus(floats([_cell(row, table.counter) for row in islice(_rows(table, []), _HEAD)]))
+    lost, last = 0, math.nan
     while block := list(islice(rows, CHUNK)):
         steps = np.ones(len(block))
-        if counted:
+        if modulus is not None:
             counter = np.array([_cell(row, table.counter) for row in block])
-            steps, counted = _counted(counter, last)
+            steps = _counted(counter, last, modulus)
             last, lost = float(counter[-1]), lost + int(steps.sum()) - len(steps)
         times = clock.times(_stamps(table, block), steps)
         advancing = clock.repairs.advancing(times)
@@ -163,13 +168,23 @@ def _stamps(table: SampleTable, rows: list[list[str]]) -> Floats:
     return floats([seconds(plain(row[place])) if place < len(row) else np.nan for row in rows])
 
 
-def _counted(counter: Floats, before: float) -> tuple[Floats, bool]:
-    """Return the sampling periods between samples by a counter modulo 256, and whether the column is such a counter."""
-    previous = np.concatenate([[before if before >= 0 else counter[0] - 1], counter[:-1]])
-    with np.errstate(invalid="ignore"):
-        steps = np.mod(counter - previous, _COUNTER)
-    plain = bool(np.mean(steps == 1) > 0.5) and float(np.nanmax(counter)) < _COUNTER
-    return (np.where(steps >= 1, steps, 1.0) if plain else np.ones(len(counter))), plain
+def _modulus(counter: Floats) -> float | None:
+    """Return the count (n,) at which a sample counter wraps to 0, infinite if it does not; None if it is no counter."""
+    steps = np.diff(counter)
+    if not len(steps) or not np.mean(steps == 1) > 0.5:
+        return None
+    if not (steps < 0).any():
+        return math.inf
+    seen = float(np.nanmax(counter)) + 1
+    return next((float(usual) for usual in _MODULI if 0 <= usual - seen <= _NEAR), seen)
+
+
+def _counted(counter: Floats, before: float, modulus: float) -> Floats:
+    """Return the sampling periods (n,) before each sample by a wrapping counter; 1 where it does not advance."""
+    previous = np.concatenate([[before if np.isfinite(before) else counter[0] - 1], counter[:-1]])
+    steps = counter - previous
+    steps = np.where(steps < 0, steps + modulus, steps)
+    return np.where((steps >= 1) & np.isfinite(steps), steps, 1.0)
 
 
 def _cell(row: list[str], column: int | None) -> float:

@@ -11,6 +11,7 @@ from higvf_interfaces.formats.signals.records import (
     SignalChunk,
     SignalRecord,
     SignalRequest,
+    plain_unit,
     sliced,
     unique_names,
     unused_rate,
@@ -46,8 +47,4 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
 
     names, units = (xdf_file.channel_texts(stream.header, key, stream.info.channels) for key in ("label", "unit"))
     notes = [*cut_off(stream, len(times)), *samples.notes, *order.notes, *unused_rate(request.rate, rate)]
-    return SignalRecord(unique_names(names), tuple(map(_unit, units)), rate, samples.earliest, NAME, notes, chunks)
-
-
-def _unit(text: str) -> str:
-    return {"microvolts": "uV", "microvolt": "uV", "µv": "uV", "volts": "V"}.get(text.casefold(), text)
+    return SignalRecord(unique_names(names), tuple(map(plain_unit, units)), rate, samples.earliest, NAME, notes, chunks)
