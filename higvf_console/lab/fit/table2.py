@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from higvf_console.channels.channels import open_interface
 from higvf_console.core.interface import InputSpec, Interface
+from higvf_console.core.numbers import grouped
 from higvf_console.lab.fit.firefighting import FirefightingRun, run_firefighting
 from higvf_console.lab.reproduce.paper import COLUMNS, Column
 from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
@@ -148,7 +149,7 @@ def verdicts(runs: Columns) -> tuple[Verdict, ...]:
 
 
 def _near(target: str, printed: float, found: float, error: float, limit: float) -> Verdict:
-    return Verdict(target, f"{printed:,.1f}", f"{found:,.1f}", error, limit, abs(error) <= limit)
+    return Verdict(target, grouped(printed, 1), grouped(found, 1), error, limit, abs(error) <= limit)
 
 
 def _total_verdict(name: str, runs: Columns) -> Verdict:
