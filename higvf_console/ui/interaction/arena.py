@@ -77,6 +77,7 @@ class ArenaInteraction:
         self._session, self._ui, self._roles, self._actions = session, ui, roles, actions
         self._pointer_state: int | None = None
         self._drag_tool = Tool.PATH  # with which that began
+        self._last = floats([0.0, 0.0])  # point of a press that moves, with a tool that adds
         self._outline = floats([], 0, 2)  # of a group that is being drawn round
         self._tools: dict[int, Tool] = {}
         self._viewports: dict[int, Viewport] = {}
@@ -93,8 +94,9 @@ class ArenaInteraction:
             tool = self._tools.get(client_id, Tool.PATH)
             self._pointer_state, self._drag_tool = client_id, tool
             use = self._use_of(tool)
-            robot = nearest_of(self._ui.state.group, centres(*self._run_state()), points[0])
-            self._ui.update(drawn_for=use, drawn_robot=robot if use is StrokeUse.PATH and not group else None)
+            steered = use is StrokeUse.PATH and not group and len(points)
+            robot = nearest_of(self._ui.state.group, centres(*self._run_state()), points[0]) if steered else None
+            self._ui.update(drawn_for=use, drawn_robot=robot)
         elif client_id != self._pointer_state:
             return
         tool = self._drag_tool
@@ -103,8 +105,9 @@ class ArenaInteraction:
         elif tool in USES:
             self._draw(phase, points)
         elif tool in ADDS:
+            self._last = points[-1] if len(points) else self._last
             if phase == "end":
-                self._add(tool, points[-1])
+                self._add(tool, self._last)
         else:
             self._drag(client_id, tool, phase, points)
         if phase in ("cancel", "end"):

@@ -160,7 +160,8 @@ def test_a_new_thing_stands_where_it_is_put_and_its_tool_stays_until_it_is_put_a
     for x in (400.0, 500.0):
         hand.hand.click(PAGE, floats([x, 500.0]))
     hand.hand.stroke(PAGE, "start", floats([[600.0, 500.0]]))
-    hand.hand.stroke(PAGE, "end", floats([[620.0, 510.0]]))  # a press that moved
+    hand.hand.stroke(PAGE, "update", floats([[620.0, 510.0]]))
+    hand.hand.stroke(PAGE, "end", floats([], 0, 2))  # a press that moved
     added = [command for command in hand.given if isinstance(command, AddEntity)]
     assert [add.kind for add in added] == [ADDS[tool]] * 3
     assert [add.point[0] for add in added] == [400.0, 500.0, 620.0]

@@ -92,7 +92,7 @@
   function onInput(event) {
     const field = fieldOf(event);
     if (!field || passing) return;
-    begin(field);
+    if (event.type === "input") begin(field);
     event.stopImmediatePropagation();
   }
 
@@ -111,6 +111,7 @@
     focusin: (event) => fieldOf(event)?.matches(TEXT) && adopt(event.target),
     beforeinput: onBeforeInput,
     input: onInput,
+    change: onInput, // before a field is left, and on Enter
     keydown: onKeyDown,
     keyup: (event) => event.key.startsWith("Arrow") && fieldOf(event)?.matches(TEXT) && commit(),
     focusout: (event) => draft?.field === event.target && commit(),
