@@ -251,6 +251,26 @@ def test_a_scenario_is_saved_and_loaded_again(page: Page, running: Running, tmp_
     assert "robots" in running.session.snapshot.events[-1].text
 
 
+def test_a_file_that_cannot_be_used_is_refused_on_the_page_and_changes_nothing(
+    page: Page, running: Running, tmp_path: Path
+) -> None:
+    unfold_files(page)
+    binary, text, large = (tmp_path / name for name in ("binary.yaml", "text.png", "large.yaml"))
+    binary.write_bytes(b"\x89PNG\0\xff")
+    text.write_text("no picture")
+    large.write_bytes(b" " * 16_000_001)
+    for button, file, words in (
+        ("Load scenario", binary, "binary.yaml: not UTF-8 text"),
+        ("Overhead image", text, "text.png: not an image"),
+        ("Load scenario", large, "large.yaml: 16.0 MB are too many"),
+    ):
+        choose(page, button, file)
+        page.locator(".mantine-Notification-root", has_text=words).wait_for()
+        wait_until(shown(page, words))
+    assert running.given(LoadScenario) == []
+    assert running.console.ui.state.background is None
+
+
 def test_the_strokes_of_a_loaded_scenario_are_offered_in_the_tab_for_steering_alone(
     page: Page, running: Running
 ) -> None:
