@@ -339,6 +339,8 @@
   const forget = page.listen({ keydown: onKeyDown, keyup: onKeyUp, click: onClick });
 
   return {
+    beat,
+
     alive() {
       [alive.connection, alive.heardAt] = [page.connection(), now()];
       if (stop.waiting) sendKey("stop", stop.number);

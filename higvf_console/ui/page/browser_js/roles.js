@@ -127,6 +127,7 @@
     if (!document.hidden) return;
     page.readNow();
     check();
+    page.part("keys")?.beat();
   }
 
   strip.addEventListener("mousedown", (event) => event.preventDefault()); // the focus stays where it is
