@@ -165,8 +165,9 @@ def test_lengths_are_saved_in_millimetres_for_people_unless_no_run_could_start_f
     assert in_millimetres(tiny) == {
         "arena": {"x_min": 0.0}, "fires": [{"at_m": [1.235, 2], "growth_m_per_s": 0.12345}], "seed": 1.23456,
     }  # fmt: skip
-    small = run_of(parse_scenario(SCENE.replace("radius_m: 30", "radius_m: 0.0004"), "small.yaml"))
-    assert "0.0004" in scenario_yaml(small.setup, small.state, None, rounded=True)
+    touching = "[[700, 300.0006], [712.5, 321.65124]]"  # half a millimetre nearer, and they were too near
+    close = run_of(parse_scenario(SCENE.replace("[[700, 300], [670, 350], [730, 350], [640, 300]]", touching), "x.yaml"))
+    assert "300.0006" in scenario_yaml(close.setup, close.state, None, rounded=True)
 
 
 def test_free_areas_are_read_and_wrong_ones_refused() -> None:
