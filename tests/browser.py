@@ -212,6 +212,7 @@ class Stage:
     viewports: list[Viewport] = field(default_factory=lambda: [])
     pressed: list[str] = field(default_factory=lambda: [])
     typed: list[float] = field(default_factory=lambda: [])
+    length: NumberField | None = None  # whose numbers these are
     hears_stop: bool = True
 
     def stroke(self, client_id: int, phase: pointer.Phase, points: Floats, *, group: bool) -> None:
@@ -265,7 +266,7 @@ def open_stage(arena: Arena = ARENA, max_clients: int = 16) -> Stage:
     scripts.install(server, "fields", {"words": [stage.text._impl.uuid]})  # pyright: ignore[reportPrivateUsage]
     pointer.ignore_palms(server)
     camera.install(server, arena)
-    NumberField(server.gui, "Length", 25.0, NumberRange("m", 1.0, 500.0), stage.typed.append)
+    stage.length = NumberField(server.gui, "Length", 25.0, NumberRange("m", 1.0, 500.0), stage.typed.append)
     pointer.install(server, stage)
     keys.install(server, stage.on_key)
     return stage

@@ -166,7 +166,8 @@ def test_lengths_are_saved_in_millimetres_for_people_unless_no_run_could_start_f
         "arena": {"x_min": 0.0}, "fires": [{"at_m": [1.235, 2], "growth_m_per_s": 0.12345}], "seed": 1.23456,
     }  # fmt: skip
     touching = "[[700, 300.0006], [712.5, 321.65124]]"  # half a millimetre nearer, and they were too near
-    close = run_of(parse_scenario(SCENE.replace("[[700, 300], [670, 350], [730, 350], [640, 300]]", touching), "x.yaml"))
+    lines = f"version: 1\narena: {{size_m: [1200, 700]}}\nrobots: {{start_m: {touching}}}\n"
+    close = run_of(parse_scenario(lines, "close.yaml"))
     assert "300.0006" in scenario_yaml(close.setup, close.state, None, rounded=True)
 
 

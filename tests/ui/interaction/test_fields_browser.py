@@ -24,6 +24,14 @@ def type_into(field: Locator, text: str) -> None:
     field.press_sequentially(text)
 
 
+@pytest.fixture(autouse=True)
+def _as_at_first(stage: Stage, page: Page) -> None:
+    """The field of a length shows 25."""
+    assert stage.length is not None
+    stage.length.show(25.0, settle=0.0)
+    expect(length(page)).to_have_value("25")
+
+
 @pytest.mark.parametrize("end", ["Enter", "Tab"])
 def test_a_number_arrives_once_as_it_was_typed_when_its_field_is_left(stage: Stage, page: Page, end: str) -> None:
     field = length(page)
