@@ -11,6 +11,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Coroutine
+from functools import partial
 from typing import TYPE_CHECKING
 
 import viser
@@ -76,11 +77,11 @@ def _trigger(hand: ArenaInteraction, name: str) -> Callable[[viser.CommandEvent]
 
 def page_actions(server: viser.ViserServer) -> PageActions:
     """What the hand does in the pages of a server."""
-    return PageActions(
-        show_tool=lambda tool, client_id: tools.show(server, tool, client_id),
-        open_tab=lambda name, client_id: page.call(server, "tabs", "open", name, client_id),
-        note=lambda text, client_id: keys.note(server, text, client_id),
-    )
+
+    def open_tab(name: str, client_id: int) -> None:
+        page.call(server, "tabs", "open", name, client_id)
+
+    return PageActions(partial(tools.show, server), open_tab, partial(keys.note, server))
 
 
 class Console:

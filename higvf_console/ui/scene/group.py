@@ -23,5 +23,6 @@ class GroupLayer:
     def update(self, state: SimState, group: frozenset[int]) -> None:
         """Shows who is in the group (indices from 0)."""
         at, dash = centres(self._layout, state.motion), _DASH * self._px
-        circles = [shapes.circle(*at[robot], _RADIUS * self._px) for robot in sorted(group) if robot < len(at)]
+        grouped = [robot for robot in sorted(group) if robot < len(at)]
+        circles = [shapes.circle(x, y, _RADIUS * self._px) for x, y in at[grouped]]
         self._rings.draw(joined([shapes.dashed(circle, dash, dash) for circle in circles]) if circles else _NOBODY)

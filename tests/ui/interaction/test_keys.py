@@ -416,8 +416,10 @@ def test_letters_without_latin_ones_and_the_row_of_digits_are_known_by_their_pla
 def test_a_robot_above_9_is_typed_as_a_number(page: Page, stage: Stage) -> None:
     keys.show_robots(stage.server, 120)
     page.wait_for_timeout(300)
-    press = {name: {"key": name, "code": f"Key{name}"} for name in ("1", "7", "3", "0", "4", "5", "2", "p")}
-    named = {name: {"key": name, "code": name} for name in ("Enter", "Escape")}
+    press: dict[str, dict[str, object]] = {
+        name: {"key": name, "code": f"Key{name}"} for name in ("1", "7", "3", "0", "4", "5", "2", "p")
+    }
+    named: dict[str, dict[str, object]] = {name: {"key": name, "code": name} for name in ("Enter", "Escape")}
     seventeen, typed = [press["1"], press["7"]], page.locator(".bar .note")
     assert type_keys(page, *seventeen) == "Robot 17 …"
     assert type_keys(page, named["Enter"]) == "", "it ends a number, and confirms nothing"

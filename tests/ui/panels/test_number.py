@@ -65,9 +65,12 @@ class Widget:
     def on_update(self, react: Any) -> None:
         self.react = react
 
+    def tell(self, _title: str, body: str, **_: object) -> None:
+        self.told.append(body)
+
     def type(self, text: str, client_id: int | None = 7) -> None:
         self.value = text
-        client = SimpleNamespace(add_notification=lambda _title, body, **_: self.told.append(body))
+        client = SimpleNamespace(add_notification=self.tell)
         event = SimpleNamespace(client_id=client_id, client=client, target=self)
         with ThreadPoolExecutor(1) as server:  # this thread may have a loop of a browser test
             server.submit(lambda: asyncio.run(self.react(event))).result()

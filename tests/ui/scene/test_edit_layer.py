@@ -29,7 +29,7 @@ def canvas() -> Iterator[Canvas]:
 
 def test_a_choice_and_its_handle_are_in_place_before_they_are_seen(canvas: Canvas) -> None:
     layer = EditLayer(canvas, SETUP)
-    square, outline = (part._node for part in (layer._square, layer._chosen))  # pyright: ignore[reportPrivateUsage]
+    square, outline = layer._square._node, layer._chosen._node  # pyright: ignore[reportPrivateUsage]
     assert not square.visible
     for place, x in ((FIRST, 630.0), (SECOND, 930.0)):
         layer.update(SETUP.start, place, None)
