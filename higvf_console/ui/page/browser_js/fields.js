@@ -7,7 +7,7 @@
   const CONTROL = ".mantine-NumberInput-control";
   const native = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value");
 
-  let draft = null; // what is being typed: its field, how React writes it, and what React wants it to show
+  let draft = null; // what is being typed: its field, and how React writes there
   let passing = false; // whether an input event is one of ours, for viser
 
   const fieldOf = ({ target }) => (target.matches?.(`${TEXT}, ${NUMBER}`) ? target : null);
@@ -28,17 +28,14 @@
     if (draft?.field === field) return;
     commit();
     const own = Object.getOwnPropertyDescriptor(field, "value");
-    draft = { field, own, base: field.value };
-    const wait = (value) => {
-      if (draft?.field === field) draft.base = String(value);
-    };
-    Object.defineProperty(field, "value", { configurable: true, get: () => native.get.call(field), set: wait });
+    draft = { field, own };
+    Object.defineProperty(field, "value", { configurable: true, get: () => native.get.call(field), set() {} });
   }
 
-  // Ends the draft; the field shows again what React wants.
+  // Ends the draft; the field shows again what React wants, which it also writes as the attribute.
   function end() {
-    const { field, own, base } = draft;
-    const typed = native.get.call(field);
+    const { field, own } = draft;
+    const [typed, base] = [native.get.call(field), field.defaultValue];
     draft = null;
     delete field.value;
     if (own) Object.defineProperty(field, "value", own);
