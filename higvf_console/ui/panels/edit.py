@@ -74,8 +74,8 @@ class EditPanel:
             self._sink.push(ChangeEntity(place.kind, place.row, list(NUMBERS[place.kind])[slot], number))
 
     def _set_arena(self, walls: bool | None = None, sides: Mapping[str, float] = MappingProxyType({})) -> None:
-        arena = self._arena._replace(**sides)
-        self._sink.push(SetArena(floats(list(arena)), self._walls if walls is None else walls))
+        self._arena = self._arena._replace(**sides)  # the next side may come before the session has answered
+        self._sink.push(SetArena(floats(list(self._arena)), self._walls if walls is None else walls))
 
     def _remove(self) -> None:
         if self._place is not None:

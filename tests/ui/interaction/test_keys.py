@@ -219,7 +219,7 @@ def fields(page: Page, stage: Stage) -> None:
 @pytest.mark.usefixtures("fields")
 @pytest.mark.parametrize("key", ["Enter", "Escape"])
 @pytest.mark.parametrize("field", ["number", "text"])
-def test_enter_gives_what_was_typed_escape_takes_it_back_and_both_give_the_keys_back(
+def test_enter_gives_what_was_typed_escape_takes_text_back_and_both_give_the_keys_back(
     page: Page, stage: Stage, field: Literal["number", "text"], key: str
 ) -> None:
     stage.focus(page, field)
@@ -231,7 +231,7 @@ def test_enter_gives_what_was_typed_escape_takes_it_back_and_both_give_the_keys_
     page.keyboard.up(key)
     page.keyboard.press("p")
     wait_until(lambda: "pause" in stage.pressed)
-    given = {"number": (177, "words"), "text": (1, "words77")}[field] if key == "Enter" else (1, "words")
+    given = (177, "words") if field == "number" else (1, "words77" if key == "Enter" else "words")
     wait_until(lambda: (stage.number.value, stage.text.value) == given)
     assert stage.pressed == ["pause"]
     stage.text.value, stage.number.value = "words", 1.0

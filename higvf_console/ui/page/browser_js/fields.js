@@ -3,14 +3,13 @@
 (page, config) => {
   const ADOPT_MS = 300;
   const TEXT = ".mantine-TextInput-input";
-  const NUMBER = ".mantine-NumberInput-input"; // viser's own, beside its sliders
-  const CONTROL = ".mantine-NumberInput-control";
+  const NUMBER = ".mantine-NumberInput-input"; // viser's own: it drops what it does not expect
   const native = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value");
 
   let draft = null; // what is being typed: its field, and how React writes there
   let passing = false; // whether an input event is one of ours, for viser
 
-  const fieldOf = ({ target }) => (target.matches?.(`${TEXT}, ${NUMBER}`) ? target : null);
+  const fieldOf = ({ target }) => (target.matches?.(TEXT) ? target : null);
 
   // viser gives a text field no name that its label knows. `inputmode` marks a field in which Space is no character: all
   // but those that hold words.
@@ -23,12 +22,22 @@
     if (!config.words.includes(uuid)) field.inputMode = "text";
   }
 
-  // While a draft is there, React's writes wait: they would take the typed characters away.
+  // The number beside a slider shows its value; `1e-1` typed there would become -11.
+  function makeReadOnly(field) {
+    const beside = field.closest(".mantine-NumberInput-root")?.parentElement;
+    if (beside?.querySelector("[role=slider]")) field.readOnly = true;
+  }
+
+  function adoptAll() {
+    document.querySelectorAll(TEXT).forEach(adopt);
+    document.querySelectorAll(NUMBER).forEach(makeReadOnly);
+  }
+
+  // While a draft is there, React's writes are dropped: they would take the typed characters away.
   function begin(field) {
     if (draft?.field === field) return;
     commit();
-    const own = Object.getOwnPropertyDescriptor(field, "value");
-    draft = { field, own };
+    draft = { field, own: Object.getOwnPropertyDescriptor(field, "value") };
     Object.defineProperty(field, "value", { configurable: true, get: () => native.get.call(field), set() {} });
   }
 
@@ -43,33 +52,15 @@
     return { field, typed, base };
   }
 
-  function give(field, text) {
-    native.set.call(field, text);
-    passing = true;
-    field.dispatchEvent(new InputEvent("input", { bubbles: true }));
-    passing = false;
-  }
-
   function commit() {
     if (!draft) return;
     const { field, typed, base } = end();
     if (typed === base || !typed.trim()) return;
-    if (field.matches(TEXT)) return give(field, typed);
-    const [low, high] = limits(field);
-    const number = Number(typed.trim().replace(",", "."));
-    if (number >= low && number <= high) return give(field, plain(number));
-    const range = Number.isFinite(low) ? ` from ${low} to ${high}` : "";
-    page.part("keys")?.note(`${typed.slice(0, 20)} is not a number${range}: ${base} stays`);
+    native.set.call(field, typed);
+    passing = true;
+    field.dispatchEvent(new InputEvent("input", { bubbles: true }));
+    passing = false;
   }
-
-  // Of the slider that a number stands beside.
-  function limits(field) {
-    const thumb = field.closest(".mantine-NumberInput-root")?.parentElement?.querySelector("[role=slider]");
-    const limit = (name, otherwise) => Number(thumb?.getAttribute(name) ?? otherwise);
-    return [limit("aria-valuemin", -Number.MAX_VALUE), limit("aria-valuemax", Number.MAX_VALUE)];
-  }
-
-  const plain = (number) => number.toLocaleString("en", { useGrouping: false, maximumFractionDigits: 20 });
 
   // An arrow adds a tenth of the number's order of magnitude.
   function step(field, sign) {
@@ -77,7 +68,7 @@
     if (!field.value.trim() || !Number.isFinite(number)) return false;
     const size = 10 ** (Math.floor(Math.log10(Math.abs(number) || 1)) - 1);
     begin(field);
-    native.set.call(field, plain(Number((number + sign * size).toPrecision(12))));
+    native.set.call(field, String(Number((number + sign * size).toPrecision(12))));
     return true;
   }
 
@@ -96,32 +87,46 @@
   function onKeyDown(event) {
     const field = fieldOf(event);
     if (!field || event.isComposing) return;
+    const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key];
     if (event.key === "Enter") commit();
     else if (event.key === "Escape" && draft) end();
-    else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
-      if (field.matches(NUMBER)) commit(); // viser steps it itself
-      else if (step(field, event.key === "ArrowUp" ? 1 : -1)) event.preventDefault();
-    }
+    else if (sign && step(field, sign)) event.preventDefault();
   }
 
+  // A number field that is left without a number would hide the value in force: its last number comes back. viser sends
+  // it again, which changes nothing, as it is the one that the console knows.
+  const numbers = new WeakMap(); // by field
+  const numberField = ({ target }) => (target.matches?.(NUMBER) ? target : null);
+  const isNumber = (text) => text.trim() !== "" && Number.isFinite(Number(text));
+  const keep = (event) => {
+    const field = numberField(event);
+    if (field && isNumber(field.value)) numbers.set(field, field.value);
+  };
+  const putBack = (event) => {
+    const field = numberField(event);
+    if (!field || isNumber(field.value) || !numbers.has(field)) return;
+    native.set.call(field, numbers.get(field));
+    field.dispatchEvent(new InputEvent("input", { bubbles: true }));
+  };
+
+  const forgetNumbers = page.listen({ beforeinput: keep, input: keep, focusout: putBack });
   const forget = page.listen({
-    focusin: (event) => fieldOf(event)?.matches(TEXT) && adopt(event.target),
+    focusin: (event) => fieldOf(event) && adopt(event.target),
     beforeinput: onBeforeInput,
     input: onInput,
     change: onInput, // before a field is left, and on Enter
     keydown: onKeyDown,
-    keyup: (event) => event.key.startsWith("Arrow") && fieldOf(event)?.matches(TEXT) && commit(),
+    keyup: (event) => event.key.startsWith("Arrow") && fieldOf(event) && commit(),
     focusout: (event) => draft?.field === event.target && commit(),
-    pointerdown: (event) => event.target.closest?.(CONTROL) && commit(),
   });
-
-  const adopting = setInterval(() => document.querySelectorAll(TEXT).forEach(adopt), ADOPT_MS);
+  const adopting = setInterval(adoptAll, ADOPT_MS);
 
   return {
     remove() {
       clearInterval(adopting);
       if (draft) end();
       forget();
+      forgetNumbers();
     },
   };
 }
