@@ -20,6 +20,8 @@ from higvf_console.core.arrays import Floats
 from higvf_console.core.viewport import Arena, Viewport
 from higvf_console.ui.interaction import camera, keys, pointer
 from higvf_console.ui.page import guard
+from higvf_console.ui.page import page as scripts
+from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
 
 # Dispatches one pointer event at every point; `rate` 0 = all at once, one event with the others coalesced into it.
 _DRAW = """
@@ -206,15 +208,20 @@ class Stage:
     button: viser.GuiButtonHandle
     strokes: list[tuple[int, str, Floats]] = field(default_factory=lambda: [])
     clicks: list[Floats] = field(default_factory=lambda: [])
+    groups: list[bool] = field(default_factory=lambda: [])  # whether each of these was about a group
     viewports: list[Viewport] = field(default_factory=lambda: [])
     pressed: list[str] = field(default_factory=lambda: [])
+    typed: list[float] = field(default_factory=lambda: [])
+    length: NumberField | None = None  # whose numbers these are
     hears_stop: bool = True
 
-    def stroke(self, client_id: int, phase: pointer.Phase, points: Floats) -> None:
+    def stroke(self, client_id: int, phase: pointer.Phase, points: Floats, *, group: bool) -> None:
         self.strokes.append((client_id, phase, points))
+        self.groups.append(group)
 
-    def click(self, client_id: int, point: Floats) -> None:  # noqa: ARG002
+    def click(self, client_id: int, point: Floats, *, group: bool) -> None:  # noqa: ARG002
         self.clicks.append(point)
+        self.groups.append(group)
 
     def viewport(self, client_id: int, viewport: Viewport) -> None:  # noqa: ARG002
         self.viewports.append(viewport)
@@ -256,7 +263,10 @@ def open_stage(arena: Arena = ARENA, max_clients: int = 16) -> Stage:
         text=server.gui.add_text("text", "words"),
         button=server.gui.add_button("button"),
     )
+    scripts.install(server, "fields", {"words": [stage.text._impl.uuid]})  # pyright: ignore[reportPrivateUsage]
+    pointer.ignore_palms(server)
     camera.install(server, arena)
+    stage.length = NumberField(server.gui, "Length", 25.0, NumberRange("m", 1.0, 500.0), stage.typed.append)
     pointer.install(server, stage)
     keys.install(server, stage.on_key)
     return stage

@@ -76,8 +76,9 @@ def whole_page(chromium: Browser, whole_stage: Stage) -> Iterator[Page]:
 @pytest.fixture
 def stage(whole_stage: Stage) -> Stage:
     """The shared server, with its notes wiped."""
-    for notes in (whole_stage.strokes, whole_stage.clicks, whole_stage.viewports, whole_stage.pressed):
-        notes.clear()
+    notes = whole_stage
+    for noted in (notes.strokes, notes.clicks, notes.groups, notes.viewports, notes.pressed, notes.typed):
+        noted.clear()
     whole_stage.hears_stop = True
     return whole_stage
 

@@ -13,6 +13,7 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
 from higvf_console.core.events import Event
+from higvf_console.core.numbers import grouped
 from higvf_console.core.path_terms import ENDINGS, FASTEST, SLOWEST, PathTerms, changed_terms
 from higvf_console.core.state import ACTING, Path, PathEnding, PathKind, PathStatus, SimState
 from higvf_console.operator.outcome import Outcome, path_dropped, refuse, report, with_pointer_state
@@ -139,9 +140,8 @@ def ending_word(path: Path) -> str:
 
 def path_words(path: Path) -> str:
     """Describes a path: closure, length, direction, ending, pace and duration."""
-    words = (
-        "an endless line" if path.length == math.inf else f"{'closed' if path.closed else 'open'}, {path.length:.0f} m"
-    )
+    shape = "closed" if path.closed else "open"
+    words = "an endless line" if path.length == math.inf else f"{shape}, {grouped(path.length)} m"
     words += ", in reverse" if path.direction < 0 else ""
     words += "" if path.ending == PathEnding.RELEASE else f", {ending_word(path)} at its end"
     words += "" if path.pace == 1.0 else f", at {path.pace:.0%} pace"

@@ -56,6 +56,7 @@ from higvf_console.core.commands import (
 from higvf_console.core.edits import Edit
 from higvf_console.core.errors import PathError
 from higvf_console.core.events import Event, Severity
+from higvf_console.core.numbers import grouped
 from higvf_console.core.path_terms import terms_of_stroke
 from higvf_console.core.state import NO_PATH, NOBODY, Path, PathKind, PointerState, SimState
 from higvf_console.core.viewport import Arena
@@ -216,7 +217,7 @@ def _set_pending(state: SimState, path: Path, robot: int, time: float) -> Outcom
     robots = len(state.motion.position)
     if robot != NOBODY and not 0 <= robot < robots:
         return state, no_robot(robot, robots, time)
-    events = report(time, "pending", f"A path of {path.length:.0f} m is pending: commit or discard it.")
+    events = report(time, "pending", f"A path of {grouped(path.length)} m is pending: commit or discard it.")
     return with_pointer_state(state, pending=path, pending_robot=robot, pending_repairs=False), events
 
 
@@ -228,10 +229,15 @@ def _commit(state: SimState, path: Path, robot: int, time: float) -> Outcome:
     if robot != NOBODY:
         state, events = _pick(state, robot, time)
     kind = "closed" if path.closed else "open"
-    text = f"Robot {state.intent.influenced + 1} follows a new {kind} path of {path.length:.0f} m."
+    text = f"Robot {state.intent.influenced + 1} follows a new {kind} path of {grouped(path.length)} m."
+    if state.intent.stopped:
+        text = f"The path of {grouped(path.length)} m waits: the STOP is active. Reset it, then resume."
+    elif state.intent.paused:
+        text = f"The path of {grouped(path.length)} m waits: the team is paused. Resume (P) to follow it."
     drawn = tuple(old for old in state.pointer_state.paths if old is not path)
     state = with_pointer_state(state, paths=(*drawn, path)[-PATHS_KEPT:])
-    return follow(state, path), events + report(time, "path", text)
+    waits = state.intent.stopped or state.intent.paused
+    return follow(state, path), (*events, Event(time, Severity.WARNING if waits else Severity.INFO, "path", text))
 
 
 def _propose(state: SimState, command: ProposePick, time: float) -> Outcome:

@@ -29,11 +29,13 @@ class Choice(NamedTuple):
         horizon: how far to look ahead [s].
         use: what a stroke is for that is drawn at the console.
         terms: on which the path is followed that it becomes.
+        robot: index of the robot that the path is for; None = the one that is influenced.
     """
 
     horizon: float = USUAL
     use: StrokeUse = StrokeUse.PATH
     terms: PathTerms = USUAL_TERMS
+    robot: int | None = None
 
 
 class Previewer:
@@ -102,7 +104,7 @@ class Previewer:
         self._known, self._chosen, self._tick = matter, choice, state.motion.tick
         self._started = time.perf_counter()
         drawn_here = self._session.draws_previewed(state.pointer_state.stroke_source)
-        wished = wish(state, setup, stroke_end(choice.terms, choice.use) if drawn_here else None)
+        wished = wish(state, setup, stroke_end(choice.terms, choice.use, choice.robot) if drawn_here else None)
         if wished is None:
             self.latest = None
             return

@@ -7,7 +7,8 @@ on belong to the run, not to the scenario, and are not written.
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from contextlib import suppress
+from typing import Any, cast
 
 import numpy as np
 
@@ -33,9 +34,10 @@ from higvf_console.world.polygons import obstacles_of
 from higvf_console.world.setup import Setup
 
 Section = dict[str, Any]
+MILLIMETRES = 3  # decimals of a length [m]
 
 
-def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> str:
+def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None, *, rounded: bool = False) -> str:
     """The text of a scenario file that starts from the present state.
 
     Layout and start positions are written bit for bit; headings of unicycles, a sketched path and what is left of the
@@ -45,6 +47,8 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
         setup: layout and world in force.
         state: the present state.
         scenario: where the run comes from, for what edits do not change; None = nowhere.
+        rounded: whether lengths are rounded to the millimetre, as people want to read them, where a run can still start
+            from them.
 
     Raises:
         ScenarioError: no run can start from the present state, for example because a fire has grown too large.
@@ -71,12 +75,36 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None) -> s
             "filter": scenario.filter.value, "inputs": written_inputs(scenario.inputs, scenario.limits),
             "demo": list(scenario.demo), "ends": written_ends(scenario.ends), "duration_s": scenario.duration,
         }  # fmt: skip
-    text = yaml_text({key: value for key, value in content.items() if key == "links" or value not in ({}, [], "")})
+    content = {key: value for key, value in content.items() if key == "links" or value not in ({}, [], "")}
+    source = scenario.source if scenario is not None else "scenario.yaml"
+    if rounded:
+        text = yaml_text(in_millimetres(content))
+        with suppress(ScenarioError):
+            parse_scenario(text, source)
+            return text
+    text = yaml_text(content)
     try:
-        parse_scenario(text, scenario.source if scenario is not None else "scenario.yaml")
+        parse_scenario(text, source)
     except ScenarioError as error:
         raise ScenarioError(f"the present state cannot be a scenario's start: {error}") from error
     return text
+
+
+def in_millimetres(value: Any, *, length: bool = False) -> Any:
+    """A part of a scenario whose lengths, those of the arena and of keys that end in `_m`, are whole millimetres."""
+    match value:
+        case dict():
+            section = cast(dict[str, Any], value)
+            return {
+                key: in_millimetres(part, length=length or key.endswith("_m") or key == "arena")
+                for key, part in section.items()
+            }
+        case list():
+            return [in_millimetres(part, length=length) for part in cast(list[Any], value)]
+        case float() if length and math.isfinite(value):
+            return round(value, MILLIMETRES) + 0.0
+        case _:
+            return value
 
 
 def _arena(arena: Arena, walls: bool) -> Section:

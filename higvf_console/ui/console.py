@@ -11,12 +11,13 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Coroutine
+from functools import partial
 from typing import TYPE_CHECKING
 
 import viser
 
 from higvf_console.core.events import Event, Severity
-from higvf_console.core.state import NO_PATH, Path
+from higvf_console.core.state import NO_PATH, NOBODY, Path, PathKind
 from higvf_console.operator.path_commands import in_hand
 from higvf_console.runtime.history import History
 from higvf_console.runtime.previewer import Choice, Previewer
@@ -24,7 +25,7 @@ from higvf_console.ui import theme
 from higvf_console.ui.cards.run_card import RunCard
 from higvf_console.ui.frame_pace import FramePace
 from higvf_console.ui.interaction import camera, hints, keys, pointer, tools
-from higvf_console.ui.interaction.arena import ArenaInteraction
+from higvf_console.ui.interaction.arena import ArenaInteraction, PageActions
 from higvf_console.ui.interaction.calibration import Calibration
 from higvf_console.ui.page import page
 from higvf_console.ui.page.roles import Roles
@@ -77,6 +78,15 @@ def _trigger(hand: ArenaInteraction, name: str) -> Callable[[viser.CommandEvent]
     return react
 
 
+def page_actions(server: viser.ViserServer) -> PageActions:
+    """What the hand does in the pages of a server."""
+
+    def open_tab(name: str, client_id: int) -> None:
+        page.call(server, "tabs", "open", name, client_id)
+
+    return PageActions(partial(tools.show, server), open_tab, partial(keys.note, server))
+
+
 class Console:
     """Scene and panels of one session, on one viser server.
 
@@ -102,15 +112,18 @@ class Console:
         self._stopped: bool | None = None
         self._history: History | None = None
         self._scenario = session.scenario
-        self._frames = 0
+        self._frames, self._robots, self._influenced = 0, 0, NOBODY
         self._failures: set[str] = set()
         theme.dress(server, session.scenario.title)
         page.install(server, "frames", {})
+        page.install(server, "tabs", {})
+        page.install(server, "fields", {"words": []})
         self._scene = Scene(server, session.setup, self.ui.state.look)
         self._roles = Roles(server, session.pointer, session.pointer_limits.lost)
         self._build_panels()
+        pointer.ignore_palms(server)
         camera.install(server, self._scene.camera_arena)
-        hand = ArenaInteraction(session, self.ui, self._roles, self._show_tool)
+        hand = ArenaInteraction(session, self.ui, self._roles, page_actions(server))
         pointer.install(server, hand, theme.CSS.stroke)
         self._calibration = Calibration(server, session.calibrated)  # ahead of the keys: Esc is its own at times
         keys.install(server, hand.key)
@@ -171,12 +184,9 @@ class Console:
         if self._drafts is not None:
             self._drafts.saved(setup)
 
-    def _show_tool(self, tool: tools.Tool, client_id: int) -> None:
-        tools.show(self._server, tool, client_id)
-
     def _choice(self) -> Choice:
         state = self.ui.state
-        return Choice(state.horizon, state.drawn_for, state.terms)
+        return Choice(state.horizon, state.drawn_for, state.terms, state.drawn_robot)
 
     def _wake(self, before: UiState, now: UiState) -> None:
         """What was chosen is shown at once; what is dragged, which comes by the hundred, with the next frame."""
@@ -212,6 +222,11 @@ class Console:
         if path is not self._path:
             self._path = path
             self.ui.change(follow_path(path))
+            if path.kind != PathKind.NONE:
+                hints.happened(self._server, "draw")
+        if snapshot.state.intent.influenced != self._influenced:
+            self._influenced = snapshot.state.intent.influenced
+            hints.happened(self._server, "pick")
         with self._server.atomic():
             self._try("scene", lambda: self._show_scene(snapshot))
             self._try("calibration", lambda: self._calibration.update(snapshot.inputs.capture))
@@ -230,6 +245,8 @@ class Console:
         if snapshot.state.intent.stopped != self._stopped:
             self._stopped = snapshot.state.intent.stopped
             keys.show_stopped(self._server, self._stopped)
+            if self._stopped:
+                hints.happened(self._server, "stop")
 
     def _take(self, scenario: "Scenario") -> None:
         """Another scenario is in force: what was chosen, and the picture on the ground, were of the last one."""
@@ -239,6 +256,11 @@ class Console:
         self._server.gui.set_panel_label(scenario.title)
 
     def _show_scene(self, snapshot: "Snapshot") -> None:
+        robots = len(snapshot.state.motion.position)
+        if robots != self._robots:
+            self._robots = robots
+            self.ui.update(group=frozenset())  # a number may be another's now
+            keys.show_robots(self._server, robots)
         if self._scene.setup is not snapshot.setup:
             self.ui.change(keep_choice(snapshot.setup.layout))
         state = self.ui.state
@@ -252,7 +274,9 @@ class Console:
             self._scene = Scene(self._server, snapshot.setup, look)
             if self._scene.camera_arena != arena:
                 camera.install(self._server, self._scene.camera_arena)
-        self._scene.update(snapshot, state, self._previewer.latest)
+        viewport = self._session.viewport
+        px = None if viewport is None else viewport.metres_per_px
+        self._scene.update(snapshot, state, self._previewer.latest, px)
 
     def _try(self, part: str, update: Callable[[], None]) -> None:
         try:

@@ -55,6 +55,8 @@ class UiState:
         commit_at_once: a drawn path is followed when its stroke ends; else it waits.
         horizon: how far the preview looks ahead [s].
         drawn_for: what the stroke is for that is drawn now; PATH while none is.
+        drawn_robot: index of the robot that its path is for; None = the one that is influenced.
+        group: indices of the robots that the next path is for: the one of them that is nearest to its start.
         editing: whether the pointer edits the layout.
         selected: what is chosen for editing.
         among: how many of its kind there are then.
@@ -78,6 +80,8 @@ class UiState:
     commit_at_once: bool = True
     horizon: float = USUAL
     drawn_for: StrokeUse = StrokeUse.PATH
+    drawn_robot: int | None = None
+    group: frozenset[int] = frozenset()
     editing: bool = False
     selected: EntityRef | None = None
     among: int = 0
@@ -178,9 +182,19 @@ def keep_choice(layout: Layout) -> Change:
     return change
 
 
-def take_up_editing(editing: bool) -> Change:
-    """The pointer begins or ends to edit; what is chosen stays chosen as long as it is seen to be."""
-    return lambda state: replace(state, editing=editing, selected=state.selected if editing else None)
+def take_up_editing(editing: bool, *, adds: bool = False) -> Change:
+    """The pointer begins or ends to edit, or adds things; what is chosen stays chosen as long as it is seen to be."""
+    return lambda state: replace(state, editing=editing, selected=state.selected if editing or adds else None)
+
+
+def toggle_in_group(robot: int) -> Change:
+    """A robot (index from 0) joins the group, or leaves it."""
+    return lambda state: replace(state, group=state.group ^ {robot})
+
+
+def name_of_field(kind: FieldKind | None) -> str:
+    """How people call a vector field."""
+    return "off" if kind is None else kind.name.lower()
 
 
 def move_drag(point: Floats) -> Change:

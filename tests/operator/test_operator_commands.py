@@ -32,7 +32,7 @@ from higvf_console.core.commands import (
     StrokeEnd,
     StrokePoints,
 )
-from higvf_console.core.events import Event
+from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import NO_PATH, NOBODY, PathKind, PathStatus, SimState
 from higvf_console.operator.reducer import apply_command
 from higvf_console.sim.simulation import advance
@@ -315,3 +315,16 @@ def test_only_the_drawing_interface_and_the_session_may_end_a_stroke(
     for source in ("console", "session"):
         state, _ = after(setup, [end(source=source)], drawn)
         assert len(state.pointer_state.stroke) == 0
+
+
+@pytest.mark.parametrize(
+    ("before", "reason"), [(EmergencyStop(), "the STOP is active"), (Pause(), "the team is paused")]
+)
+def test_a_path_that_is_drawn_while_the_team_stands_says_that_it_waits(
+    setup: Setup, before: OperatorCommand, reason: str
+) -> None:
+    state, events = after(setup, [before, *stroke(LINE)])
+    assert state.intent.path.kind == PathKind.SPLINE
+    assert "waits" in events[-1].text
+    assert reason in events[-1].text
+    assert events[-1].severity == Severity.WARNING

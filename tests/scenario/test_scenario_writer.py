@@ -16,6 +16,7 @@ from higvf_console.core.edits import (
     AddEntity,
     ChangeEntity,
     DeleteEntity,
+    EntityKind,
     LinkByRange,
     MoveEntity,
     SetArena,
@@ -26,7 +27,7 @@ from higvf_console.core.errors import ScenarioError
 from higvf_console.core.state import Motion, PathEnding, PathKind, PathStatus
 from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario, scenario_names
-from higvf_console.scenario.writer import scenario_yaml
+from higvf_console.scenario.writer import in_millimetres, scenario_yaml
 from higvf_console.world.setup import Setup
 from tests.teams import stroke
 
@@ -152,6 +153,22 @@ def test_walls_from_an_image_become_polygons_with_their_free_areas() -> None:
 
 def run_state(run: Run) -> tuple[Setup, Any]:
     return run.setup, run.state
+
+
+def test_lengths_are_saved_in_millimetres_for_people_unless_no_run_could_start_from_them(team: Scenario) -> None:
+    run = run_of(team, MoveEntity(EntityKind.FIRE, 0, floats([500.0, 249.9999868017535])), ticks=3)
+    text = scenario_yaml(run.setup, run.state, team, rounded=True)
+    assert parse_scenario(text, "again.yaml").fires[0].position == (500.0, 250.0)
+    again = parse_scenario(text, "again.yaml").setup(7).start.motion
+    assert (again.position == np.round(run.state.motion.position, 3)).all()
+    tiny = {"arena": {"x_min": 0.00004}, "fires": [{"at_m": [1.23456, 2], "growth_m_per_s": 0.12345}], "seed": 1.23456}
+    assert in_millimetres(tiny) == {
+        "arena": {"x_min": 0.0}, "fires": [{"at_m": [1.235, 2], "growth_m_per_s": 0.12345}], "seed": 1.23456,
+    }  # fmt: skip
+    touching = "[[700, 300.0006], [712.5, 321.65124]]"  # half a millimetre nearer, and they were too near
+    lines = f"version: 1\narena: {{size_m: [1200, 700]}}\nrobots: {{start_m: {touching}}}\n"
+    close = run_of(parse_scenario(lines, "close.yaml"))
+    assert "300.0006" in scenario_yaml(close.setup, close.state, None, rounded=True)
 
 
 def test_free_areas_are_read_and_wrong_ones_refused() -> None:

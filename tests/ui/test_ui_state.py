@@ -43,6 +43,7 @@ from higvf_console.ui.ui_state import (
     follow_path,
     move_drag,
 )
+from tests.page_actions import no_page
 from tests.teams import team
 
 PATH = with_terms(sketch_path(floats([[100, 100], [200, 150], [300, 100]]), 0.0), PathTerms("hold", 0.5, 30.0))
@@ -61,7 +62,7 @@ class Widget:
         self.react = react
 
     def touch(self, value: object) -> None:
-        event = SimpleNamespace(client_id=PAGE, target=SimpleNamespace(value=value))
+        event = SimpleNamespace(client_id=PAGE, client=None, target=SimpleNamespace(value=value))
         with ThreadPoolExecutor(1) as server:  # as viser does; this thread may have a loop of a browser test
             server.submit(lambda: asyncio.run(self.react(event))).result()
 
@@ -85,7 +86,7 @@ def hand_over_a_team(ui: UiStore, given: list[OperatorCommand]) -> ArenaInteract
     snapshot = SimpleNamespace(setup=setup, state=setup.start, frozen=False, time=0.0)
     session = cast(Session, SimpleNamespace(setup=setup, snapshot=snapshot, viewport=None))
     roles = cast(Roles, SimpleNamespace(push=given.append, steers={PAGE}.__contains__))
-    hand = ArenaInteraction(session, ui, roles, lambda _tool, _client: None)
+    hand = ArenaInteraction(session, ui, roles, no_page())
     hand.viewport(PAGE, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     return hand
 
@@ -170,8 +171,8 @@ def test_what_a_panel_writes_is_what_the_pointer_draws_with() -> None:
     TermsWidgets(cast(viser.GuiApi, gui), cast(PointerSink, SimpleNamespace(push=given.append)), ui)
     gui.widgets["At its end"].touch("Start again")
     gui.widgets["Pace"].touch(0.5)
-    gui.widgets["Lasts s"].touch(20.0)
-    gui.widgets["Smoothing m"].touch(7.0)
+    gui.widgets["Lasts (s)"].touch("20")
+    gui.widgets["Smoothing (m)"].touch("7")
     gui.widgets["Commit at once"].touch(False)
     assert given == [], "there is no path that could be followed otherwise"
     draw(hand_over_a_team(ui, given))
@@ -185,7 +186,7 @@ def test_what_a_panel_refuses_changes_nothing() -> None:
     ui, gui = UiStore(), Gui()
     TermsWidgets(cast(viser.GuiApi, gui), cast(PointerSink, None), ui)
     before = ui.state
-    for label, value in (("At its end", "Explode"), ("Pace", 9.0), ("Lasts s", "long"), ("Commit at once", 1)):
+    for label, value in (("At its end", "Explode"), ("Pace", 9.0), ("Lasts (s)", "long"), ("Commit at once", 1)):
         gui.widgets[label].touch(value)
     assert ui.state is before
 

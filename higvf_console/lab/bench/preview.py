@@ -18,6 +18,7 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import OperatorCommand, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, OperatorContext
+from higvf_console.core.numbers import grouped
 from higvf_console.core.state import SimState
 from higvf_console.lab.bench.timing import take_turns
 from higvf_console.operator.reducer import apply_command
@@ -149,7 +150,7 @@ def table(bench: PreviewBench) -> str:
     edges = [f"{edge:g}" for edge in _EDGES]
     bins = [f"{low} to {high} ms" for low, high in pairwise(edges)]
     lines = [
-        f"Rollout of the firefighting scenario: {bench.realtime_factor:,.0f} times real time",
+        f"Rollout of the firefighting scenario: {grouped(bench.realtime_factor)} times real time",
         f"Previews of {USUAL:g} s with {ROBOTS} robots: {bench.previews_per_s:.1f} per second",
         f"Lateness of a control period of {bench.period_ms:g} ms while a stroke grows:",
         f"{'':>14}{'no preview':>12}{'preview':>12}",

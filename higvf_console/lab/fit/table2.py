@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from higvf_console.channels.channels import open_interface
 from higvf_console.core.interface import InputSpec
+from higvf_console.core.numbers import grouped
 from higvf_console.lab.fit.firefighting import Branch, FirefightingRun, Milestone, milestones, result, run_branch
 from higvf_console.lab.reproduce.paper import COLUMNS, Column
 from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
@@ -186,7 +187,7 @@ def _loss_verdicts(name: str, runs: Columns) -> list[Verdict]:
 
 
 def _near(target: str, printed: float, found: float, error: float, limit: float) -> Verdict:
-    return Verdict(target, f"{printed:,.1f}", f"{found:,.1f}", error, limit, abs(error) <= limit)
+    return Verdict(target, grouped(printed, 1), grouped(found, 1), error, limit, abs(error) <= limit)
 
 
 def _total_verdict(name: str, runs: Columns) -> Verdict:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from higvf_console.core.numbers import grouped
 from higvf_console.lab.fit.table2 import ALONE, summed
 from higvf_console.lab.reproduce.paper import COLUMNS
 
@@ -51,12 +52,12 @@ def loss_table(result: Mapping[str, Any]) -> str:
         cells = [f"fire {fire + 1}"]
         for name, column in COLUMNS.items():
             found, error = result["table2"][name]["loss_area_m2"][fire], result["relative_error"][name]["loss_area"]
-            cells += [f"{found:,.1f}", f"{column.loss_area[fire]:,.1f}", f"{100.0 * error[fire]:+.2f} %"]
+            cells += [grouped(found, 1), grouped(column.loss_area[fire], 1), f"{100.0 * error[fire]:+.2f} %"]
         rows.append(tuple(cells))
     cells = ["total"]
     for name, column in COLUMNS.items():
         error = 100.0 * result["relative_error"][name]["total"]
-        cells += [f"{result['table2'][name]['total_m2']:,.1f}", f"{summed(column):,.1f}", f"{error:+.2f} %"]
+        cells += [grouped(result["table2"][name]["total_m2"], 1), grouped(summed(column), 1), f"{error:+.2f} %"]
     return aligned([*rows, tuple(cells)])
 
 
@@ -88,7 +89,7 @@ def quantity_table(title: str, ranges: Mapping[str, Mapping[str, float]]) -> str
     rows: list[Sequence[str]] = [(title, "paper", "minimum", "median", "maximum")]
     for name, found in ranges.items():
         numbers = (found[key] for key in ("paper", "low", "median", "high"))
-        rows.append((name, *(f"{number:,.0f}" if "total" in name else f"{100 * number:+.2f} %" for number in numbers)))
+        rows.append((name, *(grouped(number) if "total" in name else f"{100 * number:+.2f} %" for number in numbers)))
     return aligned(rows)
 
 

@@ -65,10 +65,6 @@ class RunCard:
             self._shown = card
             cards.show(self._server, *card)
 
-    def cleanup(self) -> None:
-        """Takes the card away."""
-        cards.show(self._server, "", "")
-
     def _card(self, snapshot: "Snapshot") -> tuple[str, str]:
         offered = self._drafts.offered if self._drafts is not None else None
         match snapshot.phase.phase:

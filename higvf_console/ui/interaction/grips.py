@@ -19,6 +19,7 @@ from higvf_console.world.editing.entities import NUMBERS, EntityRef, centres, en
 from higvf_console.world.layout import Layout
 from higvf_console.world.polygons import obstacles_of
 
+MILLIMETRES = 3  # decimals of a length [m]: no hand is more exact
 _BEYOND = 26.0  # from the edge to the disc that turns [px]
 _ROBOT = 16.0  # radius of a robot's outline [px]
 
@@ -137,8 +138,8 @@ def result_of(
     numbers = wished(drag, layout, motion)
     kind, row = drag.place
     if drag.handle:
-        return [ChangeEntity(kind, row, drag.handle, round(numbers[drag.handle], 2))]
-    return [MoveEntity(kind, row, floats([numbers["x"], numbers["y"]]))]
+        return [ChangeEntity(kind, row, drag.handle, round(numbers[drag.handle], MILLIMETRES))]
+    return [MoveEntity(kind, row, floats([round(numbers["x"], MILLIMETRES), round(numbers["y"], MILLIMETRES)]))]
 
 
 def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
@@ -148,6 +149,12 @@ def robot_near(position: Floats, point: Floats, reach: float) -> int | None:
     gap = np.hypot(position[:, 0] - point[0], position[:, 1] - point[1])
     nearest = int(np.argmin(gap))
     return nearest if gap[nearest] <= reach else None
+
+
+def nearest_of(group: frozenset[int], position: Floats, point: Floats) -> int | None:
+    """Index of the robot of a group, of those at (N, 2) [m], that is nearest to a point (2,); None = there is none."""
+    there = sorted(robot for robot in group if robot < len(position))
+    return min(there, key=lambda robot: math.dist(position[robot], point)) if there else None
 
 
 def outlines(place: EntityRef, numbers: dict[str, float], layout: Layout, motion: Motion, px: float) -> list[Floats]:

@@ -1,4 +1,4 @@
-"""Three steps for the first run: a strip on the page that ticks each step when it is done for the first time."""
+"""Three steps for the first run: a strip on the page that ticks each step when what it asks for has happened."""
 
 from typing import NamedTuple
 
@@ -26,6 +26,11 @@ STEPS = (
     Step("pick", "Pick a robot", "Click it, or press 1 … 9."),
     Step("stop", "Space stops", "Every robot, at once."),
 )
+
+
+def happened(server: viser.ViserServer, name: str) -> None:
+    """Tells every page that the event of a step has happened; the page that tried it ticks the step."""
+    page.call(server, "hints", "happened", name)
 
 
 def install(server: viser.ViserServer) -> None:

@@ -34,11 +34,10 @@ def command_of(name: str, snapshot: "Snapshot") -> OperatorCommand | None:
         snapshot: now; a key that turns something on and off depends on it.
 
     Returns:
-        None where the key gives no command, or picks a robot that is not there.
+        None where the key gives no command.
     """
     if name.startswith(_PICK):
-        robot = int(name.removeprefix(_PICK)) - 1
-        return Pick(robot) if 0 <= robot < len(snapshot.state.motion.position) else None
+        return Pick(int(name.removeprefix(_PICK)) - 1)
     commands: dict[str, OperatorCommand] = {
         "ask_reset": AskReset(),
         "reset_stop": ResetEmergencyStop(),

@@ -5,6 +5,7 @@ again. `browser_js/keys.js` listens ahead of everything, sends STOP as a message
 acknowledged it, and says so when the server cannot be reached.
 """
 
+import re
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -19,7 +20,7 @@ class KeyBinding(NamedTuple):
 
     Attributes:
         key: what is printed on the key.
-        name: what `on_key` is called with; for the digits, `pick_1` to `pick_9`.
+        name: what `on_key` is called with; for a number that was typed, `pick_1`, `pick_2` and so on.
         text: what the key does, for the operator.
         in_page: whether the page does it itself, without `on_key`.
     """
@@ -33,7 +34,7 @@ class KeyBinding(NamedTuple):
 KEYMAP: tuple[KeyBinding, ...] = (
     KeyBinding("Space", "stop", "STOP: every robot stands still. Reset it in two steps with the red button"),
     KeyBinding("P", "pause", "Pause or resume: robots hold and still give way, the world goes on"),
-    KeyBinding("1 … 9", "pick", "Influence the robot of that number"),
+    KeyBinding("1 … 9", "pick", "Influence the robot of that number; above 9 type it: 17, then Enter or a pause"),
     KeyBinding("Enter", "confirm", "Commit what is pending: the drawn path or the proposed robot"),
     KeyBinding("Esc", "discard", "Cancel the stroke, discard what is pending, deselect, then put the tool away"),
     KeyBinding("C", "clear_path", "Clear the path"),
@@ -51,7 +52,9 @@ KEYMAP: tuple[KeyBinding, ...] = (
 )
 POINTER_HELP = (
     ("drag", "Draw the desired path"),
-    ("click", "Influence a robot"),
+    ("click", "Influence a robot; again: why it moves"),
+    ("Shift click", "Add a robot to the group that the next path is for, or remove it"),
+    ("Shift drag", "Draw round that group"),
     ("wheel", "Zoom to the pointer"),
     ("right drag", "Move the view"),
 )
@@ -60,14 +63,12 @@ NOTE = (
     "the red button stops the team there too."
 )
 
-_PICKS = {str(number): f"pick_{number}" for number in range(1, 10)}
+_PICK = re.compile(r"pick_[1-9][0-9]{0,5}")  # the robot of that number
 _LETTERS = {binding.key.lower(): binding.name for binding in KEYMAP if len(binding.key) == 1}
 _WORDS = {"enter": "confirm", "escape": "discard", "delete": "delete"}  # by what the browser calls the key
-# Everything that `on_key` may be called with.
+# Everything that `on_key` may be called with, besides the numbers of robots.
 NAMES = frozenset(
-    {binding.name for binding in KEYMAP if not binding.in_page and binding.name != "pick"}
-    | {"ask_reset", "reset_stop"}
-    | set(_PICKS.values())
+    {binding.name for binding in KEYMAP if not binding.in_page and binding.name != "pick"} | {"ask_reset", "reset_stop"}
 )
 
 
@@ -76,15 +77,17 @@ def install(server: viser.ViserServer, on_key: Callable[[int, str], None]) -> No
 
     Args:
         server: whose pages get them.
-        on_key: called as `on_key(client_id, name)`, name in `NAMES`, on viser's event loop: it must return at once.
+        on_key: called as `on_key(client_id, name)`, name in `NAMES` or `pick_` and a number, on viser's event loop: it
+            must return at once.
             STOP counts as acknowledged when it has returned, so it must not raise.
     """
     last_stop: dict[int, int] = {}
 
     def handle(client_id: int, body: page.Body) -> None:
         name, number = body.get("name"), body.get("number")
-        if name not in NAMES or not isinstance(number, int):
-            raise ValueError(f"no key {name!r}; keys: {', '.join(sorted(NAMES))}")
+        if not is_key(name) or not isinstance(number, int):
+            raise ValueError(f"no key {str(name)[:60]!r}; keys: pick_1, {', '.join(sorted(NAMES))}")
+        assert isinstance(name, str)
         if name != "stop":
             on_key(client_id, name)
             return
@@ -105,12 +108,27 @@ def install(server: viser.ViserServer, on_key: Callable[[int, str], None]) -> No
     page.on_leave(server, forget)
     config = {
         "keys": [(binding.key, binding.text) for binding in KEYMAP],
-        "names": _LETTERS | _PICKS | _WORDS,
+        "names": _LETTERS | _WORDS,
         "pointer": POINTER_HELP,
         "note": NOTE,
     }
     page.install(server, "keys", config)
     show_stopped(server, False)
+
+
+def is_key(name: object) -> bool:
+    """Whether `on_key` may be called with this."""
+    return isinstance(name, str) and (name in NAMES or _PICK.fullmatch(name) is not None)
+
+
+def show_robots(server: viser.ViserServer, robots: int) -> None:
+    """Tells every page how many robots there are, so that it knows when a number is complete."""
+    page.call(server, "keys", "robots", robots)
+
+
+def note(server: viser.ViserServer, text: str, client_id: int) -> None:
+    """Shows a few words beside a page's STOP button for a moment."""
+    page.call(server, "keys", "note", text, client_id)
 
 
 def show_stopped(server: viser.ViserServer, stopped: bool) -> None:

@@ -25,12 +25,15 @@ MAX_PIXELS = 1e5
 class PointerEvents(Protocol):
     """Who wants to know. Called on viser's event loop, in order: a method must return at once, so it only enqueues."""
 
-    def stroke(self, client_id: int, phase: Phase, points: Floats) -> None:
-        """A page's stroke starts, goes on, ends or is cancelled; `points` (n, 2) [m] are new, n = 0 when cancelled."""
+    def stroke(self, client_id: int, phase: Phase, points: Floats, *, group: bool) -> None:
+        """A page's stroke starts, goes on, ends or is cancelled; `points` (n, 2) [m] are new, n = 0 when cancelled.
+
+        `group`: it began with Shift held, so it goes round a group of robots.
+        """
         ...
 
-    def click(self, client_id: int, point: Floats) -> None:
-        """A short press at `point` (2,) [m]."""
+    def click(self, client_id: int, point: Floats, *, group: bool) -> None:
+        """A short press at `point` (2,) [m]; with `group`, that is with Shift held, the robot there joins or leaves."""
         ...
 
     def viewport(self, client_id: int, viewport: Viewport) -> None:
@@ -44,6 +47,12 @@ class _OpenStroke(NamedTuple):
     number: object
     packets: int
     points: int
+    group: bool
+
+
+def ignore_palms(server: viser.ViserServer) -> None:
+    """Keeps the palm of a hand that holds a pen from drawing and moving the view; install it ahead of the camera."""
+    page.install(server, "palm", {})
 
 
 def install(server: viser.ViserServer, events: PointerEvents, colour: str = "#f7f2b0") -> None:
@@ -57,12 +66,13 @@ def install(server: viser.ViserServer, events: PointerEvents, colour: str = "#f7
     strokes: dict[int, _OpenStroke] = {}
 
     def cancel(client_id: int) -> None:
-        if strokes.pop(client_id, None) is not None:
-            events.stroke(client_id, "cancel", floats([], -1, 2))
+        if (known := strokes.pop(client_id, None)) is not None:
+            events.stroke(client_id, "cancel", floats([], -1, 2), group=known.group)
 
     def on_stroke(client_id: int, body: page.Body) -> None:
         starting = body.get("phase") == "start"
-        known = _OpenStroke(body.get("id"), 0, 0) if starting else strokes.get(client_id)
+        fresh = _OpenStroke(body.get("id"), 0, 0, body.get("group") is True)
+        known = fresh if starting else strokes.get(client_id)
         if known is None:
             return  # the rest of a stroke that was cancelled here
         try:
@@ -74,13 +84,13 @@ def install(server: viser.ViserServer, events: PointerEvents, colour: str = "#f7
             cancel(client_id)
         if phase == "cancel":
             return
-        strokes[client_id] = _OpenStroke(known.number, known.packets + 1, known.points + len(points))
+        strokes[client_id] = known._replace(packets=known.packets + 1, points=known.points + len(points))
         if phase == "end":
             del strokes[client_id]
-        events.stroke(client_id, phase, points)
+        events.stroke(client_id, phase, points, group=known.group)
 
     def on_click(client_id: int, body: page.Body) -> None:
-        events.click(client_id, _numbers(body, "point", 2, MAX_COORDINATE))
+        events.click(client_id, _numbers(body, "point", 2, MAX_COORDINATE), group=body.get("group") is True)
 
     def on_viewport(client_id: int, body: page.Body) -> None:
         events.viewport(client_id, _viewport(body))

@@ -2,7 +2,8 @@
 
 One page has control and the others watch. Whoever comes while nobody has it gets it. A page that is not heard of for
 `timeout` is forgotten, so that a reload keeps its control, and its place among those who wait; what a forgotten or a
-willing holder leaves goes to whoever has waited longest. Anybody may take over, at any time.
+willing holder leaves goes to whoever has waited longest. A forgotten page that comes back has its name again. Anybody
+may take over, at any time.
 """
 
 from typing import NamedTuple
@@ -49,12 +50,14 @@ class Control(NamedTuple):
         holder: identity of the page that steers; empty = nobody does.
         waiting: identities of those who asked, longest first.
         names_given: how many pages have had a name so far.
+        former: pages that were forgotten, the last one last.
     """
 
     pages: tuple[Page, ...] = ()
     holder: str = ""
     waiting: tuple[str, ...] = ()
     names_given: int = 0
+    former: tuple[Page, ...] = ()
 
     def page(self, identity: str) -> Page | None:
         """The page of that identity, if it is there."""
@@ -81,9 +84,11 @@ def heartbeat(control: Control, identity: str, now: float) -> Outcome:
     elif len(control.pages) >= MOST_PAGES:
         raise ValueError(f"{MOST_PAGES} pages are remembered already")
     else:
-        number = control.names_given + 1
-        page = Page(identity, f"Browser {number}", now)
-        control = control._replace(pages=(*control.pages, page), names_given=number)
+        former = next((page for page in control.former if page.identity == identity), None)
+        number = control.names_given + (former is None)
+        page = Page(identity, former.name if former else f"Browser {number}", now)
+        others = tuple(page for page in control.former if page is not former)
+        control = control._replace(pages=(*control.pages, page), names_given=number, former=others)
         if not control.holder:
             return _given(control, identity, ControlChange.FIRST, identity)
     return control, None
@@ -95,7 +100,9 @@ def forgotten(control: Control, now: float, timeout: float) -> Outcome:
     if not gone:
         return control, None
     lost, by = control.holder in gone, control.name(control.holder)
+    leave = tuple(page for page in control.pages if page.identity in gone)
     control = control._replace(
+        former=(*control.former, *leave)[-MOST_PAGES:],
         pages=tuple(page for page in control.pages if page.identity not in gone),
         waiting=tuple(identity for identity in control.waiting if identity not in gone),
     )

@@ -2,6 +2,7 @@
 
 import base64
 import binascii
+import logging
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ import viser
 
 from higvf_console.ui.page import page
 
+_log = logging.getLogger(__name__)
 MOST_BYTES = 16_000_000
 PIECE = 400_000  # bytes of one message
 
@@ -37,14 +39,14 @@ class _Growing(NamedTuple):
 
 
 def install(
-    server: viser.ViserServer, kinds: Mapping[str, FileKind], refused: Callable[[str, str], None]
+    server: viser.ViserServer, kinds: Mapping[str, FileKind], refused: Callable[[int, str, str], None]
 ) -> Callable[[str, int], None]:
     """Lets pages send files.
 
     Args:
         server: whose pages may.
         kinds: of files, by name.
-        refused: hears the name of a file that cannot be used, and why.
+        refused: hears of a file that cannot be used: the client, its name, and why.
 
     Returns:
         choose(kind, client_id): opens the file chooser of a page that has just been clicked.
@@ -58,7 +60,7 @@ def install(
             raise ValueError("not a piece of a file")
         if int(size) > MOST_BYTES or not 0 < int(parts) <= MOST_BYTES // PIECE + 1:  # pyright: ignore[reportArgumentType]
             growing.pop(client_id, None)
-            refused(name, f"{int(size) / 1e6:.1f} MB are too many; at most {MOST_BYTES / 1e6:g} MB")  # pyright: ignore[reportArgumentType]
+            refused(client_id, name, f"{int(size) / 1e6:.1f} MB are too many; at most {MOST_BYTES / 1e6:g} MB")  # pyright: ignore[reportArgumentType]
             return
         known = _Growing(name, str(kind), int(parts), ()) if part == 0 else growing.get(client_id)  # pyright: ignore[reportArgumentType]
         if known is None or (known.name, known.kind, known.parts, len(known.content)) != (name, kind, parts, part):
@@ -74,7 +76,10 @@ def install(
             try:
                 kinds[known.kind].received(name, b"".join(known.content))
             except ValueError as error:
-                refused(name, str(error))
+                refused(client_id, name, str(error))
+            except Exception as error:  # a decoder of pictures raises whatever the content makes it raise
+                _log.exception("file %r", name)
+                refused(client_id, name, f"it cannot be read ({type(error).__name__})")
 
     def forget(client_id: int) -> None:
         growing.pop(client_id, None)

@@ -1,6 +1,7 @@
 """What is chosen for editing, number by number; the arena; who is linked."""
 
 import math
+import time
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -11,9 +12,9 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.edits import ChangeEntity, DeleteEntity, LinkByRange, SetArena
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.viewport import Arena
-from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, reaction, truth
+from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, reaction, truth
 from higvf_console.ui.panels.widgets.html import block
-from higvf_console.ui.panels.widgets.typed import TYPED_S, Typed
+from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
 from higvf_console.ui.ui_state import UiStore
 from higvf_console.world.editing.entities import NUMBERS, EntityRef, exists, name_of, numbers_of
 from higvf_console.world.layout import Layout
@@ -22,9 +23,9 @@ if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
 _MOST_NUMBERS = max(len(numbers) for numbers in NUMBERS.values())
-_SIDES = {"x_min": "Left m", "y_min": "Bottom m", "x_max": "Right m", "y_max": "Top m"}
-_DIGITS = 2  # after the point, shown and known: a page puts back what it shows
-_UNANSWERED_S = TYPED_S + SETTLE_S  # [s] from a key stroke until the session must have answered what was typed
+_SIDES = {"x_min": "Left", "y_min": "Bottom", "x_max": "Right", "y_max": "Top"}
+_DIGITS = 3  # after the point: millimetres
+_LATE_S = 0.3  # [s] what was typed before a click arrives at most so long after it
 _HELP = (
     "Choose the arrow above the arena (M) and click a robot, a fire or an obstacle. Drag it to move it, its square to "
     "resize it, its disc to turn it. The tools beside the arrow add entities, draw obstacles and link robots."
@@ -38,8 +39,8 @@ class EditPanel:
         """Builds the widgets; none has a meaning before `update`."""
         self._sink, self._ui = sink, ui
         self._place: EntityRef | None = None
-        self._typed = Typed[tuple[EntityRef, str], float]()
-        self._typed_sides = Typed[str, float]()
+        self._former: EntityRef | None = None  # what was chosen before, until
+        self._chosen_at = -math.inf  # [s] of a clock
         self._arena, self._walls = Arena(0.0, 0.0, 1.0, 1.0), True
         self._head = gui.add_html("")
         self._fields = [self._make_field(gui, slot) for slot in range(_MOST_NUMBERS)]
@@ -56,33 +57,24 @@ class EditPanel:
             )
             self._by_range.on_click(reaction(lambda _: sink.push(LinkByRange())))
 
-    def _make_field(self, gui: viser.GuiApi, slot: int) -> viser.GuiNumberHandle[float]:
-        field = gui.add_number(" ", 0.0, step=0.1, visible=False)
-        field.precision = _DIGITS
-        field.on_update(reaction(lambda value: self._note(slot, value)))
-        return field
+    def _make_field(self, gui: viser.GuiApi, slot: int) -> NumberField:
+        return NumberField(gui, " ", 0.0, NumberRange(), lambda number: self._change(slot, number), visible=False)
 
-    def _make_side(self, gui: viser.GuiApi, name: str, label: str) -> viser.GuiNumberHandle[float]:
-        field = gui.add_number(label, 0.0, step=10.0, hint="Position of this side of the arena")
-        field.precision = _DIGITS
-        field.on_update(reaction(lambda value: self._typed_sides.note(name, _number(value))))
-        return field
+    def _make_side(self, gui: viser.GuiApi, name: str, label: str) -> NumberField:
+        hint = "Position of this side of the arena"
+        return NumberField(
+            gui, label, 0.0, NumberRange("m"), lambda number: self._set_arena(sides={name: number}), hint=hint
+        )
 
-    def _note(self, slot: int, value: object) -> None:
-        place = self._place
+    def _change(self, slot: int, number: float) -> None:
+        """A number was typed into a field; of what it showed then."""
+        place = self._former if time.monotonic() - self._chosen_at < _LATE_S else self._place
         if place is not None and slot < len(NUMBERS[place.kind]):
-            self._typed.note((place, list(NUMBERS[place.kind])[slot]), _number(value))
-
-    def _send(self) -> None:
-        """Sends typed values once typing has paused; the session accepts or refuses them."""
-        for (place, name), number in self._typed.meant().items():
-            self._sink.push(ChangeEntity(place.kind, place.row, name, number))
-        if sides := self._typed_sides.meant():
-            self._set_arena(sides=sides)
+            self._sink.push(ChangeEntity(place.kind, place.row, list(NUMBERS[place.kind])[slot], number))
 
     def _set_arena(self, walls: bool | None = None, sides: Mapping[str, float] = MappingProxyType({})) -> None:
-        arena = self._arena._replace(**sides)
-        self._sink.push(SetArena(floats(list(arena)), self._walls if walls is None else walls))
+        self._arena = self._arena._replace(**sides)  # the next side may come before the session has answered
+        self._sink.push(SetArena(floats(list(self._arena)), self._walls if walls is None else walls))
 
     def _remove(self) -> None:
         if self._place is not None:
@@ -90,10 +82,12 @@ class EditPanel:
             self._sink.push(DeleteEntity(self._place.kind, self._place.row))
 
     def update(self, snapshot: "Snapshot") -> None:
-        """Sends what is meant; shows the numbers of what is chosen, and the arena."""
+        """Shows the numbers of what is chosen, and the arena."""
         layout = snapshot.setup.layout
         place, former = self._ui.state.selected, self._place
         self._place = place if place is not None and exists(place, layout) else None
+        if self._place != former:
+            self._former, self._chosen_at = former, time.monotonic()
         self._head.content = block(
             f'<span class="dim">{_HELP}</span>'
             if self._place is None
@@ -101,11 +95,9 @@ class EditPanel:
         )
         self._delete.visible = self._place is not None
         self._arena, self._walls = layout.arena, layout.walls
-        self._send()
-        self._show_numbers(layout, snapshot, _UNANSWERED_S if self._place == former else 0.0)
+        self._show_numbers(layout, snapshot, SETTLE_S if self._place == former else 0.0)
         for name, field in self._sides.items():
-            if name not in self._typed_sides:
-                mirror(field, round(float(getattr(layout.arena, name)), _DIGITS), _UNANSWERED_S)
+            field.show(round(float(getattr(layout.arena, name)), _DIGITS))
         mirror(self._walled, layout.walls)
         self._by_range.disabled = layout.links is None
 
@@ -122,11 +114,6 @@ class EditPanel:
                 continue
             name, value = shown[slot]
             quantity = NUMBERS[place.kind][name]
-            field.label = f"{name} {quantity.unit}".strip().capitalize() if name not in ("x", "y") else f"{name} m"
-            field.hint = quantity.text
-            if (place, name) not in self._typed:
-                mirror(field, round(value, _DIGITS), settle)
-
-
-def _number(value: object) -> float:
-    return number_in(value, -math.inf, math.inf)
+            label = name if name in ("x", "y") else name.capitalize()
+            field.describe(label, NumberRange(quantity.unit), quantity.text)
+            field.show(round(value, _DIGITS), settle)

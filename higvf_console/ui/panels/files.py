@@ -15,6 +15,8 @@ from higvf_console.scenario.writer import scenario_yaml
 from higvf_console.ui.page import files
 from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reaction
 from higvf_console.ui.panels.widgets.html import block, text
+from higvf_console.ui.panels.widgets.notice import tell
+from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
 from higvf_console.ui.scene.background import Background
 from higvf_console.ui.ui_state import UiStore, move_background
 from higvf_console.world.editing.overhead import outlines_in, read_picture
@@ -51,7 +53,7 @@ class FilesPanel:
             on_saved: hears what was saved.
             open_scenarios: shows a page (client) the scenarios to choose from.
         """
-        self._session, self._sink, self._ui, self._on_saved = session, sink, ui, on_saved
+        self._server, self._session, self._sink, self._ui, self._on_saved = server, session, sink, ui, on_saved
         self._said = ""
         kinds = {
             _SCENARIO: files.FileKind(".yaml,.yml", self._load),
@@ -84,14 +86,17 @@ class FilesPanel:
         button.on_click(pressed)
 
     def _make_fields(self, gui: viser.GuiApi) -> list[Any]:
-        self._scale = gui.add_number("Metres per pixel", 1.0, min=1e-4, max=1e4, step=0.01, visible=False)
-        self._left = gui.add_number(
-            "Left m", 0.0, step=1.0, visible=False, hint="x of the lower left corner of the image"
+        place, corner = self._placed, NumberRange("m", -1e6, 1e6)
+        self._scale = NumberField(
+            gui, "Scale", 1.0, NumberRange("m per pixel", 1e-4, 1e4), lambda value: place(scale=value), visible=False
         )
-        self._bottom = gui.add_number("Bottom m", 0.0, step=1.0, visible=False, hint="y of that corner")
-        for field in (self._scale, self._left, self._bottom):
-            field.precision = 4
-            field.on_update(reaction(lambda _: self._place()))
+        self._left = NumberField(
+            gui, "Left", 0.0, corner, lambda value: place(left=value), visible=False,
+            hint="x of the lower left corner of the image",
+        )  # fmt: skip
+        self._bottom = NumberField(
+            gui, "Bottom", 0.0, corner, lambda value: place(bottom=value), visible=False, hint="y of that corner"
+        )
         self._shade = gui.add_button_group("Obstacles are", (_DARK, _BRIGHT), visible=False)
         self._threshold = gui.add_slider(
             "Threshold", 0, 255, 1, 128, visible=False, hint="Brightness below which a pixel is dark"
@@ -106,7 +111,7 @@ class FilesPanel:
             return
         snapshot, scenario = self._session.snapshot, self._session.scenario
         try:
-            content = scenario_yaml(snapshot.setup, snapshot.state, scenario)
+            content = scenario_yaml(snapshot.setup, snapshot.state, scenario, rounded=True)
         except ScenarioError as error:
             self._said = f"Not saved: {error}"
             return
@@ -125,7 +130,9 @@ class FilesPanel:
         try:
             text = content.decode("utf-8-sig")
         except UnicodeDecodeError as error:
-            raise ValueError("not UTF-8 text") from error
+            raise ValueError("not UTF-8 text, as a scenario file is") from error
+        if "\0" in text:
+            raise ValueError("not text, as a scenario file is")
         self._sink.push(LoadScenario(text=text, name=PurePath(name).name, waits=self._session.waits))
         self._said = ""
 
@@ -137,13 +144,15 @@ class FilesPanel:
         arena = self._session.setup.arena
         scale = arena.width / picture.shape[1]
         self._ui.update(background=Background(picture, MaskPlace((arena.x_min, arena.y_min), scale)))
-        self._scale.value, self._left.value, self._bottom.value = round(scale, 4), arena.x_min, arena.y_min
         self._said = ""
 
-    def _place(self) -> None:
-        scale = number_in(self._scale.value, 1e-4, 1e4)
-        corner = (number_in(self._left.value, -1e6, 1e6), number_in(self._bottom.value, -1e6, 1e6))
-        self._ui.change(move_background(MaskPlace(corner, scale)))
+    def _placed(self, *, scale: float | None = None, left: float | None = None, bottom: float | None = None) -> None:
+        background = self._ui.state.background
+        if background is None:
+            return
+        (x, y), now = background.place
+        corner = (x if left is None else left, y if bottom is None else bottom)
+        self._ui.change(move_background(MaskPlace(corner, now if scale is None else scale)))
 
     def _trace(self, shade: object) -> None:
         background = self._ui.state.background
@@ -159,13 +168,19 @@ class FilesPanel:
         self._sink.push(AddOutlines(outlines=outlines))
         self._said = ""
 
-    def _refuse(self, name: str, reason: str) -> None:
+    def _refuse(self, client_id: int, name: str, reason: str) -> None:
         _log.warning("file %r: %s", name, reason)
         self._said = f"{name}: {reason}"
+        tell(self._server.get_clients().get(client_id), self._said)
 
     def update(self, _snapshot: "Snapshot") -> None:
         """Shows the fields while there is an image, and what could not be used."""
+        background = self._ui.state.background
         for widget in self._fields:
-            widget.visible = self._ui.state.background is not None
+            widget.visible = background is not None
+        if background is not None:
+            (left, bottom), scale = background.place
+            for field, value in ((self._scale, scale), (self._left, left), (self._bottom, bottom)):
+                field.show(value)
         self._note.visible = bool(self._said)
         self._note.content = block(f'<span class="warn">{text(self._said)}</span>')

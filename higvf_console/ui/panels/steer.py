@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from higvf_console.scenario.sections import ShownStroke
 
 _CLEAR, _REVERSE, _CLOSE, _OPEN, _NEXT = "Clear", "Reverse", "Close", "Open", "Finish"
+_MOST_NAMED = 12  # robots of a group
 _FOLLOW, _FORGET, _NO_PATHS = "Follow", "Forget", "none yet"
 _FEELS = "The influenced robot: the one that follows your path"
 
@@ -45,6 +46,7 @@ class SteerPanel:
         self._scenario = scenario
         self._path, self._paths = NO_PATH, tuple[Path, ...]()
         self._picker = RobotPicker(gui, "Influence", robots, self._pick, hint=_FEELS)
+        self._group = gui.add_html("", visible=False)
         self._actions = gui.add_button_group(
             "Path",
             (_CLEAR, _REVERSE, _CLOSE, _NEXT),
@@ -108,6 +110,10 @@ class SteerPanel:
         if snapshot.scenario is not self._scenario:
             self._take(snapshot.scenario)
         self._picker.show(state.intent.influenced, len(state.motion.position))
+        group = self._ui.state.group
+        self._group.visible = bool(group)
+        if group:
+            self._group.content = block(group_html(group))
         path = in_hand(state)
         self._show_path(path)
         self._terms.update(path)
@@ -137,6 +143,16 @@ class SteerPanel:
             return
         self._path = path
         self._actions.options = (_CLEAR, _REVERSE, _OPEN if path.closed else _CLOSE, _NEXT)
+
+
+def group_html(group: frozenset[int]) -> str:
+    """The robots (indices from 0) that the next path is for."""
+    names = ", ".join(str(robot + 1) for robot in sorted(group)[:_MOST_NAMED])
+    more = f" and {len(group) - _MOST_NAMED} more" if len(group) > _MOST_NAMED else ""
+    return (
+        f'<dl><dt>Group</dt><dd class="operator">{names}{more}</dd></dl>'
+        '<span class="dim">The next path is for that of them which is nearest to its start (Esc: none).</span>'
+    )
 
 
 def priority_html(rows: list[list[float]]) -> str:

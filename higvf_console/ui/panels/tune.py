@@ -2,7 +2,7 @@
 
 import math
 import time
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import viser
 
@@ -10,21 +10,18 @@ from higvf_console.control.parameters import Parameters
 from higvf_console.core.edits import SetParameters
 from higvf_console.core.events import Event
 from higvf_console.core.interface import PointerSink
-from higvf_console.core.quantity import Quantity
 from higvf_console.ui.panels.log import newer
-from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, one_of, reaction
+from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, one_of, reaction
 from higvf_console.ui.panels.widgets.html import block, text
-from higvf_console.ui.panels.widgets.typed import TYPED_S, Typed
+from higvf_console.ui.panels.widgets.number import NumberField, NumberRange, labelled, typed_form
 from higvf_console.world.editing.parameters import FIXED, parameter, parameter_names, quantity_of
 from higvf_console.world.editing.presets import AS_IN_THE_SCENARIO, PRESETS, preset_name, preset_values
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session, Snapshot
 
-Field: TypeAlias = viser.GuiNumberHandle[float] | viser.GuiTextHandle
-
-DIGITS = 9  # after the point, shown and known: the page would round to those of the step, and puts back what it shows
 UNLIMITED, OWN = "unlimited", "Own values"
+_WORDS = {UNLIMITED: math.inf}
 _FIXED = "fixed during a run: set it in a scenario file and load that"
 
 
@@ -35,7 +32,6 @@ class TunePanel:
         """Builds a field for every tunable; those of the chosen group are seen."""
         self._session, self._sink = session, sink
         self._scenario, self._params = session.scenario.params, session.setup.params
-        self._typed = Typed[str, object]()
         self._wrong = ""  # with what was asked last
         self._asked_at = -math.inf
         self._latest: Event | None = None
@@ -61,16 +57,11 @@ class TunePanel:
         self._reset_all = gui.add_button("Reset all", color="gray", hint="All values as in the scenario")
         self._reset_all.on_click(reaction(lambda _: self._take(AS_IN_THE_SCENARIO)))
 
-    def _make_field(self, gui: viser.GuiApi, name: str) -> Field:
-        quantity, value = quantity_of(name), parameter(self._params, name)
-        if math.isinf(quantity.high):
-            field: Field = gui.add_text(" ", shown(value))
-        else:
-            field = gui.add_number(" ", value, step=step_of(quantity, value))
-            field.precision = DIGITS
-        field.visible, field.disabled = False, name in FIXED
-        field.on_update(reaction(lambda value: self._typed.note(name, value)))
-        return field
+    def _make_field(self, gui: viser.GuiApi, name: str) -> NumberField:
+        return NumberField(
+            gui, title_of(name.split(".")[1]), parameter(self._params, name), limits_of(name),
+            lambda value: self._ask({name: value}), visible=False, disabled=name in FIXED,
+        )  # fmt: skip
 
     def _choose(self, group: str) -> None:
         self._group = group
@@ -88,14 +79,6 @@ class TunePanel:
         values = preset_values(AS_IN_THE_SCENARIO, self._scenario)
         self._ask({name: values[name] for name in values if name.split(".")[0] == group})
 
-    def _send(self) -> None:
-        """Sends typed values once typing has paused; the session accepts or refuses them."""
-        for name, value in self._typed.meant().items():
-            try:
-                self._ask({name: number_of(value)})
-            except ValueError as error:
-                self._wrong = f"{name}: {error}"
-
     def _hear(self, events: tuple[Event, ...]) -> None:
         """Takes up why the session has just refused what was asked."""
         self._latest = events[-1] if events else None
@@ -104,16 +87,12 @@ class TunePanel:
             self._wrong = refused[-1] if refused else self._wrong
 
     def update(self, snapshot: "Snapshot") -> None:
-        """Sends what is meant; shows the tunables in force and marks what differs from the scenario."""
+        """Shows the tunables in force and marks what differs from the scenario."""
         self._scenario, self._params = self._session.scenario.params, snapshot.setup.params
         self._hear(snapshot.events)
-        self._send()
         mirror(self._preset, preset_name(self._params, self._scenario) or OWN)
         for name, field in self._fields.items():
-            if name not in self._typed:
-                value = parameter(self._params, name)
-                held = shown(value) if isinstance(field, viser.GuiTextHandle) else round(value, DIGITS)
-                mirror(field, held, TYPED_S + SETTLE_S)
+            field.show(parameter(self._params, name))
         self._note.content = block(note_html(self._group, self._wrong))
         described = (self._params, self._scenario, self._group)
         if self._described != described:
@@ -126,8 +105,8 @@ class TunePanel:
         for name, field in self._fields.items():
             usual = parameter(self._scenario, name)
             field.visible = name.split(".")[0] == self._group
-            field.label = label_of(name, differs=parameter(self._params, name) != usual)
-            field.hint = hint_of(name, usual)
+            title = marked(name, differs=parameter(self._params, name) != usual)
+            field.describe(title, limits_of(name), hint_of(name, usual))
         different = differences(self._params, self._scenario)
         self._changed.content = block(changed_html(different))
         self._reset.disabled = not any(name.split(".")[0] == self._group for name, *_ in different)
@@ -136,27 +115,13 @@ class TunePanel:
 
 def shown(value: float) -> str:
     """A value as it is typed."""
-    return UNLIMITED if math.isinf(value) else f"{value:g}"
+    return typed_form(value, _WORDS)
 
 
-def number_of(typed: object) -> float:
-    """The number that was typed, or infinity for the word "unlimited".
-
-    Raises:
-        ValueError: it is neither.
-    """
-    if not isinstance(typed, str):
-        return number_in(typed, -math.inf, math.inf)
-    word = typed.strip().lower()
-    try:
-        return math.inf if word == UNLIMITED else float(word)
-    except ValueError:
-        raise ValueError(f"'{typed}' is neither a number nor '{UNLIMITED}'") from None
-
-
-def step_of(quantity: Quantity, value: float) -> float:
-    """What an arrow of the field adds: a tenth of the value's order of magnitude."""
-    return 10.0 ** (math.floor(math.log10(value or max(quantity.high / 100.0, 1e-3))) - 1)
+def limits_of(name: str) -> NumberRange:
+    """What may be typed for a tunable; the session judges whether it is in range, and says why not."""
+    quantity = quantity_of(name)
+    return NumberRange(quantity.unit, words=_WORDS if math.isinf(quantity.high) else {})
 
 
 def title_of(name: str) -> str:
@@ -164,9 +129,14 @@ def title_of(name: str) -> str:
     return name.replace("_", " ").capitalize()
 
 
-def label_of(name: str, *, differs: bool) -> str:
-    """A tunable with its unit, and a mark when it differs from the scenario."""
-    return f"{'● ' * differs}{title_of(name.split('.')[1])} {quantity_of(name).unit}".rstrip()
+def marked(name: str, *, differs: bool) -> str:
+    """A tunable, with a mark when it differs from the scenario."""
+    return f"{'● ' * differs}{title_of(name.split('.')[1])}"
+
+
+def label_of(name: str) -> str:
+    """A tunable with its unit."""
+    return labelled(title_of(name.split(".")[1]), quantity_of(name).unit)
 
 
 def hint_of(name: str, usual: float) -> str:
@@ -205,7 +175,7 @@ def changed_html(different: tuple[tuple[str, float, float], ...]) -> str:
     if not different:
         return '<div class="title">Changed</div><span class="dim">Nothing; all values are the scenario\'s.</span>'
     rows = "".join(
-        f"<tr><td>{text(label_of(name, differs=False))}</td><td>{shown(usual)}</td><td>{shown(value)}</td></tr>"
+        f"<tr><td>{text(label_of(name))}</td><td>{shown(usual)}</td><td>{shown(value)}</td></tr>"
         for name, usual, value in different
     )
     return (

@@ -8,7 +8,7 @@ from higvf_console.operator.path_edits import bent
 from higvf_console.ui.interaction.grips import Drag, handles_of, outlines, wished
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.ground import joined
-from higvf_console.ui.scene.parts import Canvas, Layer
+from higvf_console.ui.scene.parts import Canvas, Layer, Lines, Marks
 from higvf_console.ui.scene.path import path_outline
 from higvf_console.world.editing.entities import EntityRef, centres, exists, numbers_of
 from higvf_console.world.setup import Setup
@@ -30,25 +30,36 @@ class EditLayer:
         disc = shapes.filled(shapes.circle(0.0, 0.0, _DISC * px, 24))
         self._square = canvas.marks(Layer.CURSOR, "/edit/square", square, count=1, colour=ink.operator)
         self._disc = canvas.marks(Layer.CURSOR, "/edit/disc", disc, count=1, colour=ink.operator)
+        self._placed: EntityRef | None = None  # the choice that is in place
+        self._dragged = False  # whether the ghost is
 
-    def update(self, state: SimState, selected: EntityRef | None, drag: Drag | None) -> None:
-        """Shows the choice, and what the hand would do."""
+    def update(self, state: SimState, selected: EntityRef | None, drag: Drag | None, *, handles: bool = True) -> None:
+        """Shows the choice, its handles where they can be held, and what the hand would do.
+
+        A page takes up place and visibility of a node one after the other: what has just been chosen or gripped is put
+        in place hidden, and shown by the next update.
+        """
         self._ghost.draw(_NOTHING if drag is None else self._ghost_of(drag, state))
+        _show(self._ghost, self._dragged and drag is not None)
+        self._dragged = drag is not None
         motion, layout, px = state.motion, self._layout, self._canvas.px
         if selected is None or not exists(selected, layout):
+            selected = None
+        placed, self._placed = selected is not None and selected == self._placed, selected
+        points: dict[bool, list[Floats]] = {False: [], True: []}
+        if selected is None:
             self._chosen.draw(_NOTHING)
-            for marks in (self._square, self._disc):
-                marks.show(False)
-            return
-        dash = _DASH * px
-        now = outlines(selected, numbers_of(selected, layout, motion), layout, motion, px)
-        self._chosen.draw(joined([shapes.dashed(outline, dash, dash) for outline in now]))
-        handles = handles_of(selected, layout, motion, px)
+        else:
+            dash = _DASH * px
+            now = outlines(selected, numbers_of(selected, layout, motion), layout, motion, px)
+            self._chosen.draw(joined([shapes.dashed(outline, dash, dash) for outline in now]))
+            for handle in handles_of(selected, layout, motion, px) if handles else []:
+                points[handle.turns].append(handle.point)
+        _show(self._chosen, placed)
         for marks, turns in ((self._square, False), (self._disc, True)):
-            points = [handle.point for handle in handles if handle.turns is turns]
-            marks.show(bool(points))
-            if points:
-                marks.place(floats(points, -1, 2)[:1])
+            if points[turns]:
+                marks.place(floats(points[turns], -1, 2)[:1])
+            _show(marks, placed and bool(points[turns]))
 
     def _ghost_of(self, drag: Drag, state: SimState) -> Floats:
         motion, layout = state.motion, self._layout
@@ -67,3 +78,9 @@ class EditLayer:
         except PathError:
             return _NOTHING
         return shapes.segments(path_outline(path, self._canvas.arena)[1])
+
+
+def _show(drawn: Lines | Marks, visible: bool) -> None:
+    """Shows or hides something, whose place is sent in either case."""
+    drawn.show(visible)
+    drawn.send()

@@ -11,6 +11,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from higvf_console.core.arrays import Floats, Ints, floats, ints
+from higvf_console.core.numbers import SEPARATOR
 
 Point: TypeAlias = tuple[float, float]
 WEIGHT = 0.15  # stroke width [digit heights]
@@ -61,6 +62,7 @@ STROKES: dict[str, list[list[Point]]] = {
     "x": [[(0.0, 0.0), (0.46, 0.66)], [(0.0, 0.66), (0.46, 0.0)]],
     "y": [[(0.0, 0.66), (0.23, 0.04)], [(0.46, 0.66), (0.14, -0.26)]],
     " ": [],
+    SEPARATOR: [],
 }
 _SPACE = 0.1
 

@@ -184,12 +184,17 @@ class Lines:
     def show(self, visible: bool) -> None:
         """Shows or hides them."""
         self._visible = visible
-        if visible and self._late is not None:
+        if visible:
+            self.send()
+        self._node.visible = visible and not self._empty
+
+    def send(self) -> None:
+        """Sends what was drawn while they were hidden."""
+        if self._late is not None:
             (segments, colours), self._late = self._late, None
             self._node.points = raised(segments)
             if colours is not None:
                 self._node.colors = colours
-        self._node.visible = visible and not self._empty
 
 
 class Marks:
@@ -219,7 +224,7 @@ class Marks:
                 cast_shadow=False,
                 receive_shadow=False,
                 position=canvas.height(layer),
-                visible=count > 0,
+                visible=False,  # until they are in place
             )
         )
 
@@ -242,14 +247,19 @@ class Marks:
     def show(self, visible: bool) -> None:
         """Shows or hides them."""
         self._visible = visible and self.count > 0
-        if self._visible and self._late is not None:
+        if self._visible:
+            self.send()
+        self._node.visible = self._visible
+
+    def send(self) -> None:
+        """Sends the places that they were given while hidden."""
+        if self._late is not None:
             (positions, heading, scale), self._late = self._late, None
             self._node.batched_positions = raised(positions)
             if heading is not None:
                 self._node.batched_wxyzs = turned(heading)
             if scale is not None:
                 self.resize(scale)
-        self._node.visible = self._visible
 
 
 class Picture:

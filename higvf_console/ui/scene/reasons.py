@@ -15,6 +15,8 @@ from higvf_console.ui.theme import DARK, Palette, mixed, vertex_rgb
 from higvf_console.world.setup import Setup
 
 LONGEST = 150.0  # arrow of the speed limit [px]
+READABLE = 70.0  # the longest arrow of a slow robot, at least [px]
+_STILL = 0.1  # [m/s]
 _LEAST = 3.0  # shorter arrows are not drawn [px]
 _BARB = 7.0  # [px]
 _DASH = 6.0  # of the line of sight to a fire that is hidden [px]
@@ -40,21 +42,29 @@ class ReasonLayer:
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Starts without arrows."""
         self._px, self._params, self._palette = canvas.px, setup.params, canvas.palette
-        self._scale = LONGEST * canvas.px / controlled(setup.params).safety.speed_limit
+        self._speed_limit = controlled(setup.params).safety.speed_limit
         self._whole = canvas.lines(Layer.VELOCITY, "/why/velocity", canvas.palette.velocity, 7.0)
         self._chain = canvas.lines(Layer.REASON, "/why/parts", None, 3.0)
 
-    def update(self, moved: Moved, robot: int | None) -> None:
-        """Shows why a robot moved in one control period; None = nobody is explained."""
+    def update(self, moved: Moved, robot: int | None, px: float | None = None) -> None:
+        """Shows why a robot moved in one control period; None = nobody is explained.
+
+        Args:
+            moved: the control period.
+            robot: index.
+            px: a pixel of the page [m]; None = as when the arena is fitted.
+        """
         if robot is None:
             self._whole.draw(floats([], 0, 2, 2))
             self._chain.draw(floats([], 0, 2, 2))
             return
         parts = explain(moved, self._params, ints([robot])).parts[0]
-        at = moved.after.position[robot]
-        segments, colours = chain(at, self._scale * parts, self._px, self._palette)
+        at, velocity = moved.after.position[robot], moved.after.velocity[robot]
+        px = self._px if px is None else px
+        scale = px * pixels_per_speed(floats([*parts, velocity]), self._speed_limit)
+        segments, colours = chain(at, scale * parts, px, self._palette)
         self._chain.draw(segments, colours)
-        self._whole.draw(arrow(at, at + self._scale * moved.after.velocity[robot], _LEAST * self._px, 0.0))
+        self._whole.draw(arrow(at, at + scale * velocity, _LEAST * px, 0.0))
 
 
 class SightLayer:
@@ -78,6 +88,13 @@ class SightLayer:
         tick = moved.before.motion.tick
         hiders = sorted({part for sight in found for part in sight.hidden_by})
         self._hiders.draw(joined([shapes.segments(part_outline(part, self._setup, tick)) for part in hiders]))
+
+
+def pixels_per_speed(vectors: Floats, speed_limit: float) -> float:
+    """How long arrows of velocities (n, 2) [m/s] are drawn [px s/m]: the longest is long enough to be read."""
+    longest = float(np.hypot(*vectors.T).max())
+    usual = LONGEST / speed_limit
+    return max(usual, READABLE / longest) if longest > _STILL else usual
 
 
 def chain(at: Floats, vectors: Floats, px: float, palette: Palette = DARK) -> tuple[Floats, NDArray[np.uint8]]:

@@ -18,6 +18,7 @@ from higvf_console.ui.scene.fires import Fires
 from higvf_console.ui.scene.gaze import DwellLayer, HeatLayer
 from higvf_console.ui.scene.ghosts import Ghosts
 from higvf_console.ui.scene.ground import Ground, with_margin
+from higvf_console.ui.scene.group import GroupLayer
 from higvf_console.ui.scene.movers import Movers
 from higvf_console.ui.scene.parts import Canvas
 from higvf_console.ui.scene.path import PathLayer
@@ -57,11 +58,21 @@ class Scene:
         self._reasons = ReasonLayer(canvas, setup)
         self._sights = SightLayer(canvas, setup)
         self._edit = EditLayer(canvas, setup)
+        self._group = GroupLayer(canvas, setup.layout)
         self._heat = HeatLayer(canvas)
         self._dwell = DwellLayer(canvas)
 
-    def update(self, snapshot: "Snapshot", ui: UiState, preview: "Preview | None" = None) -> None:
-        """Shows a snapshot as the operator chose, and what is foreseen; call it inside `server.atomic()`."""
+    def update(
+        self, snapshot: "Snapshot", ui: UiState, preview: "Preview | None" = None, px: float | None = None
+    ) -> None:
+        """Shows a snapshot as the operator chose, and what is foreseen; call it inside `server.atomic()`.
+
+        Args:
+            snapshot: what is shown.
+            ui: what is chosen.
+            preview: what is foreseen.
+            px: a pixel of the page that steers [m], at its zoom; None = as when the arena is fitted.
+        """
         state, trace = snapshot.state, snapshot.trace
         self._background.update(ui.background)
         self._fires.update(state, trace, snapshot.loss_area)
@@ -70,9 +81,10 @@ class Scene:
         self._ghosts.update(state, preview)
         self._field.update(ui.field, state)
         robot = robot_explained(ui, snapshot)
-        self._reasons.update(snapshot.last, robot if ui.reasons else None)
+        self._reasons.update(snapshot.last, robot if ui.reasons else None, px)
         self._sights.update(snapshot.last, robot if ui.sights else None)
-        self._edit.update(state, ui.selected if ui.editing else None, ui.drag)
+        self._edit.update(state, ui.selected, ui.drag, handles=ui.editing)
+        self._group.update(state, ui.group)
         self._heat.update(snapshot.inputs.attention, ui.heat)
         self._dwell.update(snapshot.inputs.dwell, state.pointer_state.cursor)
         self._ground.show_boundaries(ui.boundaries)

@@ -84,4 +84,4 @@ def test_the_preview_suite_measures_previews_and_the_lateness_of_both_loops(monk
         assert sum(count for _, count in late["histogram"]) == late["periods"]
         assert 0.0 <= late["p50"] <= late["p99"] <= late["p999"] <= late["worst"]
     assert without["previews_per_s"] == 0.0 < ahead["previews_per_s"]
-    assert "30,000 times real time" in bench.run_suite("preview", as_json=False)
+    assert "30\u202f000 times real time" in bench.run_suite("preview", as_json=False)

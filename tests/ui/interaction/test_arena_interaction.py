@@ -25,12 +25,13 @@ from higvf_console.core.edits import AddEntity, ChangeEntity, DeleteEntity, Enti
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.session import Session
 from higvf_console.ui.interaction.arena import ArenaInteraction
-from higvf_console.ui.interaction.grips import Drag, gripped, handles_of, result_of, robot_near, wished
-from higvf_console.ui.interaction.tools import USES, Tool
+from higvf_console.ui.interaction.grips import Drag, gripped, handles_of, nearest_of, result_of, robot_near, wished
+from higvf_console.ui.interaction.tools import ADDS, USES, Tool
 from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.ui_state import UiState, UiStore, keep_choice
 from higvf_console.world.editing.entities import EntityRef
 from higvf_console.world.setup import Setup
+from tests.page_actions import no_page
 from tests.teams import team
 
 TRIANGLE = floats([[100, 350], [60, 320], [60, 380]])
@@ -44,27 +45,28 @@ class Held(NamedTuple):
     ui: UiStore
     given: list[OperatorCommand]
     shown: list[Tool]
+    noted: list[str]
 
     @property
     def view(self) -> UiState:
         return self.ui.state
 
-    def drag(self, *points: list[float]) -> None:
-        self.hand.stroke(PAGE, "start", floats(points[:1]))
-        self.hand.stroke(PAGE, "update", floats(points[1:]))
-        self.hand.stroke(PAGE, "end", floats([], 0, 2))
+    def drag(self, *points: list[float], group: bool = False) -> None:
+        self.hand.stroke(PAGE, "start", floats(points[:1]), group=group)
+        self.hand.stroke(PAGE, "update", floats(points[1:]), group=group)
+        self.hand.stroke(PAGE, "end", floats([], 0, 2), group=group)
 
 
 def held(setup: Setup, tool: Tool = Tool.PATH) -> Held:
-    given, shown = list[OperatorCommand](), list[Tool]()
+    given, shown, noted = list[OperatorCommand](), list[Tool](), list[str]()
     snapshot = SimpleNamespace(setup=setup, state=setup.start, frozen=False, time=0.0)
     session = SimpleNamespace(setup=setup, snapshot=snapshot, viewport=None)
     roles = cast(Roles, SimpleNamespace(push=given.append, steers={PAGE}.__contains__))
     ui = UiStore()
-    hand = ArenaInteraction(cast(Session, session), ui, roles, lambda tool, _client: shown.append(tool))
+    hand = ArenaInteraction(cast(Session, session), ui, roles, no_page(shown, noted=noted))
     hand.viewport(PAGE, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.tool(PAGE, tool)
-    return Held(hand, ui, given, shown)
+    return Held(hand, ui, given, shown, noted)
 
 
 def burning() -> Setup:
@@ -152,13 +154,22 @@ def test_the_square_of_what_is_chosen_resizes_it() -> None:
     assert hand.given == [ChangeEntity(EntityKind.FIRE, 0, "radius", 55.0)]
 
 
-def test_a_new_thing_stands_where_it_is_put_and_the_hand_can_move_it() -> None:
-    hand = held(burning(), Tool.ROBOT)
-    hand.hand.click(PAGE, floats([400.0, 500.0]))
-    (added,) = hand.given
-    assert isinstance(added, AddEntity)
-    assert (added.kind, added.point.tolist()) == (EntityKind.ROBOT, [400.0, 500.0])
-    assert hand.shown[-1] is Tool.EDIT
+@pytest.mark.parametrize("tool", ADDS)
+def test_a_new_thing_stands_where_it_is_put_and_its_tool_stays_until_it_is_put_away(tool: Tool) -> None:
+    hand = held(burning(), tool)
+    for x in (400.0, 500.0):
+        hand.hand.click(PAGE, floats([x, 500.0]))
+    hand.hand.stroke(PAGE, "start", floats([[600.0, 500.0]]))
+    hand.hand.stroke(PAGE, "update", floats([[620.0, 510.0]]))
+    hand.hand.stroke(PAGE, "end", floats([], 0, 2))  # a press that moved
+    added = [command for command in hand.given if isinstance(command, AddEntity)]
+    assert [add.kind for add in added] == [ADDS[tool]] * 3
+    assert [add.point[0] for add in added] == [400.0, 500.0, 620.0]
+    assert hand.shown == [tool]
+    assert not hand.view.editing, "its handles cannot be held"
+    for _ in range(2):  # lets go of what was added last, then of the tool
+        hand.hand.key(PAGE, "discard")
+    assert hand.shown == [tool, Tool.PATH]
 
 
 def test_a_link_goes_from_robot_to_robot_and_a_path_is_bent_from_where_it_is_held() -> None:
@@ -303,3 +314,42 @@ def test_the_middle_of_a_small_thing_moves_it_though_its_square_is_within_reach(
         drag = gripped(floats([x, 350.0]), chosen, layout, motion, 10.0, 1.0)
         assert drag is not None
         assert (drag.place, drag.handle) == (chosen, handle)
+
+
+def row_of_robots() -> Setup:
+    return team(robots=[(100.0 * number, 100.0) for number in range(1, 7)])
+
+
+def test_shift_clicks_and_a_lasso_choose_a_group_and_a_plain_click_or_escape_lets_it_go() -> None:
+    hand = held(row_of_robots())
+    for x in (200.0, 300.0, 300.0, 500.0):
+        hand.hand.click(PAGE, floats([x, 100.0]), group=True)
+    assert hand.view.group == {1, 4}
+    hand.drag([150.0, 50.0], [450.0, 50.0], [450.0, 150.0], [150.0, 150.0], group=True)
+    assert hand.view.group == {1, 2, 3}
+    assert hand.given == []
+    hand.hand.click(PAGE, floats([600.0, 100.0]))
+    assert hand.view.group == frozenset()
+    hand.hand.click(PAGE, floats([200.0, 100.0]), group=True)
+    hand.hand.key(PAGE, "discard")
+    assert hand.view.group == frozenset()
+
+
+def test_the_next_path_of_a_group_is_for_its_robot_that_is_nearest_to_its_start() -> None:
+    hand = held(row_of_robots())
+    hand.drag([150.0, 50.0], [450.0, 50.0], [450.0, 150.0], [150.0, 150.0], group=True)
+    hand.hand.stroke(PAGE, "start", floats([[1000.0, 100.0]]))
+    assert hand.view.drawn_robot == 3, "the preview is of that robot"
+    hand.hand.stroke(PAGE, "end", floats([[1100.0, 200.0]]))
+    hand.drag([1000.0, 100.0], [1100.0, 200.0])
+    ends = [command for command in hand.given if isinstance(command, StrokeEnd)]
+    assert [end.robot for end in ends] == [3, None], "the group was for one path"
+    assert hand.view.drawn_robot is None
+    assert nearest_of(frozenset({7}), floats([[0.0, 0.0]]), floats([0.0, 0.0])) is None
+
+
+def test_v_names_the_field_that_it_shows() -> None:
+    hand = held(burning())
+    for _ in range(4):
+        hand.hand.key(PAGE, "field_arrows")
+    assert hand.noted == ["Field: path", "Field: composite", "Field: blended", "Field: off"]

@@ -40,6 +40,7 @@ def test_space_types_a_blank_in_a_text_field(page: Page, stage: Stage) -> None:
     stage.focus(page, "text")
     page.keyboard.press("End")
     page.keyboard.press("Space")
+    page.keyboard.press("Enter")
     wait_until(lambda: stage.text.value == "words ")
     assert stage.pressed == []
     stage.text.value = "words"
@@ -218,7 +219,7 @@ def fields(page: Page, stage: Stage) -> None:
 @pytest.mark.usefixtures("fields")
 @pytest.mark.parametrize("key", ["Enter", "Escape"])
 @pytest.mark.parametrize("field", ["number", "text"])
-def test_a_typed_value_arrives_and_its_field_gives_the_keys_back(
+def test_enter_gives_what_was_typed_escape_takes_text_back_and_both_give_the_keys_back(
     page: Page, stage: Stage, field: Literal["number", "text"], key: str
 ) -> None:
     stage.focus(page, field)
@@ -230,7 +231,8 @@ def test_a_typed_value_arrives_and_its_field_gives_the_keys_back(
     page.keyboard.up(key)
     page.keyboard.press("p")
     wait_until(lambda: "pause" in stage.pressed)
-    wait_until(lambda: (stage.number.value, stage.text.value) == ((177, "words"), (1, "words77"))[field == "text"])
+    given = (177, "words") if field == "number" else (1, "words77" if key == "Enter" else "words")
+    wait_until(lambda: (stage.number.value, stage.text.value) == given)
     assert stage.pressed == ["pause"]
     stage.text.value, stage.number.value = "words", 1.0
 
@@ -347,3 +349,87 @@ def test_the_key_list_shows_every_key_and_closes_again(page: Page, stage: Stage)
     card.wait_for()
     page.keyboard.press("Escape")
     card.wait_for(state="hidden")
+
+
+_TYPE = """
+(events) => {
+  for (const event of events)
+    document.body.dispatchEvent(new KeyboardEvent("keydown", { bubbles: true, cancelable: true, ...event }));
+  const hosts = [...document.body.children].map((host) => host.shadowRoot?.querySelector(".bar .note"));
+  return hosts.find((note) => note).textContent;
+}
+"""
+
+
+def type_keys(page: Page, *events: dict[str, object]) -> str:
+    """Key strokes as a keyboard of any layout makes them; the note beside the STOP button after them."""
+    return page.evaluate(_TYPE, list(events))
+
+
+# What the browsers tell of keys whose place is that of another key on a QWERTY keyboard.
+NO_KEYS: dict[str, dict[str, object]] = {
+    "Colemak ;": {"key": ";", "code": "KeyP"},
+    "Dvorak ;": {"key": ";", "code": "KeyZ"},
+    "AZERTY ,": {"key": ",", "code": "KeyM"},
+    "Bepo a with grave": {"key": "à", "code": "KeyZ"},
+    "Greek ;": {"key": ";", "code": "KeyQ"},
+    "End on the number pad": {"key": "End", "code": "Numpad1"},
+    "an arrow on the number pad": {"key": "ArrowUp", "code": "Numpad8"},
+    "Home on the number pad": {"key": "Home", "code": "Numpad7"},
+    "PageUp on the number pad": {"key": "PageUp", "code": "Numpad9"},
+    "a dead key": {"key": "Dead", "code": "Digit6"},
+    "an input method": {"key": "Process", "code": "KeyP"},
+    "! of a QWERTY row": {"key": "!", "code": "Digit1", "shiftKey": True},
+    "AltGr with a digit": {"key": "@", "code": "Digit2", "modifierAltGraph": True},
+    "Dvorak Ctrl ;": {"key": ";", "code": "KeyZ", "ctrlKey": True},
+}
+KEYS: dict[str, tuple[dict[str, object], str]] = {
+    "Cyrillic ze": ({"key": "з", "code": "KeyP"}, "pause"),
+    "Greek rho": ({"key": "\u03c1", "code": "KeyR"}, "reverse_path"),
+    "Hebrew zayin": ({"key": "ז", "code": "KeyZ"}, "freeze"),
+    "Thai": ({"key": "ั", "code": "KeyP"}, "pause"),
+    "AZERTY ampersand": ({"key": "&", "code": "Digit1"}, "pick_1"),
+    "AZERTY e with acute": ({"key": "é", "code": "Digit2"}, "pick_2"),
+    "AZERTY 3 with Shift": ({"key": "3", "code": "Digit3", "shiftKey": True}, "pick_3"),
+    "4 on the number pad": ({"key": "4", "code": "Numpad4"}, "pick_4"),
+    "Colemak p": ({"key": "p", "code": "KeyR"}, "pause"),
+    "Ctrl with Cyrillic ya": ({"key": "я", "code": "KeyZ", "ctrlKey": True}, "undo"),
+    "Ctrl with Greek zeta": ({"key": "ζ", "code": "KeyZ", "ctrlKey": True}, "undo"),
+    "Ctrl with Hebrew zayin": ({"key": "ז", "code": "KeyZ", "ctrlKey": True}, "undo"),
+    "Ctrl Shift with Cyrillic ya": ({"key": "Я", "code": "KeyZ", "ctrlKey": True, "shiftKey": True}, "redo"),
+}
+
+
+def test_punctuation_accents_and_named_keys_are_never_the_key_at_their_place(page: Page, stage: Stage) -> None:
+    type_keys(page, *NO_KEYS.values())
+    page.keyboard.press("x")
+    wait_until(lambda: stage.pressed)
+    assert stage.pressed == ["step"]
+
+
+def test_letters_without_latin_ones_and_the_row_of_digits_are_known_by_their_place(page: Page, stage: Stage) -> None:
+    type_keys(page, *(event for event, _ in KEYS.values()))
+    wait_until(lambda: len(stage.pressed) >= len(KEYS))
+    assert stage.pressed == [name for _, name in KEYS.values()]
+
+
+def test_a_robot_above_9_is_typed_as_a_number(page: Page, stage: Stage) -> None:
+    keys.show_robots(stage.server, 120)
+    page.wait_for_timeout(300)
+    press: dict[str, dict[str, object]] = {
+        name: {"key": name, "code": f"Key{name}"} for name in ("1", "7", "3", "0", "4", "5", "2", "p")
+    }
+    named: dict[str, dict[str, object]] = {name: {"key": name, "code": name} for name in ("Enter", "Escape")}
+    seventeen, typed = [press["1"], press["7"]], page.locator(".bar .note")
+    assert type_keys(page, *seventeen) == "Robot 17 …"
+    assert type_keys(page, named["Enter"]) == "", "it ends a number, and confirms nothing"
+    for more in (["3", "0"], ["4", "p"], ["5"]):  # none is longer than 30; another key ends a number
+        type_keys(page, *(press[name] for name in more))
+    assert type_keys(page, named["Escape"]) == ""
+    type_keys(page, press["1"], press["2"])  # a pause ends it
+    names = ["pick_17", "pick_30", "pick_4", "pause", "pick_12"]
+    wait_until(lambda: len(stage.pressed) >= len(names))
+    assert stage.pressed == names
+    expect(typed).to_have_text("")
+    keys.show_robots(stage.server, 9)
+    page.wait_for_timeout(300)

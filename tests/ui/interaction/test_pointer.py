@@ -220,3 +220,74 @@ def test_a_spoiled_click_or_viewport_is_dropped(page: Page, stage: Stage, topic:
     wait_until(lambda: stage.clicks)
     assert len(stage.clicks) == 1
     assert stage.viewports == []
+
+
+_HAND = """
+(events) => {
+  for (const [type, init] of events) window.__viserMutable.canvas.dispatchEvent(new PointerEvent(type, {
+    bubbles: true, composed: true, cancelable: true, isPrimary: true, ...init }));
+}
+"""
+
+
+def act(page: Page, *events: tuple[str, dict[str, Any]]) -> None:
+    """Dispatches pointer events in the arena."""
+    page.evaluate(_HAND, events)
+
+
+def at(place: list[float], **more: Any) -> dict[str, Any]:
+    return {"clientX": place[0], "clientY": place[1], **more}
+
+
+PEN: dict[str, Any] = {"pointerType": "pen", "pointerId": 5, "buttons": 1}
+PALM: dict[str, Any] = {"pointerType": "touch", "pointerId": 6, "buttons": 1}
+
+
+def test_a_palm_laid_down_during_a_pen_stroke_neither_ends_it_nor_clicks_nor_draws(page: Page, stage: Stage) -> None:
+    places = to_page(page, figure_eight(40))
+    palm = [at([places[0][0] + step, places[0][1] + 90], **PALM) for step in range(0, 60, 10)]
+    act(page, ("pointerdown", at(places[0], **PEN)), *(("pointermove", at(p, **PEN)) for p in places[1:20]))
+    act(page, ("pointerdown", palm[0]), *(("pointermove", rolled) for rolled in palm))
+    act(page, *(("pointermove", at(p, **PEN)) for p in places[20:]))
+    act(page, ("pointerup", at(places[-1], **PEN | {"buttons": 0})))
+    act(page, ("pointermove", palm[-1]), ("pointerup", palm[-1] | {"buttons": 0}))
+    wait_until(lambda: "end" in stage.phases())
+    page.wait_for_timeout(300)
+    assert stage.phases() == ["start", "update", "end"]
+    assert len(stage.drawn()) == 40
+    assert stage.clicks == []
+
+
+def test_a_finger_draws_again_when_the_pen_has_been_away(page: Page, stage: Stage) -> None:
+    draw(page, to_page(page, figure_eight(10)), rate=500, kind="pen")
+    page.wait_for_timeout(1100)
+    draw(page, to_page(page, figure_eight(10)), rate=500, kind="touch")
+    wait_until(lambda: stage.phases().count("end") == 2)
+
+
+def test_a_stroke_ends_where_the_left_button_is_released_while_the_right_one_is_held(page: Page, stage: Stage) -> None:
+    start, middle, end, elsewhere = to_page(page, [[300.0, 300.0], [400.0, 300.0], [500.0, 400.0], [800.0, 100.0]])
+    for place, down, up in ((start, "left", ""), (middle, "right", ""), (end, "", "left"), (elsewhere, "", "right")):
+        page.mouse.move(*place, steps=3)
+        if down:
+            page.mouse.down(button="left" if down == "left" else "right")
+        if up:
+            page.mouse.up(button="left" if up == "left" else "right")
+    wait_until(lambda: {"end", "cancel"} & set(stage.phases()))
+    page.wait_for_timeout(300)
+    assert stage.phases() == ["start", "update", "end"]
+    assert np.abs(stage.drawn()[-1] - [500.0, 400.0]).max() < 2.0
+    assert stage.clicks == []
+
+
+def test_shift_makes_a_click_and_a_stroke_be_about_a_group(page: Page, stage: Stage) -> None:
+    places = to_page(page, figure_eight(5))
+    mouse = {"pointerType": "mouse", "pointerId": 1, "buttons": 1}
+    for shift in (True, False):
+        act(page, ("pointerdown", at(places[0], **mouse, shiftKey=shift)), ("pointerup", at(places[0], **mouse)))
+        act(page, ("pointerdown", at(places[0], **mouse, shiftKey=shift)))
+        act(page, *(("pointermove", at(place, **mouse)) for place in places), ("pointerup", at(places[-1], **mouse)))
+    wait_until(lambda: stage.phases().count("end") == 2 and len(stage.clicks) == 2)
+    half = len(stage.groups) // 2
+    assert set(stage.groups[:half]) == {True}
+    assert set(stage.groups[half:]) == {False}

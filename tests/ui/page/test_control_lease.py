@@ -197,3 +197,21 @@ def test_whatever_is_clicked_one_page_that_is_there_steers_or_nobody_and_every_c
         if control.holder != before.holder:
             assert change is not None
             assert change.page == control.name(control.holder)
+
+
+def test_a_page_that_was_forgotten_comes_back_under_its_name_and_steers_where_nobody_does() -> None:
+    control, change = forgotten(with_pages("a"), 100.0, PATIENCE)
+    assert change == Change(ControlChange.LOST, "", "Browser 1")
+    control, change = heartbeat(control, "a", 160.0)
+    assert change == Change(ControlChange.FIRST, "Browser 1", "Browser 1")
+    assert control.former == ()
+    control, _ = heartbeat(control, "b", 160.0)
+    assert control.name("b") == "Browser 2"
+
+
+def test_only_so_many_forgotten_pages_are_remembered() -> None:
+    control = Control()
+    for number in range(MOST_PAGES + 5):
+        control, _ = heartbeat(control, f"page {number}", 100.0 * number)
+        control, _ = forgotten(control, 100.0 * number + 50.0, PATIENCE)
+    assert len(control.former) == MOST_PAGES

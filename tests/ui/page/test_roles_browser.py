@@ -142,9 +142,10 @@ def test_a_widget_moved_by_a_page_that_watches_shows_the_true_value_again(second
     before = at_once.is_checked()
     at_once.click()
     wait_until(lambda: at_once.is_checked() == before)
-    smoothing = second.locator("input[inputmode=decimal]").first
+    smoothing = second.get_by_label("Smoothing (m)", exact=True)
     value = smoothing.input_value()
     smoothing.fill("77")
+    smoothing.press("Enter")
     wait_until(lambda: smoothing.input_value() == value)
     second.get_by_role("button", name="Pause", exact=True).click()
     second.wait_for_timeout(500)

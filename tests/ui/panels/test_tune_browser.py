@@ -56,13 +56,18 @@ def field(page: Page, label: str) -> Locator:
     return page.get_by_label(label, exact=True).first
 
 
+def type_into(field: Locator, text: str) -> None:
+    field.fill(text)
+    field.press("Enter")
+
+
 def test_a_typed_value_counts_once_and_is_marked_put_back_and_undone(page: Page, running: Running) -> None:
     choose(page, "Group", "Safety")
-    field(page, "Robot clearance m").fill("28")
+    type_into(field(page, "Robot clearance (m)"), "28")
     wait_until(lambda: params_of(running).safety.robot_clearance == 28.0)
     given = [command.values for command in running.given(SetParameters) if isinstance(command, SetParameters)]
     assert given == [{"safety.robot_clearance": 28.0}]
-    page.get_by_label("● Robot clearance m", exact=True).first.wait_for()
+    page.get_by_label("● Robot clearance (m)", exact=True).first.wait_for()
     page.locator(".hg tr", has_text="Robot clearance").get_by_text("28").wait_for()
     screenshot(page, "tune-changed")
     page.get_by_role("button", name="Reset this group", exact=True).click()
@@ -74,13 +79,13 @@ def test_a_typed_value_counts_once_and_is_marked_put_back_and_undone(page: Page,
 def test_an_unsafe_value_is_refused_with_its_limit_and_springs_back(page: Page, running: Running) -> None:
     choose(page, "Group", "Formation")
     before = params_of(running)
-    field(page, "Formation rate 1/s").fill("49")
+    type_into(field(page, "Formation rate (1/s)"), "49")
     page.locator(NOTE, has_text="must stay below").wait_for()
     page.locator(".hg .warn", has_text="must stay below").wait_for()
-    wait_until(lambda: field(page, "Formation rate 1/s").input_value() == "0.5")
+    wait_until(lambda: field(page, "Formation rate (1/s)").input_value() == "0.5")
     assert params_of(running) is before
     choose(page, "Group", "Path")
-    field(page, "Capture distance m").fill("0.2")
+    type_into(field(page, "Capture distance (m)"), "0.2")
     page.locator(".hg .warn", has_text="from 1 to 500 m").wait_for()
     assert params_of(running) is before
 
@@ -88,12 +93,12 @@ def test_an_unsafe_value_is_refused_with_its_limit_and_springs_back(page: Page, 
 def test_no_limit_is_a_word_and_other_words_are_told(page: Page, running: Running) -> None:
     choose(page, "Group", "Perception")
     place = page.locator("input[value=unlimited]").first
-    place.fill("150")
+    type_into(place, "150")
     wait_until(lambda: params_of(running).perception.perception_range == 150.0)
-    page.locator("input[value='150']").fill("far")
-    page.locator(".hg .warn", has_text="neither a number nor").wait_for()
+    type_into(page.locator("input[value='150']"), "far")
+    page.locator(NOTE, has_text="'far' is not a number; 150 stays").wait_for()
     screenshot(page, "tune-perception")
-    page.locator("input[value='150']").fill("unlimited")
+    type_into(page.locator("input[value='150']"), "unlimited")
     wait_until(lambda: params_of(running).perception.perception_range == float("inf"))
 
 
@@ -106,7 +111,7 @@ def test_a_preset_is_one_step_and_its_name_is_known(page: Page, running: Running
     scenario = running.session.scenario.params
     wait_until(lambda: preset_name(params_of(running), scenario) == "Cautious")
     page.locator(".hg tr", has_text="Cruise speed").get_by_text("36").wait_for()
-    wait_until(lambda: field(page, "● Speed limit m/s").input_value() == "67.5")
+    wait_until(lambda: field(page, "● Speed limit (m/s)").input_value() == "67.5")
     page.mouse.move(640, 300)
     page.wait_for_timeout(500)
     screenshot(page, f"tune-{theme}")
@@ -118,6 +123,6 @@ def test_a_preset_is_one_step_and_its_name_is_known(page: Page, running: Running
 
 def test_what_is_fixed_for_a_run_cannot_be_typed_and_says_so(page: Page) -> None:
     choose(page, "Group", "Safety")
-    field(page, "Control period s").wait_for()
-    assert field(page, "Control period s").is_disabled()
+    field(page, "Control period (s)").wait_for()
+    assert field(page, "Control period (s)").is_disabled()
     page.get_by_text("Control period is fixed during a run").wait_for()

@@ -28,9 +28,19 @@ from higvf_console.ui.panels.widgets.why_tables import (
     sight_html,
     signed,
 )
-from higvf_console.ui.scene.reasons import arrow, chain, part_colours, part_outline, sight_lines
+from higvf_console.ui.scene.reasons import (
+    LONGEST,
+    READABLE,
+    arrow,
+    chain,
+    part_colours,
+    part_outline,
+    pixels_per_speed,
+    sight_lines,
+)
 from higvf_console.ui.theme import DARK, LIGHT, Palette, vertex_rgb
 from higvf_console.ui.ui_state import UiState, UiStore
+from tests.page_actions import no_page
 from tests.teams import team
 
 EVEN = floats([0.25] * 4)
@@ -50,6 +60,16 @@ def test_a_chain_of_arrows_starts_at_the_robot_and_ends_where_the_sum_does() -> 
     assert segments[3] == pytest.approx(floats([[41, 20], [41, 60]]))
     assert (colours[:3] == vertex_rgb(part_colours(DARK)[Part.HUMAN])).all()
     assert (colours[3:] == vertex_rgb(part_colours(DARK)[Part.SAFETY])).all()
+
+
+def test_the_arrows_of_a_slow_robot_are_long_enough_to_be_read_and_those_of_a_still_one_are_none() -> None:
+    def longest(speed: float) -> float:
+        vectors = floats([[speed, 0.0], [0.0, 0.3 * speed]])
+        return speed * pixels_per_speed(vectors, 90.0)
+
+    assert longest(90.0) == pytest.approx(LONGEST)
+    assert longest(5.0) == pytest.approx(READABLE)
+    assert longest(0.01) < 1.0
 
 
 def test_the_barbs_of_an_arrow_lie_behind_its_tip_and_shrink_with_it() -> None:
@@ -155,13 +175,17 @@ def test_a_click_on_the_steered_robot_shows_and_hides_its_reasons() -> None:
     session = SimpleNamespace(setup=setup, snapshot=SimpleNamespace(setup=setup, state=setup.start), viewport=None)
     roles = cast(Roles, SimpleNamespace(push=given.append, steers={0}.__contains__))
     ui = UiStore(UiState(explained=1))
-    hand = ArenaInteraction(cast(Session, session), ui, roles, lambda _tool, _client: None)
+    opened: list[str] = []
+    hand = ArenaInteraction(cast(Session, session), ui, roles, no_page(opened=opened))
     hand.viewport(0, Viewport(1200.0, 700.0, 600.0, 350.0, 1.0))
     hand.click(0, floats([300.0, 100.0]))
     assert not ui.state.reasons
+    assert opened == []
     hand.click(0, floats([100.0, 100.0]))
     assert ui.state.reasons
     assert ui.state.explained is None
+    assert opened == ["Why"]
     hand.click(0, floats([100.0, 100.0]))
     assert not ui.state.reasons
+    assert opened == ["Why"]
     assert given == [Pick(1), Pick(0), Pick(0)]

@@ -33,8 +33,7 @@ def numbers(shown: list[str]) -> list[float]:
     return [float(number.replace("\u2212", "-")) for number in shown]
 
 
-def test_a_second_click_on_a_robot_says_why_it_moves(page: Page, running: Running) -> None:
-    tab(page, "Why")
+def test_a_second_click_on_a_robot_opens_the_tab_that_says_why_it_moves(page: Page, running: Running) -> None:
     running.push(*running.shipped_stroke(), Freeze(False))
     robot = running.session.scenario.strokes[0].robot or 0
     wait_until(lambda: running.state.motion.tick > 60)

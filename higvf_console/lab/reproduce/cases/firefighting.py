@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from higvf_console.core.numbers import grouped
 from higvf_console.lab.fit.table2 import SCENARIO, STROKES
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, Table, within
@@ -52,7 +53,11 @@ def _findings(runs: Runs, name: str) -> Findings:
             measures.order(run) == column.order,
         ),
         Measurement(
-            "Total loss area", round(sum(run.report["loss_area_m2"]), 1), "m²", f"{column.total:,.1f} (paper)", None
+            "Total loss area",
+            round(sum(run.report["loss_area_m2"]), 1),
+            "m²",
+            f"{grouped(column.total, 1)} (paper)",
+            None,
         ),
         within("Minimum clearance", measures.smallest_clearance(run), "m", 0.0, np.inf, "never negative"),
         within("Time in deadlock", run.report["deadlock_s"], "s", 0.0, 1.0, "at most 1 s"),
@@ -111,11 +116,11 @@ def _words(order: tuple[int, ...]) -> str:
 
 def _loss_table(run: Run, column: Column) -> Table:
     rows = [
-        (f"a(s{k + 1})", f"{ours:,.1f}", f"{paper:,.1f}", f"{100.0 * (ours / paper - 1.0):+.1f} %")
+        (f"a(s{k + 1})", grouped(ours, 1), grouped(paper, 1), f"{100.0 * (ours / paper - 1.0):+.1f} %")
         for k, (ours, paper) in enumerate(zip(run.report["loss_area_m2"], column.loss_area, strict=True))
     ]
     total, paper = sum(run.report["loss_area_m2"]), sum(column.loss_area)
-    rows.append(("Sum", f"{total:,.1f}", f"{paper:,.1f}", f"{100.0 * (total / paper - 1.0):+.1f} %"))
+    rows.append(("Sum", grouped(total, 1), grouped(paper, 1), f"{100.0 * (total / paper - 1.0):+.1f} %"))
     return Table("Loss area [m²]", ("", "reproduction", "paper", "difference"), tuple(rows))
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from higvf_console.core.numbers import grouped
 from higvf_console.lab.fit.table2 import ALONE, FIRE_LIMIT, REDUCTION_LIMIT, TOTAL_LIMIT, kept_fit
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, Table
@@ -47,7 +48,7 @@ def quantities(title: str, ranges: Mapping[str, Mapping[str, float]]) -> Table:
 
 
 def _amount(name: str, value: float) -> str:
-    return f"{value:,.0f} m²" if name.startswith("total") else f"{100.0 * value:+.1f} %"
+    return f"{grouped(value)} m²" if name.startswith("total") else f"{100.0 * value:+.1f} %"
 
 
 def _parameters(fit: Mapping[str, Any]) -> Table:
@@ -173,7 +174,7 @@ def loss_table(columns: Columns) -> Table:
             here, paper = columns[name], COLUMNS[name].loss_area
             a = here["total_m2"] if fire is None else here["loss_area_m2"][fire]
             b = sum(paper) if fire is None else paper[fire]
-            cells += [f"{a:,.1f}", f"{b:,.1f}", f"{100.0 * (a / b - 1.0):+.1f} %"]
+            cells += [grouped(a, 1), grouped(b, 1), f"{100.0 * (a / b - 1.0):+.1f} %"]
         rows.append(tuple(cells))
     return Table("Table II", tuple(head), tuple(rows))
 

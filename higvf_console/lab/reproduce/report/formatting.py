@@ -1,5 +1,6 @@
 """Formatting of values and verdicts, shared by HTML and Markdown."""
 
+from higvf_console.core.numbers import grouped
 from higvf_console.lab.reproduce.case import Findings, Measurement
 from higvf_console.lab.reproduce.results import Results
 
@@ -11,11 +12,11 @@ def number(value: float | int | str | None, unit: str) -> str:
     if isinstance(value, str):
         text = value
     elif isinstance(value, int):
-        text = f"{value:,}"
+        text = grouped(value)
     elif value == 0.0 or abs(value) < 1e-12:
         text = "0"
     elif 1e3 <= abs(value) < 1e7:
-        text = f"{value:,.0f}"
+        text = grouped(value)
     else:
         text = f"{value:.3g}"
     return f"{text} {unit}".strip()

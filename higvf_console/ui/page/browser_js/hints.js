@@ -1,4 +1,4 @@
-// Three steps for the first run, beside the STOP button; each is ticked when this page has done it.
+// Three steps for the first run, beside the STOP button; each is ticked when this page has tried it and it has happened.
 (page, config) => {
   const KEY = "higvf-hints"; // the steps that are done, and "away" once the strip was put away
   const FOLLOW_MS = 200;
@@ -6,6 +6,7 @@
   const ROOM = 18; // to the edges of the canvas [CSS px]
   const LEAST = 150; // width of a step [CSS px]
   const STAY_MS = 2500; // after the last tick
+  const ANSWERED_MS = 5000; // what happens so long after this page has tried it is its doing
 
   const overlay = page.overlay(
     `<style>
@@ -53,6 +54,8 @@
     }
   }
 
+  const TRIES = { stroke: "draw", click: "pick" }; // by topic
+  const tried = new Map(); // when, by step
   let done = remembered();
   let closing = null;
 
@@ -113,9 +116,13 @@
   return {
     // Called with what the page sends to the server.
     sent(topic, body) {
-      if (topic === "stroke" && body.phase === "end") tick("draw");
-      if (topic === "click" || (topic === "key" && body.name.startsWith("pick_"))) tick("pick");
-      if (topic === "key" && body.name === "stop") tick("stop");
+      const name = topic === "key" ? { pick: "pick", stop: "stop" }[body.name.split("_")[0]] : TRIES[topic];
+      if (name) tried.set(name, performance.now());
+    },
+
+    // Hears what has come of it.
+    happened(name) {
+      if (performance.now() - (tried.get(name) ?? -Infinity) < ANSWERED_MS) tick(name);
     },
 
     // Shows all steps again, none of them done.

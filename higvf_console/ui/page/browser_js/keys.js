@@ -6,6 +6,8 @@
   const CONFIRM_MS = 5000; // time for the second step of a reset
   const DOUBLE_MS = 400; // a hasty second press of the same click is none
   const PHONE_PX = 600; // on a page this narrow the red button stands left of the panel
+  const NOTE_MS = 2500;
+  const TYPED_MS = 900; // without a further digit, after which the number of a robot is meant
   const UNCONFIRMED_MS = 2000; // an accepted STOP must show as stopped by then
 
   // Space types a blank only here; everywhere else it stops the team.
@@ -38,6 +40,9 @@
       .ask { width: 34px; height: 34px; border-radius: 50%; color: var(--hg-text, #cbd5e1);
         background: var(--hg-card, #161b21); font-size: 16px; font-weight: 600;
         box-shadow: 0 0 0 1px var(--hg-border, #4b5563); }
+      .note { padding: 5px 12px; border-radius: 8px; font-weight: 600; color: var(--hg-badge_text, #0d1117);
+        background: var(--hg-operator, #f0e442); }
+      .note:empty { display: none; }
       .ask:hover { background: var(--hg-key, #2b323c); }
       .veil { position: absolute; inset: 0; display: none; pointer-events: auto; align-items: center;
         padding: 24px 16px 108px; /* the last row ends above the red button */
@@ -77,6 +82,7 @@
     <div class="bar">
       <button class="stop" type="button" aria-live="assertive"><b></b><span></span></button>
       <button class="ask" type="button" title="Keys" aria-label="Keys">?</button>
+      <span class="note" role="status"></span>
     </div>`,
     2147483647,
   );
@@ -92,6 +98,7 @@
     latchedAt: -Infinity,
     askedAt: -Infinity,
   };
+  const typed = { digits: "", timer: null, robots: 9 }; // the number of a robot that is being typed
   const alive = { connection: null, heardAt: -Infinity, askedAt: -Infinity, askedOf: null };
 
   const now = () => performance.now();
@@ -195,11 +202,51 @@
 
   const toggleHelp = (open = !veil.classList.contains("open")) => veil.classList.toggle("open", open);
 
-  // The key as printed on it; on a keyboard without Latin letters, the key at that place.
-  function hotkey(event) {
-    const printed = event.key.toLowerCase();
-    if (printed in config.names || /^[a-z]$/.test(printed)) return config.names[printed];
-    return config.names[event.code.replace(/^(Key|Digit|Numpad)/, "").toLowerCase()];
+  // A Latin letter as printed on the key; on a keyboard without Latin letters, the one at that place. What a Latin
+  // layout prints there, punctuation and accented letters included, is never another key.
+  function letterOf({ key, code }) {
+    const printed = key.toLowerCase();
+    if (/^[a-z]$/.test(printed)) return printed;
+    const foreign = /^[\p{L}\p{M}]$/u.test(key) && !/[\p{Script=Latin}\p{Script=Common}]/u.test(key);
+    return foreign && /^Key[A-Z]$/.test(code) ? code[3].toLowerCase() : undefined;
+  }
+
+  // A digit as printed; of the row of digits also where a layout prints it with Shift only.
+  function digitOf({ key, code, shiftKey }) {
+    if (/^[0-9]$/.test(key)) return key;
+    return [...key].length === 1 && !shiftKey ? /^Digit([0-9])$/.exec(code)?.[1] : undefined;
+  }
+
+  const hotkey = (event) => config.names[letterOf(event) ?? event.key.toLowerCase()];
+
+  // The number of a robot, digit by digit: it is complete when no robot has a longer one, on Enter or after a pause.
+  function typeDigit(digit) {
+    clearTimeout(typed.timer);
+    typed.digits = `${typed.digits}${digit}`.replace(/^0+/, "");
+    if (!typed.digits) return showTyped();
+    if (10 * Number(typed.digits) > typed.robots) return pickTyped();
+    typed.timer = setTimeout(pickTyped, TYPED_MS);
+    showTyped();
+  }
+  function pickTyped() {
+    const { digits } = typed;
+    forgetTyped();
+    if (digits) sendKey(`pick_${digits}`);
+  }
+  function forgetTyped() {
+    clearTimeout(typed.timer);
+    typed.digits = "";
+    showTyped();
+  }
+  function showTyped() {
+    showNote(typed.digits && `Robot ${typed.digits} …`);
+  }
+
+  let noteTimer = null;
+  function showNote(text, milliseconds = 0) {
+    clearTimeout(noteTimer);
+    $(".note").textContent = text;
+    if (milliseconds) noteTimer = setTimeout(() => showNote(""), milliseconds);
   }
 
   const endsTyping = ({ key, isComposing }, field) =>
@@ -237,22 +284,29 @@
       if (endsTyping(event, target)) leave(target);
       return;
     }
-    if (event.altKey) return;
+    if (event.altKey || event.isComposing || event.getModifierState("AltGraph")) return;
     if (event.ctrlKey || event.metaKey) {
-      const turn = { z: event.shiftKey ? "redo" : "undo", y: "redo" }[event.key.toLowerCase()];
+      const turn = { z: event.shiftKey ? "redo" : "undo", y: "redo" }[letterOf(event)];
       if (!turn) return;
       event.preventDefault();
       event.stopImmediatePropagation();
       sendKey(turn);
       return;
     }
-    const name = hotkey(event);
+    const digit = digitOf(event);
+    const name = digit ? "pick" : hotkey(event);
     if (!name || (event.key === "Enter" && target.matches?.(TAKES_ENTER))) return;
     if (event.key !== "Escape") {
       event.preventDefault(); // what else Escape closes may hear it too
       event.stopImmediatePropagation();
     }
     if (event.repeat) return;
+    if (digit) return typeDigit(digit);
+    if (typed.digits) {
+      const ends = event.key === "Escape" ? forgetTyped : pickTyped;
+      ends();
+      if (event.key === "Escape" || event.key === "Enter") return event.stopImmediatePropagation();
+    }
     if (name === "help") toggleHelp();
     else if (name === "fit_view") page.part("camera")?.fit();
     else sendKey(name);
@@ -285,6 +339,8 @@
   const forget = page.listen({ keydown: onKeyDown, keyup: onKeyUp, click: onClick });
 
   return {
+    beat,
+
     alive() {
       [alive.connection, alive.heardAt] = [page.connection(), now()];
       if (stop.waiting) sendKey("stop", stop.number);
@@ -296,6 +352,17 @@
       stop.waiting = false;
       [stop.acceptedAt, stop.unconfirmed] = [now(), !stop.latched];
       show();
+    },
+
+    // A few words for a moment.
+    note(text) {
+      forgetTyped();
+      showNote(text, NOTE_MS);
+    },
+
+    // How many robots there are.
+    robots(count) {
+      typed.robots = count;
     },
 
     // This page may not reset.
@@ -313,6 +380,8 @@
 
     remove() {
       clearInterval(beating);
+      clearTimeout(typed.timer);
+      clearTimeout(noteTimer);
       forget();
       overlay.remove();
     },

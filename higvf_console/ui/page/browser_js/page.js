@@ -60,6 +60,17 @@
       };
     },
 
+    // Calls back in time also while the tab is hidden, where the browser holds back the page's own timers.
+    steadily(milliseconds, callback) {
+      const source = URL.createObjectURL(new Blob([`setInterval(() => postMessage(0), ${milliseconds})`]));
+      const worker = new Worker(source);
+      worker.onmessage = callback;
+      return () => {
+        worker.terminate();
+        URL.revokeObjectURL(source);
+      };
+    },
+
     // An overlay above everything of viser's, out of reach of its style sheet.
     overlay(html, zIndex) {
       const host = document.createElement("div");
@@ -78,23 +89,6 @@
       console.error(`higvf ${name}:`, error);
     }
   }
-
-  // A number field that is left without a number would hide the value in force: its last number comes back. viser sends
-  // it again, which changes nothing, as it is the one that the console knows.
-  const numbers = new WeakMap(); // by field
-  const numberField = ({ target }) => (target.matches?.(".mantine-NumberInput-input") ? target : null);
-  const isNumber = (text) => text.trim() !== "" && Number.isFinite(Number(text));
-  const keep = (event) => {
-    const field = numberField(event);
-    if (field && isNumber(field.value)) numbers.set(field, field.value);
-  };
-  const putBack = (event) => {
-    const field = numberField(event);
-    if (!field || isNumber(field.value) || !numbers.has(field)) return;
-    Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(field, numbers.get(field));
-    field.dispatchEvent(new InputEvent("input", { bubbles: true }));
-  };
-  page.listen({ beforeinput: keep, input: keep, focusout: putBack });
 
   window.higvf = {
     install(name, version, make, config) {

@@ -1,5 +1,6 @@
 // Strokes and clicks in the arena at the pointer's full resolution, and how the page lies over the ground.
 (page, config) => {
+  const LEFT = 1; // of a mouse's buttons; the tip of a pen and a finger too
   const CLICK_PX = 4; // a press that moves less is a click
   const FLUSH_MS = 33;
   const REPORT_MS = 200;
@@ -39,7 +40,7 @@
   }
 
   function showEcho(point) {
-    if (!inks) return;
+    if (!inks && !stroke.group) return;
     for (const line of lines) {
       const item = svg.createSVGPoint();
       item.x = point[0] - origin[0];
@@ -55,7 +56,8 @@
   }
 
   function send(phase, points) {
-    page.send("stroke", { id: stroke.id, sequence: stroke.sequence++, phase, points: points.flat() });
+    const { id, group } = stroke;
+    page.send("stroke", { id, sequence: stroke.sequence++, phase, points: points.flat(), group });
   }
 
   function flush(phase) {
@@ -79,6 +81,7 @@
       id: lastId,
       pointer: event.pointerId,
       connection: page.connection(),
+      group: event.shiftKey, // it is about a group of robots
       down: [event.clientX, event.clientY],
       last: null,
       reach: 0, // farthest from where it was pressed [CSS px]
@@ -116,7 +119,7 @@
       group.classList.add("done");
       setTimeout(() => group.classList.contains("done") && clearEcho(), 400);
     } else {
-      page.send("click", { point: stroke.waiting[0] });
+      page.send("click", { point: stroke.waiting[0], group: stroke.group });
     }
     stroke = null;
   }
@@ -138,6 +141,8 @@
 
   function onMove(event) {
     if (event.pointerId !== stroke?.pointer) return;
+    // While another button is held, the left one ends with a move; what follows belongs to no stroke.
+    if (!(event.buttons & LEFT)) return onUp(event);
     event.stopPropagation();
     if (stroke.connection !== page.connection()) return cancel();
     const view = page.view();

@@ -122,8 +122,17 @@
     show();
   }
 
+  // viser reads what has arrived when it draws a frame, and a hidden page draws none.
+  function checkHidden() {
+    if (!document.hidden) return;
+    page.readNow();
+    check();
+    page.part("keys")?.beat();
+  }
+
   strip.addEventListener("mousedown", (event) => event.preventDefault()); // the focus stays where it is
   const checking = setInterval(check, CHECK_MS);
+  const stopCheckingHidden = page.steadily(TELL_EVERY_MS / 2, checkHidden);
   const forget = page.listen({
     pagehide: putAway,
     pageshow: (event) => event.persisted && takeOut(),
@@ -162,6 +171,7 @@
       putAway();
       document.body.classList.remove("hg-watches");
       clearInterval(checking);
+      stopCheckingHidden();
       forget();
       document.documentElement.style.removeProperty("--hg-strips-end");
       overlay.remove();

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.core.arrays import Floats
-from higvf_console.ui.panels.widgets.html import area, text
+from higvf_console.core.numbers import grouped
+from higvf_console.ui.panels.widgets.html import text
 from higvf_console.ui.scene.shapes import tick_spacing, ticks
 
 WIDTH, HEIGHT = 316, 152  # [CSS px]
@@ -95,4 +96,4 @@ def _thinned(points: Floats) -> Floats:
 
 
 def _number(value: float) -> str:
-    return area(value) if value >= 1000 else f"{value + 0.0:g}"
+    return grouped(value) if value >= 1000 else f"{value + 0.0:g}"

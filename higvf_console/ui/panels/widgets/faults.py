@@ -8,7 +8,8 @@ import viser
 
 from higvf_console.core.commands import FaultKind, InjectFault
 from higvf_console.core.interface import PointerSink
-from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reaction
+from higvf_console.ui.panels.widgets.callbacks import one_of, reaction
+from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
 
 LONGEST_S, SHORTEST_S = 60.0, 0.1
 _KINDS: dict[str, Any] = {
@@ -33,16 +34,20 @@ class FaultWidgets:
         self._fault = InjectFault(channel=channels[-1])
         self._channel = gui.add_dropdown("Input", tuple(names), initial_value=self._fault.channel)
         self._kind = gui.add_dropdown("Fault", tuple(_KINDS), hint="STOP always gets through")
-        self._seconds = gui.add_number("Lasts s", self._fault.seconds, min=SHORTEST_S, max=LONGEST_S, step=0.1)
-        self._delay = gui.add_number(
-            "Delay s", self._fault.delay, min=0.0, max=LONGEST_S, step=0.1, hint="For a delay only"
-        )
+        self._seconds = NumberField(
+            gui, "Lasts", self._fault.seconds, NumberRange("s", SHORTEST_S, LONGEST_S),
+            lambda value: self._choose(seconds=value),
+        )  # fmt: skip
+        self._delay = NumberField(
+            gui, "Delay", self._fault.delay, NumberRange("s", 0.0, LONGEST_S), lambda value: self._choose(delay=value),
+            hint="For a delay only",
+        )  # fmt: skip
         self._inject = gui.add_button("Inject", icon=viser.Icon.PLUG_CONNECTED_X, color="gray")
         self._channel.on_update(reaction(lambda value: self._choose(channel=one_of(value, names))))
         self._kind.on_update(reaction(lambda value: self._choose(kind=one_of(value, _KINDS))))
-        self._seconds.on_update(reaction(lambda value: self._choose(seconds=number_in(value, SHORTEST_S, LONGEST_S))))
-        self._delay.on_update(reaction(lambda value: self._choose(delay=number_in(value, 0.0, LONGEST_S))))
         self._inject.on_click(reaction(lambda _: sink.push(self._fault)))
 
     def _choose(self, **changes: Any) -> None:
         self._fault = replace(self._fault, **changes)
+        self._seconds.show(self._fault.seconds)
+        self._delay.show(self._fault.delay)

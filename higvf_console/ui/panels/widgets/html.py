@@ -4,6 +4,7 @@ import math
 from html import escape
 
 from higvf_console.core.events import Severity
+from higvf_console.core.numbers import grouped
 from higvf_console.ui.theme import CSS, Look, Palette
 
 
@@ -70,6 +71,8 @@ _STYLE = """
 /* A page that watches may look at everything; what it cannot change is pale. */
 .hg-watches :is(.hg-tools, .mantine-Button-root, .mantine-Input-wrapper, .mantine-Slider-root, .mantine-Checkbox-body)
   { opacity: .45; }
+/* viser's own settings and developer tools are none of an operator's. */
+.mantine-ActionIcon-root:has(.tabler-icon-adjustments) { display: none !important; }
 [role=tab] { padding-inline: 4px !important; flex: 1 1 auto; justify-content: center; }
 .mantine-Notification-description { color: var(--hg-dim) !important; }
 .mantine-Notifications-root { top: auto !important; bottom: var(--hg-notes-bottom, 18px) !important;
@@ -114,8 +117,8 @@ def clock(seconds: float) -> str:
 
 
 def area(square_metres: float) -> str:
-    """An area with thin spaces between the thousands."""
-    return f"{square_metres:,.0f}".replace(",", "\u202f")
+    """An area in whole square metres."""
+    return grouped(square_metres)
 
 
 def nearness(clearance: float) -> str:

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import viser
 
-from higvf_console.ui.panels.widgets.callbacks import mirror, number_in, one_of, reaction
+from higvf_console.ui.panels.widgets.callbacks import mirror, one_of, reaction
+from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
 
 MOST_LISTED = 50  # robots
 
@@ -28,14 +29,14 @@ class RobotPicker:
         """
         self._nobody, self._robots, self._choose = nobody, robots, choose
         self._list: viser.GuiDropdownHandle[str] | None = None
-        self._number: viser.GuiNumberHandle[int] | None = None
+        self._number: NumberField | None = None
         if robots <= MOST_LISTED:
             self._list = gui.add_dropdown(label, self._names(), hint=hint)
             self._list.on_update(reaction(self._named))
         else:
             also = f"; 0 = {nobody}" if nobody else ""
-            self._number = gui.add_number(label, self._least, min=self._least, max=robots, step=1, hint=hint + also)
-            self._number.on_update(reaction(self._numbered))
+            self._label, self._hint = label, hint + also
+            self._number = NumberField(gui, label, self._least, self._limits(), self._numbered, hint=self._hint)
 
     @property
     def _least(self) -> int:
@@ -49,9 +50,11 @@ class RobotPicker:
         number = one_of(value, {name: number for number, name in enumerate(self._names(), self._least)})
         self._choose(number - 1 if number else None)
 
-    def _numbered(self, value: object) -> None:
-        number = int(number_in(value, self._least, self._robots))
-        self._choose(number - 1 if number else None)
+    def _limits(self) -> NumberRange:
+        return NumberRange(low=self._least, high=self._robots, whole=True)
+
+    def _numbered(self, number: float) -> None:
+        self._choose(int(number) - 1 if number else None)
 
     def show(self, robot: int | None, robots: int) -> None:
         """Shows who is chosen in a team of so many robots."""
@@ -60,12 +63,12 @@ class RobotPicker:
             if self._list is not None:
                 self._list.options = self._names()
             elif self._number is not None:
-                self._number.max = robots
+                self._number.describe(self._label, self._limits(), self._hint)
         number = 0 if robot is None else robot + 1
         if self._list is not None:
             mirror(self._list, f"Robot {number}" if number else self._nobody)
         elif self._number is not None:
-            mirror(self._number, number)
+            self._number.show(number)
 
     def remove(self) -> None:
         """Removes the widget."""

@@ -12,6 +12,7 @@ from higvf_console.core.path_terms import FASTEST, SLOWEST
 from higvf_console.core.quantity import quantities
 from higvf_console.core.state import NO_PATH, Path, PathKind
 from higvf_console.ui.panels.widgets.callbacks import mirror, number_in, one_of, reaction, truth
+from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
 from higvf_console.ui.ui_state import UiStore, change_terms
 
 LONGEST_DURATION = 3600.0  # [s]
@@ -31,18 +32,15 @@ class TermsWidgets:
             "Pace", SLOWEST, FASTEST, 0.05, 1.0, hint="Speed along the path, as a share of the usual speed"
         )
         self._speed.on_update(reaction(lambda value: self._shape(pace=number_in(value, SLOWEST, FASTEST))))
-        self._time = gui.add_number(
-            "Lasts s", 0.0, min=0.0, max=LONGEST_DURATION, step=5.0, hint="The path ends after this time; 0 = no limit"
-        )
-        self._time.on_update(reaction(lambda value: self._shape(duration=number_in(value, 0.0, LONGEST_DURATION))))
+        self._time = NumberField(
+            gui, "Lasts", 0.0, NumberRange("s", 0.0, LONGEST_DURATION), lambda value: self._shape(duration=value),
+            hint="The path ends after this time; 0 = no limit",
+        )  # fmt: skip
         meaning = quantities(PathParameters)["stroke_smoothing"]
-        self._smoothing = gui.add_number(
-            "Smoothing m", self._chosen_smoothing(), min=meaning.low, max=meaning.high, step=1.0, hint=meaning.text
-        )
-        self._time.precision = self._smoothing.precision = 2
-        self._smoothing.on_update(
-            reaction(lambda value: ui.change(change_terms(smoothing=number_in(value, meaning.low, meaning.high))))
-        )
+        self._smoothing = NumberField(
+            gui, "Smoothing", self._chosen_smoothing(), NumberRange(meaning.unit, meaning.low, meaning.high),
+            lambda value: ui.change(change_terms(smoothing=value)), hint=meaning.text,
+        )  # fmt: skip
         self._at_once = gui.add_checkbox(
             "Commit at once",
             ui.state.commit_at_once,
@@ -50,7 +48,7 @@ class TermsWidgets:
         )
         self._at_once.on_update(reaction(lambda value: ui.update(commit_at_once=truth(value))))
         self._horizon = gui.add_slider(
-            "Look ahead s",
+            "Look ahead (s)",
             SHORTEST,
             LONGEST,
             5.0,
@@ -74,8 +72,8 @@ class TermsWidgets:
         state = self._ui.state
         for widget, value in (
             (self._end, next(word for word, ending in _ENDINGS.items() if ending == state.terms.ending)),
-            (self._speed, state.terms.pace), (self._time, state.terms.duration),
-            (self._smoothing, self._chosen_smoothing()),
-            (self._at_once, state.commit_at_once), (self._horizon, state.horizon),
+            (self._speed, state.terms.pace), (self._at_once, state.commit_at_once), (self._horizon, state.horizon),
         ):  # fmt: skip
             mirror(widget, value)
+        self._time.show(state.terms.duration)
+        self._smoothing.show(self._chosen_smoothing())
