@@ -1,5 +1,6 @@
 """The team: arrow marks with numbers, who is influenced, who is in trouble, links, trails, clearances."""
 
+import time as clock
 from collections import deque
 
 import numpy as np
@@ -22,6 +23,8 @@ TRAIL_POINTS = 20
 TRAIL_ROBOTS = 200
 TRAIL_PERIOD = 0.3  # [s] of session time
 MOST_LINKS = 3000
+LINKS_AT_ONCE = 30  # robots of a team whose links follow each frame; those of a larger one, `LINK_PERIOD`
+LINK_PERIOD = 0.2  # [s] of real time
 _HALO = 0.16  # width of the halo of a number [digit heights]
 _CHOSEN = 1.3  # size of the influenced robot's mark
 
@@ -45,6 +48,7 @@ class Team:
         self._clearance = canvas.marks(Layer.CLEARANCE, "/team/clearance", ring, count=count, colour=ink.clearance)
         self._points = ControlledPoints(canvas, setup)
         self._links = canvas.lines(Layer.LINK, "/team/links", ink.link, NOMINAL.link)
+        self._links_due = 0.0  # [s]
         self._unsafe = canvas.lines(Layer.HALO, "/team/unsafe", ink.trouble, 2.5)
         self._deadlocked = canvas.lines(Layer.HALO, "/team/deadlocked", ink.trouble, 2.5)
         self._numbers = Numbers(canvas, count, self._length)
@@ -70,10 +74,16 @@ class Team:
             apart[state.intent.influenced] = True
         self._numbers.place(at, apart)
         self._trails.follow(at, time)
-        self._links.draw(link_segments(at, trace.links))
+        self._draw_links(at, trace.links)
         self._unsafe.draw(rings(at, unsafe, 0.8 * self._length, 24))
         self._deadlocked.draw(rings(at, trace.deadlocked, 1.1 * self._length, 4))
         self._choose(state.intent.influenced, at)
+
+    def _draw_links(self, at: Floats, links: Ints) -> None:
+        now = clock.monotonic()
+        if self._count <= LINKS_AT_ONCE or now >= self._links_due:
+            self._links_due = now + LINK_PERIOD
+            self._links.draw(link_segments(at, links))
 
     def _choose(self, influenced: int, at: Floats) -> None:
         known = 0 <= influenced < self._count

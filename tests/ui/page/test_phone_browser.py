@@ -6,11 +6,16 @@ from itertools import combinations
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from tests.browser import open_console, screenshot, wait_until
+from higvf_console.core.events import Event, Severity
+from higvf_console.ui.ui_state import add_alarms
+from tests.browser import open_console, screenshot, told, wait_until
 from tests.consoles import Running, console_at_work
 
 pytestmark = pytest.mark.browser
 
+_CANVAS = (
+    "(() => { const r = __viserMutable.canvas.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom] })()"
+)
 Box = tuple[float, float, float, float]
 
 
@@ -39,39 +44,67 @@ def box(found: Locator) -> Box:
     return place["x"], place["y"], place["x"] + place["width"], place["y"] + place["height"]
 
 
+def inside(one: Box, other: Box) -> bool:
+    return other[0] <= one[0] and other[1] <= one[1] and one[2] <= other[2] and one[3] <= other[3]
+
+
 def apart(one: Box, other: Box) -> bool:
     return one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
 
 
-@pytest.mark.parametrize(("width", "height"), [(390, 844), (900, 600), (1280, 720)])
-def test_strips_notes_and_stop_stay_in_the_page_and_off_each_other(
-    phone: Page, running: Running, width: int, height: int
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (768, 1024), (900, 600), (1280, 720)])
+def test_strip_tools_arena_stop_and_panel_stay_in_the_page_and_off_each_other(
+    phone: Page, width: int, height: int
 ) -> None:
     phone.set_viewport_size({"width": width, "height": height})
-    note = phone.locator(".mantine-Notification-root", has_text="Some words")
-    notes = [
-        client.add_notification("Note", "Some words that the operator shall read.", auto_close_seconds=None)
-        for client in running.server.get_clients().values()
-    ]
-    note.wait_for()
+    parts = {"strip": ".status", "tools": ".tools", "stop": "button.stop", "help": "button.ask"}
 
     def boxes() -> dict[str, Box]:
-        parts = {"tools": ".tools", "roles": ".roles", "stop": "button.stop", "help": "button.ask"}
-        return {name: box(phone.locator(part)) for name, part in parts.items()} | {"note": box(note)}
+        tabs = box(phone.get_by_role("tab").first)
+        panel = (0.0 if height > width else tabs[0], tabs[1], float(width), float(height))
+        return {name: box(phone.locator(part)) for name, part in parts.items()} | {"panel": panel}
 
     def laid_out() -> bool:
         found = boxes()
-        tools = [box(button) for button in phone.locator(".tools button").all()]
-        return all(
-            left >= 0 and top >= 0 and right <= width and bottom <= height
-            for left, top, right, bottom in [*found.values(), *tools]
-        ) and all(apart(*pair) for pair in combinations(found.values(), 2))
+        inner = [box(part) for part in phone.locator(".tools button, .status button:visible, .roles").all()]
+        canvas = phone.evaluate(_CANVAS)
+        return (
+            all(
+                left >= 0 and top >= 0 and right <= width and bottom <= height
+                for left, top, right, bottom in [*found.values(), *inner]
+            )
+            and all(apart(*pair) for pair in combinations(found.values(), 2))
+            and apart(canvas, found["strip"])
+            and apart(canvas, found["panel"])
+            and all(inside(found[name], canvas) for name in ("tools", "stop", "help"))
+        )
 
-    wait_until(laid_out, 20.0)  # it slides in
+    wait_until(laid_out, 20.0)
     screenshot(phone, f"phone-{width}x{height}")
-    for sent in notes:
-        sent.remove()
-    note.wait_for(state="hidden")
+
+
+def test_a_message_of_viser_is_told_in_the_line_and_not_over_the_arena(phone: Page, running: Running) -> None:
+    for client in running.server.get_clients().values():
+        client.add_notification("Note", "Some words that the operator shall read.", auto_close_seconds=None)
+    wait_until(told(phone, "Note: Some words that the operator shall read."), 20.0)
+    assert not phone.locator(".mantine-Notification-root").first.is_visible()
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (1280, 720)])
+def test_the_alarms_open_the_log_also_where_the_panel_is_folded(
+    phone: Page, running: Running, width: int, height: int
+) -> None:
+    phone.set_viewport_size({"width": width, "height": height})
+    fold = (
+        phone.get_by_text("Firefighting", exact=True) if height > width else phone.locator("[data-dock-minimize-all]")
+    )
+    fold.first.click()
+    wait_until(lambda: not phone.get_by_role("tab", name="Steer").first.is_visible(), 20.0)
+    running.console.ui.change(add_alarms([Event(1.0, Severity.ALARM, "view", "Something to be read.")]))
+    phone.get_by_role("button", name="1 alarm", exact=True).dispatch_event("click")
+    phone.get_by_role("button", name="Acknowledge 1 alarm").click()
+    wait_until(lambda: not phone.locator(".alarms").inner_text(), 20.0)
+    phone.get_by_role("tab", name="Steer").first.click()
 
 
 def test_the_red_button_of_a_phone_is_left_of_the_panel(phone: Page) -> None:

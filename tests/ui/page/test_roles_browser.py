@@ -20,12 +20,12 @@ from higvf_console.core.state import PathKind, PathStatus
 from higvf_console.ui.page import control_lease
 from higvf_console.ui.page.roles import Roles
 from tests.browser import (
-    close_notifications,
     draw,
     open_console,
     press_stop,
     screenshot,
     to_page,
+    told,
     turn_wheel,
     wait_for_console,
     wait_until,
@@ -74,8 +74,6 @@ def _from_the_start(running: Running, first: Page, second: Page) -> None:
     running.start_again()
     wait_until(lambda: running.given(Pick) and running.state.motion.tick == 0)
     running.session.commands.clear()
-    close_notifications(first)
-    close_notifications(second)
 
 
 def logged(running: Running, text: str) -> bool:
@@ -132,7 +130,7 @@ def test_a_page_that_watches_cannot_draw_pick_or_press_keys(first: Page, second:
 
 
 def test_a_widget_moved_by_a_page_that_watches_shows_the_true_value_again(second: Page, running: Running) -> None:
-    picker = second.get_by_role("combobox").nth(1)
+    picker = second.get_by_role("combobox").nth(0)
     wait_until(lambda: picker.input_value() == "Robot 1")
     picker.click()
     second.get_by_role("option", name="Robot 2").click()
@@ -224,7 +222,7 @@ def test_who_takes_over_has_the_pen_and_everybody_is_told(first: Page, second: P
     wait_until(lambda: running.state.pointer_state.stroke_source == "")
     wait_until(lambda: not echoed(first))
     for page in (first, second):
-        page.locator(".mantine-Notification-root", has_text="Browser 2 takes over control").wait_for()
+        wait_until(told(page, "Browser 2 takes over control"))
     screenshot(first, "roles-taken")
     draw(second, to_page(second, HAND), rate=0)
     wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
@@ -244,10 +242,10 @@ def test_released_control_is_anybody_s(first: Page, second: Page, running: Runni
 
 
 def test_a_page_that_is_reloaded_keeps_its_control(first: Page, second: Page, running: Running) -> None:
-    for page, told in ((first, "You steer"), (second, "Browser 1 steers, you watch")):
+    for page, words in ((first, "You steer"), (second, "Browser 1 steers, you watch")):
         page.reload()
         wait_for_console(page)
-        wait_until(lambda page=page, told=told: says(page, told))
+        wait_until(lambda page=page, words=words: says(page, words))
     assert changes(running) == []
     first.keyboard.press("2")
     wait_until(lambda: running.state.intent.influenced == 1)

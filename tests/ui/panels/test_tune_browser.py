@@ -10,10 +10,9 @@ from higvf_console.core.commands import Freeze
 from higvf_console.core.edits import SetParameters
 from higvf_console.ui.theme import LIGHT, USUAL_LOOK
 from higvf_console.world.editing.presets import preset_name
-from tests.browser import console_page, screenshot, wait_until
+from tests.browser import console_page, screenshot, told, wait_until
 from tests.consoles import Running, console_at_work
 
-NOTE = ".mantine-Notification-root"
 pytestmark = pytest.mark.browser
 
 
@@ -75,7 +74,7 @@ def test_an_unsafe_value_is_refused_with_its_limit_and_springs_back(page: Page, 
     choose(page, "Group", "Formation")
     before = params_of(running)
     field(page, "Formation rate 1/s").fill("49")
-    page.locator(NOTE, has_text="must stay below").wait_for()
+    wait_until(told(page, "must stay below"))
     page.locator(".hg .warn", has_text="must stay below").wait_for()
     wait_until(lambda: field(page, "Formation rate 1/s").input_value() == "0.5")
     assert params_of(running) is before

@@ -68,7 +68,6 @@
 
   function show(open) {
     strip.classList.toggle("open", open);
-    document.documentElement.style.setProperty("--hg-notes-bottom", open ? "100px" : "18px");
     let number = 1;
     for (const [name, item] of items) {
       item.classList.toggle("done", done.has(name));
@@ -129,7 +128,6 @@
     remove() {
       clearInterval(following);
       clearTimeout(closing);
-      document.documentElement.style.removeProperty("--hg-notes-bottom");
       overlay.remove();
     },
   };

@@ -285,6 +285,8 @@
   const forget = page.listen({ keydown: onKeyDown, keyup: onKeyUp, click: onClick });
 
   return {
+    connected,
+
     alive() {
       [alive.connection, alive.heardAt] = [page.connection(), now()];
       if (stop.waiting) sendKey("stop", stop.number);
