@@ -212,7 +212,7 @@ class Console:
         look = state.look
         if self._scene.setup is not snapshot.setup or self._scene.look != look:
             if self._scene.look != look:
-                theme.wear(self._server, look.palette)
+                theme.wear(self._server, look)
                 self._style.content = style_html(look)
             arena = self._scene.camera_arena
             self._scene.clear()

@@ -69,7 +69,7 @@ html { font-size: calc(92.5% * var(--hg-size)) !important; }
   { opacity: .45; }
 [role=tab] { padding-inline: 4px !important; flex: 1 1 auto; justify-content: center; }
 /* viser's page lies between the strip and, in portrait and on a phone, the panel; its messages go into the strip. */
-#root { position: absolute; top: var(--hg-strip-height, 0px); bottom: var(--hg-sheet-height, 0px); left: 0; right: 0;
+[id="root"] { position: absolute; top: var(--hg-strip-height, 0px); bottom: var(--hg-sheet-height, 0px); left: 0; right: 0;
   height: auto !important; }
 .mantine-Notifications-root { display: none; }
 .mantine-Paper-root[style*="position: fixed"] { left: 0; width: 100% !important; max-height: 45% !important; }
