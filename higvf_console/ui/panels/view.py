@@ -120,4 +120,4 @@ def states_html() -> str:
         f'<b style="color:var(--hg-{state.colour})">{word}</b><span>{state.text}</span>'
         for word, state in (("Pause", PAUSED), ("Freeze", FROZEN), ("STOP", STOPPED))
     )
-    return f'<div class="dim" style="margin:10px 0 4px">Halting</div><div class="key words">{lines}</div>'
+    return f'<div class="dim" style="margin:10px 0 4px">Pause, Freeze, STOP</div><div class="key words">{lines}</div>'

@@ -126,3 +126,15 @@ def test_the_key_list_of_a_phone_ends_above_its_buttons_and_has_room_for_words(p
     assert right - left > 200
     screenshot(phone, "phone-keys")
     phone.keyboard.press("?")
+
+
+def test_without_the_server_the_strip_says_that_it_shows_the_last_known_state(phone: Page) -> None:
+    phone.evaluate(
+        "() => { const viewer = __viserMutable; [viewer.kept, viewer.sendMessage] = [viewer.sendMessage, () => {}]; }"
+    )
+    wait_until(told(phone, "Last known state"))
+    assert phone.locator(".status.gone").count() == 1
+    assert phone.locator(".status [data-act=pause]").is_disabled()
+    phone.evaluate("() => { __viserMutable.sendMessage = __viserMutable.kept; }")
+    wait_until(lambda: not phone.locator(".status.gone").count())
+    assert not told(phone, "Last known state")()
