@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page
 
 from higvf_console.core.events import Event, Severity
-from higvf_console.ui.ui_state import add_alarms
+from higvf_console.ui.ui_state import acknowledge_alarms, add_alarms
 from tests.browser import open_console, screenshot, told, wait_until
 from tests.consoles import Running, console_at_work
 
@@ -95,14 +95,13 @@ def test_the_alarms_open_the_log_also_where_the_panel_is_folded(
     phone: Page, running: Running, width: int, height: int
 ) -> None:
     phone.set_viewport_size({"width": width, "height": height})
-    fold = (
-        phone.get_by_text("Firefighting", exact=True) if height > width else phone.locator("[data-dock-minimize-all]")
-    )
-    fold.first.click()
+    handle = phone.locator("[data-dock-region-collapse]")
+    (phone.get_by_text("Firefighting", exact=True) if height > width else handle).first.dispatch_event("click")
     wait_until(lambda: not phone.get_by_role("tab", name="Steer").first.is_visible(), 20.0)
     running.console.ui.change(add_alarms([Event(1.0, Severity.ALARM, "view", "Something to be read.")]))
     phone.get_by_role("button", name="1 alarm", exact=True).dispatch_event("click")
-    phone.get_by_role("button", name="Acknowledge 1 alarm").click()
+    phone.get_by_role("button", name="Acknowledge 1 alarm").wait_for()
+    running.console.ui.change(acknowledge_alarms())
     wait_until(lambda: not phone.locator(".alarms").inner_text(), 20.0)
     phone.get_by_role("tab", name="Steer").first.click()
 

@@ -2,6 +2,8 @@
 // It is a row of the page, not an overlay: viser's page begins below it, and above the panel of a page in portrait.
 (page, config) => {
   const CHECK_MS = 200;
+  // viser's handles that unfold a docked panel.
+  const FOLDED = ":is([data-dock-minimize-all], [data-dock-minimize])[aria-expanded=false]";
   const root = document.documentElement.style;
 
   const ICONS = {
@@ -176,16 +178,12 @@
     line.textContent = line.title = words;
   }
 
-  // A folded panel is unfolded first; viser names neither its tabs nor its handles for us.
-  function openLog() {
-    const tab = () => [...document.querySelectorAll("[role=tab]")].find((found) => found.textContent.trim() === "Log");
-    if (!tab()?.offsetParent) unfold();
-    requestAnimationFrame(() => tab()?.click());
-  }
-
-  function unfold() {
-    const handle = document.querySelector("[data-dock-expand-all]") ?? sheet()?.querySelector("[style*=pointer]");
-    handle?.click();
+  // A folded panel is unfolded first, which takes it a moment.
+  function openLog(_event, tries = 20) {
+    const tab = [...document.querySelectorAll("[role=tab]")].find((found) => found.textContent.trim() === "Log");
+    if (tab?.checkVisibility()) return tab.click();
+    if (tries === 20) (document.querySelector(FOLDED) ?? sheet()?.querySelector("[style*=pointer]"))?.click();
+    if (tries) setTimeout(() => openLog(null, tries - 1), 100);
   }
 
   // viser's bottom sheet, in portrait and on a phone.
