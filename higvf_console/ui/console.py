@@ -109,6 +109,7 @@ class Console:
         tools.install(server, hand.tool, hand.key)
         hints.install(server)
         page.on_leave(server, hand.leave)
+        page.listen(server, "landscape", lambda _client_id, _body: theme.widen(server, self.ui.state.look))
         add_commands(server.gui, hand, self._roles)
         self._roles.install(hand.hand_over)
 

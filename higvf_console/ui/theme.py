@@ -242,4 +242,9 @@ def wear(server: viser.ViserServer, look: Look) -> None:
         show_share_button=False,
         brand_color=hex_rgb(look.palette.brand),
     )
+    widen(server, look)
+
+
+def widen(server: viser.ViserServer, look: Look) -> None:
+    """Makes the panel as wide as its text needs."""
     server.gui.main_panel.set_width(PANEL_WIDTH * max(look.text, 1.0))

@@ -1,7 +1,8 @@
 """On a phone and in small windows nothing of the console lies outside the page, or on what else it has."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import combinations
+from time import sleep
 
 import pytest
 from playwright.sync_api import Browser, Locator, Page
@@ -16,6 +17,7 @@ pytestmark = pytest.mark.browser
 _CANVAS = (
     "(() => { const r = __viserMutable.canvas.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom] })()"
 )
+_BUTTONS = ".tools button, .status button:visible, .roles"
 Box = tuple[float, float, float, float]
 
 
@@ -44,6 +46,15 @@ def box(found: Locator) -> Box:
     return place["x"], place["y"], place["x"] + place["width"], place["y"] + place["height"]
 
 
+def settled(wrong: Callable[[], list[object]], tries: int = 60) -> None:
+    """Waits until nothing is wrong any more: the page lays itself out a few frames later."""
+    for _ in range(tries):
+        if not wrong():
+            return
+        sleep(0.25)
+    assert wrong() == []
+
+
 def inside(one: Box, other: Box) -> bool:
     return other[0] <= one[0] and other[1] <= one[1] and one[2] <= other[2] and one[3] <= other[3]
 
@@ -64,22 +75,21 @@ def test_strip_tools_arena_stop_and_panel_stay_in_the_page_and_off_each_other(
         panel = (0.0 if height > width else tabs[0], tabs[1], float(width), float(height))
         return {name: box(phone.locator(part)) for name, part in parts.items()} | {"panel": panel}
 
-    def laid_out() -> bool:
+    def wrong() -> list[object]:
         found = boxes()
-        inner = [box(part) for part in phone.locator(".tools button, .status button:visible, .roles").all()]
+        inner = {f"{i}": box(part) for i, part in enumerate(phone.locator(_BUTTONS).all())}
         canvas = phone.evaluate(_CANVAS)
-        return (
-            all(
-                left >= 0 and top >= 0 and right <= width and bottom <= height
-                for left, top, right, bottom in [*found.values(), *inner]
-            )
-            and all(apart(*pair) for pair in combinations(found.values(), 2))
-            and apart(canvas, found["strip"])
-            and apart(canvas, found["panel"])
-            and all(inside(found[name], canvas) for name in ("tools", "stop", "help"))
-        )
+        out = [
+            (name, place)
+            for name, place in {**found, **inner, "canvas": canvas}.items()
+            if place[0] < 0 or place[1] < 0 or place[2] > width or place[3] > height
+        ]
+        overlapping = [pair for pair in combinations(found, 2) if not apart(found[pair[0]], found[pair[1]])]
+        beside = [(name, found[name], canvas) for name in ("strip", "panel") if not apart(canvas, found[name])]
+        outside = [(name, found[name]) for name in ("tools", "stop", "help") if not inside(found[name], canvas)]
+        return [*out, *overlapping, *beside, *outside]
 
-    wait_until(laid_out, 20.0)
+    settled(wrong)
     screenshot(phone, f"phone-{width}x{height}")
 
 

@@ -140,6 +140,7 @@
   let met = false; // the server has answered
   let gone = false; // it does not answer any more
   let since = 0;
+  let below = false; // the panel stands below the arena
 
   function face(act, name, words, rest, on) {
     const found = acts[act];
@@ -190,8 +191,11 @@
   const sheet = () => document.querySelector('.mantine-Paper-root[style*="position: fixed"]');
 
   function place() {
+    const height = sheet()?.offsetHeight ?? 0;
     root.setProperty("--hg-strip-height", `${strip.offsetHeight}px`);
-    root.setProperty("--hg-sheet-height", `${sheet()?.offsetHeight ?? 0}px`);
+    root.setProperty("--hg-sheet-height", `${height}px`);
+    if (below && !height) page.send("landscape", {}); // viser docks the panel anew, without its width
+    below = height > 0;
   }
 
   // What viser itself has to say is told in the line, too, rather than over the arena.

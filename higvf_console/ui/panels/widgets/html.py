@@ -72,11 +72,12 @@ html { font-size: calc(92.5% * var(--hg-size)) !important; }
 [id="root"] { position: absolute; top: var(--hg-strip-height, 0px); bottom: var(--hg-sheet-height, 0px);
   left: 0; right: 0; height: auto !important; }
 .mantine-Notifications-root { display: none; }
-.mantine-Paper-root[style*="position: fixed"] { left: 0; width: 100% !important; max-height: 45% !important; }
+.mantine-Paper-root[style*="position: fixed"] { left: 0; width: 100% !important; max-height: 40% !important; }
 .mantine-Paper-root[style*="position: fixed"] [style*="20em"] { width: 100% !important; }
 /* Labels: words keep their usual spacing and break between words only. */
 .mantine-Text-root:has(> label) { letter-spacing: normal !important; overflow-wrap: normal !important; }
 .mantine-Text-root > label > wbr { display: none; }
+.mantine-Flex-root > div:has(> .mantine-Text-root > label) { width: 9.4em !important; }
 .mantine-Input-input { letter-spacing: normal !important; }
 .mantine-ScrollArea-viewport:has([role=tab]) > div { padding-right: 8px; box-sizing: border-box; } /* the scroll bar */
 """
