@@ -24,12 +24,16 @@ STOP = Event(1.0, Severity.ALARM, "stop", "STOP: all robots stand still.")
 SERVER = cast(viser.ViserServer, None)
 
 
+def nothing(*_: object) -> None:
+    """Does nothing."""
+
+
 class Page:
     """Notes what the strip is told, and sends what a button sends."""
 
     def __init__(self) -> None:
         self.told: list[tuple[str, Any]] = []
-        self.act: Callable[[int, page.Body], None] = lambda *_: None
+        self.act: Callable[[int, page.Body], None] = nothing
 
     def call(self, _server: object, script: str, method: str, view: object) -> None:
         assert script == "strip"
@@ -48,7 +52,7 @@ def there(monkeypatch: pytest.MonkeyPatch) -> Page:
     there = Page()
     monkeypatch.setattr(page, "call", there.call)
     monkeypatch.setattr(page, "listen", there.listen)
-    monkeypatch.setattr(page, "install", lambda *_: None)
+    monkeypatch.setattr(page, "install", nothing)
     return there
 
 
