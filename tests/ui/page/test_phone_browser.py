@@ -17,6 +17,12 @@ pytestmark = pytest.mark.browser
 _CANVAS = (
     "(() => { const r = __viserMutable.canvas.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom] })()"
 )
+_BOXES = """
+(found) => found.map((node) => {
+  const { left, top, right, bottom } = node.getBoundingClientRect();
+  return [left, top, right, bottom];
+})
+"""
 _BUTTONS = ".tools button, .status button:visible, .roles"
 Box = tuple[float, float, float, float]
 
@@ -77,7 +83,7 @@ def test_strip_tools_arena_stop_and_panel_stay_in_the_page_and_off_each_other(
 
     def wrong() -> list[object]:
         found = boxes()
-        inner = {f"{i}": box(part) for i, part in enumerate(phone.locator(_BUTTONS).all())}
+        inner = dict(enumerate(phone.locator(_BUTTONS).evaluate_all(_BOXES)))
         canvas = phone.evaluate(_CANVAS)
         out = [
             (name, place)
