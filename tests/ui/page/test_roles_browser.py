@@ -93,7 +93,12 @@ def echoed(page: Page) -> bool:
 def opacities(page: Page) -> list[str]:
     """Of the tools, and of one widget of each sort."""
     sorts = [".hg-tools", *(f".mantine-{sort}" for sort in ("Button-root", "Input-wrapper", "Slider-root"))]
-    found = "(sorts) => sorts.map((sort) => getComputedStyle(document.querySelector(sort)).opacity)"
+    found = """
+    (sorts) => {
+      const run = document.querySelector(".hg-strip").shadowRoot.querySelector(".run");
+      return [run, ...sorts.map((sort) => document.querySelector(sort))].map((node) => getComputedStyle(node).opacity);
+    }
+    """
     return page.evaluate(found, sorts)
 
 
@@ -311,12 +316,12 @@ def test_the_strip_covers_neither_arena_nor_panel_nor_stop(
         page.set_viewport_size({"width": width, "height": height})
         page.wait_for_timeout(800)
         box, stop = strip(page).bounding_box(), page.locator("button.stop").bounding_box()
-        canvas = page.evaluate("__viserMutable.canvas.getBoundingClientRect().right")
+        canvas = page.evaluate("__viserMutable.canvas.getBoundingClientRect().top")
         (_, top), _ = to_page(page, [[arena.x_min, arena.y_max], [arena.x_max, arena.y_max]])
         assert box is not None and stop is not None
         assert box["x"] > 0
-        assert box["x"] + box["width"] < canvas
-        assert box["y"] + box["height"] < min(top, stop["y"])
+        assert box["x"] + box["width"] <= width
+        assert box["y"] + box["height"] <= canvas < min(top, stop["y"])
         screenshot(page, f"roles-{width}x{height}-{'steers' if page is first else 'watches'}")
         assert before is not None
         page.set_viewport_size(before)

@@ -75,6 +75,7 @@
     const bar = page.part("strip")?.host;
     if (bar && host.parentElement !== bar) bar.append(host);
     if (!role) return;
+    page.part("strip")?.watches(!role.steers);
     const [says, look, buttons] = face();
     const noted = now() < note.until;
     const key = JSON.stringify([says, look, buttons, noted && note.text]);

@@ -72,6 +72,7 @@
       .facts .warn { color: var(--hg-warning, #e69f00); font-weight: 600; }
       .facts .mark { display: inline-block; width: 1.15em; }
       .facts .channel { margin-right: 8px; }
+      .watches :is(.run, .returned) { opacity: 0.45; }
       .gone .states b { background: var(--hg-dim, #9aa5b1) !important; }
       .gone :is(.clock, .facts) { opacity: 0.55; }
       @media (max-width: 1439px) { .facts > span:nth-child(5) { display: none; } }
@@ -249,6 +250,10 @@
       if (latest.time !== told.time || latest.text !== told.text) note = "";
       told = latest;
       tell();
+    },
+
+    watches(does) {
+      strip.classList.toggle("watches", does);
     },
 
     returned(names) {
