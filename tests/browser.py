@@ -129,9 +129,8 @@ def open_console(
 
 @contextmanager
 def console_page(browser: Browser, url: str, tab_name: str | None = None) -> Generator[Page]:
-    """A page of 1280 x 720 that shows the console, no notifications, and a tab of the panel; closed at the end."""
+    """A page of 1280 x 720 that shows the console, and a tab of the panel; closed at the end."""
     page = open_console(browser, url, 1280, 720)
-    close_notifications(page)
     if tab_name:
         tab(page, tab_name)
     yield page
@@ -279,10 +278,6 @@ def screenshot(page: Page, name: str) -> None:
         page.screenshot(path=Path(folder) / f"{name}.png")
 
 
-def close_notifications(page: Page) -> None:
-    page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((close) => close.click())")
-
-
 def tab(page: Page, name: str) -> None:
     page.get_by_role("tab", name=name, exact=True).click()
 
@@ -292,7 +287,12 @@ def press(page: Page, label: str) -> None:
 
 
 def shown(page: Page, text: str) -> Callable[[], bool]:
-    return lambda: text in page.locator("body").inner_text()
+    return lambda: any(text in found for found in page.locator("body, .status").all_inner_texts())
+
+
+def told(page: Page, text: str) -> Callable[[], bool]:
+    """Whether the line of the latest message says so."""
+    return lambda: text in page.locator(".status .message").inner_text()
 
 
 def visible(page: Page, node: str) -> bool:

@@ -32,19 +32,20 @@ from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.panels.edit import EditPanel
 from higvf_console.ui.panels.files import FilesPanel
 from higvf_console.ui.panels.fires import FiresPanel
+from higvf_console.ui.panels.glance import GlancePanel
 from higvf_console.ui.panels.history import HistoryPanel
 from higvf_console.ui.panels.inputs import InputsPanel
 from higvf_console.ui.panels.log import LogPanel
 from higvf_console.ui.panels.preview import PreviewPanel
-from higvf_console.ui.panels.run import RunPanel
-from higvf_console.ui.panels.status import StatusPanel
+from higvf_console.ui.panels.run import RunControls
+from higvf_console.ui.panels.status import StatusStrip
 from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.tune import TunePanel
 from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.panels.why import WhyPanel
-from higvf_console.ui.panels.widgets.html import SPACER, style_html
+from higvf_console.ui.panels.widgets.html import style_html
 from higvf_console.ui.scene.scene import Scene
-from higvf_console.ui.ui_state import UiState, UiStore, add_alarms, begin_scenario, follow_path, keep_choice
+from higvf_console.ui.ui_state import Change, UiState, UiStore, add_alarms, begin_scenario, follow_path, keep_choice
 
 if TYPE_CHECKING:
     from higvf_console.runtime.drafts import Drafts
@@ -105,7 +106,7 @@ class Console:
         self._session, self._server, self._drafts = session, server, drafts
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
-        self.ui = UiStore(begin_scenario(_smoothing(session.scenario))(UiState()))
+        self.ui = UiStore(_begin(session.scenario)(UiState()))
         self.ui.subscribe(self._wake)
         self._path: Path = NO_PATH
         self._previewer = Previewer(session, self._choice)
@@ -130,6 +131,7 @@ class Console:
         tools.install(server, hand.tool, hand.key)
         hints.install(server)
         page.on_leave(server, hand.leave)
+        page.listen(server, "landscape", lambda _client_id, _body: theme.widen(server, self.ui.state.look))
         add_commands(server.gui, hand, self._roles)
         self._roles.install(hand.hand_over)
 
@@ -137,13 +139,13 @@ class Console:
         gui, session, sink, ui = self._server.gui, self._session, self._roles, self.ui
         card = RunCard(self._server, session, sink, self._drafts, self._choose_file)
         self._style = gui.add_html(style_html(self.ui.state.look))
-        status = StatusPanel(gui, session.setup.params.safety.control_period, sink, ui)
-        run = RunPanel(gui, sink)
-        gui.add_html(SPACER)
+        run = RunControls(self._server, sink)
+        status = StatusStrip(self._server, session.setup.params.safety.control_period, ui)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Steer"):
             preview = PreviewPanel(gui, self._previewer, sink)
             steer = SteerPanel(gui, session.scenario, len(session.setup.start.motion.position), sink, ui)
+            glance = GlancePanel(gui, ui)
         with tabs.add_tab("Fires"):
             fires = FiresPanel(gui, session)
         with tabs.add_tab("Why"):
@@ -166,6 +168,7 @@ class Console:
             run,
             steer,
             preview,
+            glance,
             fires,
             why,
             edit,
@@ -251,7 +254,7 @@ class Console:
     def _take(self, scenario: "Scenario") -> None:
         """Another scenario is in force: what was chosen, and the picture on the ground, were of the last one."""
         self._scenario = scenario
-        self.ui.change(begin_scenario(_smoothing(scenario)))
+        self.ui.change(_begin(scenario))
         self._roles.timeout = self._session.pointer_limits.lost
         self._server.gui.set_panel_label(scenario.title)
 
@@ -267,7 +270,7 @@ class Console:
         look = state.look
         if self._scene.setup is not snapshot.setup or self._scene.look != look:
             if self._scene.look != look:
-                theme.wear(self._server, look.palette)
+                theme.wear(self._server, look)
                 self._style.content = style_html(look)
             arena = self._scene.camera_arena
             self._scene.clear()
@@ -297,6 +300,6 @@ class Console:
             self._thread = None
 
 
-def _smoothing(scenario: "Scenario") -> float:
-    """By how much a scenario smooths a stroke [m]."""
-    return scenario.params.path.stroke_smoothing
+def _begin(scenario: "Scenario") -> Change:
+    """What a scenario makes of what is chosen."""
+    return begin_scenario(scenario.params.path.stroke_smoothing, len(scenario.robots.points))

@@ -223,10 +223,9 @@ def mixed(colour: str, other: str, share: float) -> str:
 
 def dress(server: viser.ViserServer, title: str) -> None:
     """Gives viser's chrome the console's look: docked right, no logo, no share button, flat light."""
-    wear(server, DARK)
     server.gui.set_panel_label(title)
     server.gui.main_panel.dock_right()
-    server.gui.main_panel.set_width(PANEL_WIDTH)
+    wear(server, USUAL_LOOK)
     server.scene.world_axes.visible = False
     server.scene.set_up_direction("+z")
     server.scene.configure_default_lights(False)
@@ -234,12 +233,18 @@ def dress(server: viser.ViserServer, title: str) -> None:
     server.scene.add_light_ambient("/light", intensity=np.pi * LIGHT_GAIN)
 
 
-def wear(server: viser.ViserServer, palette: Palette) -> None:
-    """Makes viser's chrome dark or light; callable at any time."""
+def wear(server: viser.ViserServer, look: Look) -> None:
+    """Makes viser's chrome dark or light, and its panel as wide as the text needs; callable at any time."""
     server.gui.configure_theme(
-        dark_mode=palette is not LIGHT,
+        dark_mode=look.palette is not LIGHT,
         control_width="medium",
         show_logo=False,
         show_share_button=False,
-        brand_color=hex_rgb(palette.brand),
+        brand_color=hex_rgb(look.palette.brand),
     )
+    widen(server, look)
+
+
+def widen(server: viser.ViserServer, look: Look) -> None:
+    """Makes the panel as wide as its text needs."""
+    server.gui.main_panel.set_width(PANEL_WIDTH * max(look.text, 1.0))

@@ -29,6 +29,7 @@ from higvf_console.world.masks import MaskPlace
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
+MOST_LINKED = 30  # robots of a team whose links are shown unasked
 MOST_ALARMS = 99  # that wait to be acknowledged; older ones are let go
 
 
@@ -39,9 +40,10 @@ class UiState:
     Attributes:
         field: vector field whose arrows are drawn; None = no arrows.
         trails: where the robots were.
-        links: who talks with whom.
+        links: who talks with whom; a large team starts without them.
         boundaries: reactive and repulsive boundaries of obstacles.
         labels: numbers of the robots.
+        names: of the obstacles.
         clearance: circles of half the robot clearance: two that touch are as close as they may be; round it, pale, as
             the filter enlarges it for unicycles and noise.
         heat: where the operator has looked.
@@ -68,6 +70,7 @@ class UiState:
     links: bool = True
     boundaries: bool = True
     labels: bool = True
+    names: bool = False
     clearance: bool = False
     heat: bool = False
     explained: int | None = None
@@ -219,13 +222,20 @@ def follow_path(path: Path) -> Change:
     return lambda state: replace(state, terms=terms_of(path, state.terms.smoothing))
 
 
-def begin_scenario(smoothing: float) -> Change:
+def begin_scenario(smoothing: float, robots: int) -> Change:
     """Another scenario is in force: what was chosen, and the picture on the ground, were of the last one.
 
     Args:
         smoothing: of the scenario's strokes [m].
+        robots: in its team; the links of more than `MOST_LINKED` would cover the arena, and are most of the traffic.
     """
-    return lambda state: replace(state, selected=None, background=None, terms=state.terms._replace(smoothing=smoothing))
+    return lambda state: replace(
+        state,
+        selected=None,
+        background=None,
+        links=robots <= MOST_LINKED,
+        terms=state.terms._replace(smoothing=smoothing),
+    )
 
 
 def change_look(**changes: Any) -> Change:
@@ -251,3 +261,9 @@ def acknowledge_alarms(text: str | None = None) -> Change:
     return lambda state: replace(
         state, alarms=tuple(alarm for alarm in state.alarms if text is not None and alarm.text != text)
     )
+
+
+def withdraw_alarms(ended: Sequence[Event]) -> Change:
+    """The alarms whose cause has ended wait no longer."""
+    gone = {id(alarm) for alarm in ended}
+    return lambda state: replace(state, alarms=tuple(alarm for alarm in state.alarms if id(alarm) not in gone))

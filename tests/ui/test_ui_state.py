@@ -33,6 +33,7 @@ from higvf_console.ui.panels.widgets.terms import TermsWidgets
 from higvf_console.ui.theme import LIGHT
 from higvf_console.ui.ui_state import (
     MOST_ALARMS,
+    MOST_LINKED,
     UiState,
     UiStore,
     acknowledge_alarms,
@@ -42,6 +43,7 @@ from higvf_console.ui.ui_state import (
     end_of_stroke,
     follow_path,
     move_drag,
+    withdraw_alarms,
 )
 from tests.page_actions import no_page
 from tests.teams import team
@@ -167,7 +169,7 @@ def test_a_subscriber_may_change_the_state_itself() -> None:
 
 
 def test_what_a_panel_writes_is_what_the_pointer_draws_with() -> None:
-    ui, gui, given = UiStore(begin_scenario(3.0)(UiState())), Gui(), list[OperatorCommand]()
+    ui, gui, given = UiStore(begin_scenario(3.0, 3)(UiState())), Gui(), list[OperatorCommand]()
     TermsWidgets(cast(viser.GuiApi, gui), cast(PointerSink, SimpleNamespace(push=given.append)), ui)
     gui.widgets["At its end"].touch("Start again")
     gui.widgets["Pace"].touch(0.5)
@@ -266,3 +268,16 @@ def test_alarms_wait_until_they_are_acknowledged_by_their_text_or_all_at_once() 
     assert len(acknowledge_alarms("alarm 50")(state).alarms) == MOST_ALARMS - 1
     assert acknowledge_alarms("something else")(state).alarms == state.alarms
     assert acknowledge_alarms()(state).alarms == ()
+
+
+def test_alarms_whose_cause_has_ended_are_withdrawn_and_equal_ones_stay() -> None:
+    first, second = (Event(1.0, Severity.ALARM, "stop", "STOP") for _ in range(2))
+    state = add_alarms([first, second])(UiState())
+    left = withdraw_alarms([first])(state).alarms
+    assert len(left) == 1
+    assert left[0] is second
+
+
+def test_the_links_of_a_large_team_are_hidden_at_first() -> None:
+    assert begin_scenario(3.0, MOST_LINKED)(UiState(links=False)).links
+    assert not begin_scenario(3.0, MOST_LINKED + 1)(UiState()).links

@@ -13,6 +13,8 @@ from websockets import Headers
 from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
+from higvf_console.ui.page.document import with_early_script
+
 SECURITY_HEADERS = {
     # viser's page needs inline scripts, its decoder and workers; nothing in it may come from, or go to, another site.
     "Content-Security-Policy": (
@@ -74,9 +76,10 @@ class Door:
         if request.headers.get("Upgrade", "").lower() == "websocket":
             return self._refuse_page(request)
         response = static(connection, request)
-        if response is not None:
-            response.headers.update(SECURITY_HEADERS)
-        return response
+        if response is None:
+            return None
+        response.headers.update(SECURITY_HEADERS)
+        return with_early_script(response)
 
     async def admit(self, connection: ServerConnection, handler: Handler) -> None:
         """Serves one page, and counts it while it is open."""

@@ -18,7 +18,7 @@ from higvf_console.core.interface import PointerSink
 from higvf_console.ui.page import control_lease, page
 from higvf_console.ui.page.control_lease import Control, Outcome
 
-FREE_TOPICS = frozenset({"alive", "control", "hello", "viewport"})  # of what every page may send
+FREE_TOPICS = frozenset({"alive", "control", "hello", "landscape", "viewport"})  # of what every page may send
 _IDENTITY_LENGTH = (16, 64)  # characters
 
 

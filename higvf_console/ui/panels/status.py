@@ -1,20 +1,24 @@
-"""What the operator must always know: time, mode, influenced robot, inputs, safety margin, filter, computation."""
+"""What the operator must always know: state, time, latest message, influenced robot, safety, inputs."""
 
 import math
+from collections.abc import Sequence
+from time import monotonic
 from typing import TYPE_CHECKING
 
 import viser
 
 from higvf_console.control.guidance.paths import point_at
-from higvf_console.core.commands import Acknowledge
-from higvf_console.core.interface import ChannelHealth, ChannelState, PointerSink
+from higvf_console.core.events import Event
+from higvf_console.core.interface import ChannelHealth, ChannelState
 from higvf_console.core.state import Motion, Path, PathKind, PathStatus, SimState
-from higvf_console.runtime.phase import Phase
 from higvf_console.sim.events import too_near
+from higvf_console.ui.page import page
 from higvf_console.ui.panels.log import alarms_text
+from higvf_console.ui.panels.messages import LatestMessage, newer
+from higvf_console.ui.panels.run import nearest_speed
 from higvf_console.ui.panels.standing import standing_text
-from higvf_console.ui.panels.widgets.callbacks import reaction
-from higvf_console.ui.panels.widgets.html import DASH, TIMES, block, clock, nearness, text
+from higvf_console.ui.panels.widgets.html import clock, nearness, severity_colour, text
+from higvf_console.ui.run_state import run_states
 from higvf_console.ui.theme import CSS
 from higvf_console.ui.ui_state import UiStore
 
@@ -32,66 +36,74 @@ CHANNEL_MARK = {
 }
 
 
-class StatusPanel:
-    """A few lines of HTML, renewed when they read differently."""
+class StatusStrip:
+    """Feeds the strip over the arena: what it shows is sent when it reads differently."""
 
-    def __init__(self, gui: viser.GuiApi, control_period: float, sink: PointerSink, ui: UiStore) -> None:
-        """Starts empty; what the operator acknowledges goes to `sink`."""
-        self._ui = ui
+    def __init__(self, server: viser.ViserServer, control_period: float, ui: UiStore) -> None:
+        """Shows nothing before `update`."""
+        self._server, self._ui = server, ui
         self._period_ms = 1e3 * control_period
-        self._html = gui.add_html("")
-        self._acknowledge = gui.add_button(
-            "Acknowledge",
-            icon=viser.Icon.CHECK,
-            color="yellow",
-            hint="Use the inputs again that were lost and are back",
-        )
-        self._acknowledge.visible = False
-        self._acknowledge.on_click(reaction(lambda _: sink.push(Acknowledge())))
+        self._message = LatestMessage()
+        self._newest: Event | None = None
+        self._shown: dict[str, object] = {}
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows a snapshot."""
-        self._html.content = status_html(snapshot, self._period_ms, len(self._ui.state.alarms))
-        back = [name for name, health in snapshot.channels if health.state is ChannelState.RECOVERED]
-        self._acknowledge.visible = bool(back)
-        if back:
-            self._acknowledge.label = f"Acknowledge: {', '.join(back)}"
+        fresh = newer(snapshot.events, self._newest)
+        if fresh:
+            self._newest = fresh[-1]
+        standing = self._ui.state.alarms
+        message = self._message.chosen(fresh, standing, monotonic())
+        parts = {
+            "clock": clock(snapshot.time),
+            "run": run_view(snapshot),
+            "facts": facts_html(snapshot, self._period_ms),
+            "alarms": alarms_text(len(standing)) if standing else "",
+            "message": message_view(message, snapshot, standing),
+            "returned": [name for name, health in snapshot.channels if health.state is ChannelState.RECOVERED],
+        }
+        for method, view in parts.items():
+            if self._shown.get(method) != view:
+                self._shown[method] = view
+                page.call(self._server, "strip", method, view)
 
 
-def modes_of(state: SimState, phase: Phase, frozen: bool) -> list[tuple[str, str]]:
-    """All modes that hold, each in one word with its colour: that of the team, then that of the clock."""
-    team = ("STOPPED", CSS.alarm) if state.intent.stopped else ("PAUSED", CSS.warning)
-    modes = [team] if state.intent.stopped or state.intent.paused else []
-    if phase in (Phase.READY, Phase.ENDED):
-        modes.append((phase.value.upper(), CSS.robot))
-    if frozen:
-        modes.append(("FROZEN", CSS.robot))
-    return modes or [("RUNNING", CSS.progress)]
+def run_view(snapshot: "Snapshot") -> page.Body:
+    """States and speed, and which buttons of the run mean what, as the strip shows them."""
+    intent = snapshot.state.intent
+    return {
+        "states": [state._asdict() for state in run_states(snapshot)],
+        "speed": nearest_speed(snapshot.speed),
+        "paused": intent.paused,
+        "stopped": intent.stopped,
+        "frozen": snapshot.frozen,
+    }
 
 
-def status_html(snapshot: "Snapshot", period_ms: float, unread: int = 0) -> str:
-    """The status lines, and the count of alarms that nobody has acknowledged."""
-    modes = "".join(
-        f'<span class="mode" style="background:{colour}">{mode}</span>'
-        for mode, colour in modes_of(snapshot.state, snapshot.phase.phase, snapshot.frozen)
-    )
-    alarms = f'<span class="unseen" title="Acknowledge them under Log">{alarms_text(unread)}</span>' if unread else ""
-    head = (
-        f'<div class="head">{modes}<span class="clock">{clock(snapshot.time)}</span>{alarms}'
-        f'<span class="speed">{snapshot.speed:g}{TIMES}</span></div>'
-    )
-    rows = [
+def message_view(message: Event | None, snapshot: "Snapshot", standing: Sequence[Event] = ()) -> page.Body:
+    """The latest message, or what the state of the run means, as the strip shows it; `unread` while it stands."""
+    if message is None:
+        state = run_states(snapshot)[0]
+        return {"time": "", "text": state.text, "colour": f"var(--hg-{state.colour})", "unread": False}
+    return {
+        "time": clock(message.time),
+        "text": message.text,
+        "colour": severity_colour(message.severity),
+        "unread": any(message is alarm for alarm in standing),
+    }
+
+
+def facts_html(snapshot: "Snapshot", period_ms: float) -> str:
+    """What the operator must always know of the team and the inputs."""
+    facts = [
         ("Steering", steering_line(snapshot.state, snapshot.setup.params.path.capture_distance)),
+        ("Stands", text(standing_text(snapshot))),
         ("Safety margin", margin_line(float(snapshot.trace.clearance.min(initial=math.inf)), snapshot.min_clearance)),
         ("Safety filter", filter_line(snapshot)),
+        ("Inputs", " ".join(channel_html(name, health) for name, health in snapshot.channels)),
         ("Computation", _computation(snapshot, period_ms)),
     ]
-    standing = text(standing_text(snapshot)) or f'<span class="dim">{DASH}</span>'
-    rows.insert(1, ("Stands", f'<div style="min-height: 3em">{standing}</div>'))  # two lines, so that nothing jumps
-    if snapshot.channels:
-        rows.append(("Inputs", " ".join(channel_html(name, health) for name, health in snapshot.channels)))
-    lines = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in rows)
-    return block(f"{head}<dl>{lines}</dl>")
+    return "".join(f"<span><i>{name}</i>{value}</span>" for name, value in facts if value)
 
 
 def steering_line(state: SimState, near: float) -> str:

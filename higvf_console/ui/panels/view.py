@@ -5,10 +5,12 @@ from typing import TYPE_CHECKING, Any
 import viser
 
 from higvf_console.control.guidance.field import FieldKind
+from higvf_console.ui.interaction.tools import TOOLS
 from higvf_console.ui.panels.widgets.callbacks import mirror, one_of, reaction, truth
 from higvf_console.ui.panels.widgets.html import block
+from higvf_console.ui.run_state import FROZEN, PAUSED, STOPPED
 from higvf_console.ui.theme import CSS, TEXT_SIZES, THEMES
-from higvf_console.ui.ui_state import UiStore, change_look
+from higvf_console.ui.ui_state import MOST_LINKED, UiStore, change_look
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
@@ -21,9 +23,10 @@ FIELDS: dict[str, Any] = {
 }
 SWITCHES = {
     "trails": ("Trails", "Where the robots were in the last seconds (teams of up to 200)"),
-    "links": ("Links", "Which robots exchange intentions"),
+    "links": ("Links", f"Which robots exchange intentions; off at first in a team of more than {MOST_LINKED}"),
     "boundaries": ("Boundaries", "Reactive (dashed) and repulsive boundaries of obstacles"),
     "labels": ("Numbers", "Robot numbers (teams of up to 50)"),
+    "names": ("Obstacle names", "As Why and the messages call them, such as circle 3"),
     "heat": ("Gaze heat map", "Where you have looked in this run; the brighter, the longer"),
     "clearance": (
         "Safety circles",
@@ -43,8 +46,7 @@ class ViewPanel:
             "Blended: what the influenced robot would want if it stood there (V)",
         )  # fmt: skip
         self._field.on_update(reaction(self._choose))
-        for name, words in SWITCHES.items():
-            self._make_switch(gui, name, *words)
+        self._switches = {name: self._make_switch(gui, name, *words) for name, words in SWITCHES.items()}
         self._theme = gui.add_dropdown("Theme", tuple(THEMES), hint="Applies to every page")
         self._theme.on_update(reaction(lambda value: self._wear(palette=one_of(value, THEMES))))
         self._text = gui.add_dropdown(
@@ -65,6 +67,8 @@ class ViewPanel:
 
     def update(self, _: "Snapshot") -> None:
         """Shows what is chosen now."""
+        for name, switch in self._switches.items():
+            mirror(switch, bool(getattr(self._ui.state, name)))
         mirror(self._field, _name_of(self._ui.state.field, FIELDS))
         mirror(self._theme, _name_of(self._ui.state.look.palette, THEMES))
         mirror(self._text, _name_of(self._ui.state.look.text, TEXT_SIZES))
@@ -90,4 +94,24 @@ def key_html() -> str:
         (ring.format(CSS.gaze, "none"), "where you look"),
     ]
     lines = "".join(f'<svg viewBox="0 0 20 14">{mark}</svg><span>{words}</span>' for mark, words in rows)
-    return f'<div class="dim" style="margin:6px 0 4px">Legend</div><div class="key">{lines}</div>'
+    marks = f'<div class="dim" style="margin:6px 0 4px">Legend</div><div class="key">{lines}</div>'
+    return marks + tools_html() + states_html()
+
+
+def tools_html() -> str:
+    """Icon, name and key of every tool."""
+    lines = "".join(
+        f'<svg viewBox="0 0 24 24" class="tool">{look.icon}</svg>'
+        f'<span>{look.title} <span class="dim">({look.key})</span></span>'
+        for look in TOOLS.values()
+    )
+    return f'<div class="dim" style="margin:10px 0 4px">Tools</div><div class="key">{lines}</div>'
+
+
+def states_html() -> str:
+    """What Pause, Freeze and STOP do, one sentence each."""
+    lines = "".join(
+        f'<b style="color:var(--hg-{state.colour})">{word}</b><span>{state.text}</span>'
+        for word, state in (("Pause", PAUSED), ("Freeze", FROZEN), ("STOP", STOPPED))
+    )
+    return f'<div class="dim" style="margin:10px 0 4px">Pause, Freeze, STOP</div><div class="key words">{lines}</div>'

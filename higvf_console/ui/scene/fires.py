@@ -58,13 +58,13 @@ class Fires:
         self._disc = canvas.marks(Layer.FIRE, "/fires/disc", disc, count=count, colour=ink.fire)
         rim = shapes.annulus(1 - _RIM, 1, 96)
         self._rim = canvas.marks(Layer.FIRE_EDGE, "/fires/rim", rim, count=count, colour=ink.fire_edge)
-        self._progress = canvas.lines(Layer.FIRE_TEXT, "/fires/progress", ink.progress, 4.0)
+        self._progress = canvas.lines(Layer.FIRE_MARK, "/fires/progress", ink.progress, 4.0)
         self._numbers = canvas.mesh(Layer.FIRE_TEXT, "/fires/numbers", merged([]), ink.fire_text)
         self._scorched = canvas.mesh(Layer.FIRE, "/fires/scorched", merged([]), ink.scorched)
         self._scorched_edge = canvas.lines(Layer.FIRE_EDGE, "/fires/scorched_edge", ink.scorched_edge, NOMINAL.outline)
         self._ashes = canvas.mesh(Layer.FIRE_TEXT, "/fires/ashes", merged([]), ink.scorched_text)
         self._outside = canvas.mesh(Layer.FIRE_TEXT, "/fires/outside", merged([]), ink.fire_edge)
-        self._chosen = canvas.lines(Layer.FIRE_TEXT, "/fires/priority", ink.operator, 2.0)
+        self._chosen = canvas.lines(Layer.FIRE_MARK, "/fires/priority", ink.operator, 2.0)
         self._look: FireLook | None = None
         self._roomy = np.zeros(count, np.bool_)
 

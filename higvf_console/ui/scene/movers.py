@@ -7,7 +7,7 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.state import SimState
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.ground import joined
-from higvf_console.ui.scene.parts import Canvas, Layer, Lines, Marks
+from higvf_console.ui.scene.parts import Canvas, Group, Layer, Lines
 from higvf_console.ui.scene.reasons import arrow
 from higvf_console.ui.theme import NOMINAL
 from higvf_console.world.obstacles import Course
@@ -20,7 +20,7 @@ _FAR = 1e5  # drawn of a course that goes on for ever [m]
 
 
 class Movers:
-    """Shapes are sent once; each frame moves them."""
+    """Shapes are sent once; each frame moves them, fill and outlines as one group."""
 
     def __init__(self, canvas: Canvas, setup: Setup) -> None:
         """Draws the courses, and each obstacle at the start of its own."""
@@ -32,22 +32,18 @@ class Movers:
         course = canvas.lines(Layer.BOUNDARY, "/movers/course", ink.obstacle_edge, 1.0)
         course.draw(shapes.clipped(joined([shapes.dashed(way, dash, gap) for way in ways]), *setup.arena))
         self._arrows = canvas.lines(Layer.CHEVRON, "/movers/velocity", ink.text, 2.0)
-        self._bodies: list[Marks] = []
-        self._edges: list[Lines] = []
+        self._groups: list[Group] = []
         self._boundaries: list[Lines] = []
         for number, (row, _) in enumerate(self._movers):
-            outline = _outline(row, setup, 0.0)
-            body = shapes.filled(outline)
-            self._bodies.append(
-                canvas.marks(Layer.OBSTACLE, f"/movers/body{number}", body, count=1, colour=ink.obstacle)
-            )
-            edge = canvas.lines(Layer.OBSTACLE, f"/movers/edge{number}", ink.obstacle_edge, NOMINAL.outline)
+            name, outline = f"/movers/{number}", _outline(row, setup, 0.0)
+            self._groups.append(canvas.group(name))
+            canvas.mesh(Layer.OBSTACLE, f"{name}/body", shapes.filled(outline), ink.obstacle)
+            edge = canvas.lines(Layer.OBSTACLE, f"{name}/edge", ink.obstacle_edge, NOMINAL.outline)
             edge.draw(shapes.segments(outline))
-            self._edges.append(edge)
-            reactive = canvas.lines(Layer.BOUNDARY, f"/movers/reactive{number}", ink.boundary, NOMINAL.boundary)
+            reactive = canvas.lines(Layer.BOUNDARY, f"{name}/reactive", ink.boundary, NOMINAL.boundary)
             dashes = 5 * canvas.px
             reactive.draw(shapes.dashed(_outline(row, setup, margins.reactive_margin), dashes, dashes))
-            repulsive = canvas.lines(Layer.BOUNDARY, f"/movers/repulsive{number}", ink.boundary, NOMINAL.boundary)
+            repulsive = canvas.lines(Layer.BOUNDARY, f"{name}/repulsive", ink.boundary, NOMINAL.boundary)
             repulsive.draw(shapes.segments(_outline(row, setup, margins.repulsive_margin)))
             self._boundaries += [reactive, repulsive]
 
@@ -56,14 +52,10 @@ class Movers:
         if not self._movers:
             return
         tick = state.motion.tick
-        for number, (_, course) in enumerate(self._movers):
-            at = course.offset(self._time(tick))
-            self._bodies[number].place(at[None])
-            boundaries = self._boundaries[2 * number : 2 * number + 2]
-            for lines in (self._edges[number], *boundaries):
-                lines.move(at)
-            for lines in boundaries:
-                lines.show(boundaries)
+        for group, (_, course) in zip(self._groups, self._movers, strict=True):
+            group.move(course.offset(self._time(tick)))
+        for lines in self._boundaries:
+            lines.show(boundaries)
         self._arrows.draw(velocity_arrows(self._setup, tick, self._px))
 
     def _time(self, tick: int) -> float:

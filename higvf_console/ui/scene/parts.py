@@ -38,21 +38,23 @@ class Layer(IntEnum):
     TRAIL = 8
     FIRE = 9
     FIRE_EDGE = 10
-    FIRE_TEXT = 11
+    FIRE_MARK = 11
     OBSTACLE = 12
-    PATH = 13
-    CHEVRON = 14
-    GHOST = 15
-    CLEARANCE = 16
-    SIGHT = 17
-    HALO = 18
-    VELOCITY = 19
-    REASON = 20
-    ROBOT = 21
-    ROBOT_TEXT_HALO = 22
-    ROBOT_TEXT = 23
-    STROKE = 24
-    CURSOR = 25
+    GHOST = 13
+    CLEARANCE = 14
+    SIGHT = 15
+    HALO = 16
+    VELOCITY = 17
+    REASON = 18
+    ROBOT = 19
+    PATH = 20
+    CHEVRON = 21
+    FIRE_TEXT = 22
+    OBSTACLE_TEXT = 23
+    ROBOT_TEXT_HALO = 24
+    ROBOT_TEXT = 25
+    STROKE = 26
+    CURSOR = 27
 
 
 class Canvas:
@@ -74,13 +76,16 @@ class Canvas:
 
     def clear(self) -> None:
         """Removes everything that was drawn."""
-        for node in self._nodes:
-            node.remove()
-        self._nodes.clear()
+        while self._nodes:
+            self._nodes.pop().remove()  # the latest first: a group takes what stands in it along
 
     def height(self, layer: Layer) -> tuple[float, float, float]:
         """Position of a layer's nodes; a quarter pixel apart, so that perspective does not move them visibly."""
         return (0.0, 0.0, 0.25 * self.px * layer)
+
+    def group(self, name: str) -> "Group":
+        """What is named below it moves with it."""
+        return Group(self, name)
 
     def mesh(self, layer: Layer, name: str, shape: Triangles, colour: str) -> "FlatMesh":
         """A mesh of one colour."""
@@ -113,6 +118,18 @@ def turned(heading: Floats) -> NDArray[np.float32]:
     turns = np.zeros((len(heading), 4), np.float32)
     turns[:, 0], turns[:, 3] = np.cos(heading / 2), np.sin(heading / 2)
     return turns
+
+
+class Group:
+    """Nodes that move as one, so that a page never shows one of them a frame behind another."""
+
+    def __init__(self, canvas: Canvas, name: str) -> None:
+        """Starts at the origin."""
+        self._node = canvas.add(lambda scene: scene.add_frame(name, show_axes=False))
+
+    def move(self, origin: Floats) -> None:
+        """Puts the origin of the nodes at a ground point (2,) [m]."""
+        self._node.position = (float(origin[0]), float(origin[1]), 0.0)
 
 
 class FlatMesh:

@@ -1,7 +1,8 @@
 """The arena as the operator sees it, from above: layers that a snapshot is poured into.
 
-    floor, overhead image, grid -> heat of gaze -> field arrows -> boundaries -> fires -> obstacles -> links, trails ->
-    path -> ghosts -> sight lines, arrows of reasons -> robots -> stroke, what is edited, cursor, dwell button
+    floor, overhead image, grid -> heat of gaze -> field arrows -> boundaries -> links, trails -> fires -> obstacles ->
+    ghosts -> sight lines, arrows of reasons -> robots -> path -> numbers of fires, names of obstacles, numbers of
+    robots -> stroke, what is edited, cursor, dwell button
 
 Everything changes by assignment to a few nodes; nothing here knows threads or commands.
 """
@@ -19,6 +20,7 @@ from higvf_console.ui.scene.gaze import DwellLayer, HeatLayer
 from higvf_console.ui.scene.ghosts import Ghosts
 from higvf_console.ui.scene.ground import Ground, with_margin
 from higvf_console.ui.scene.group import GroupLayer
+from higvf_console.ui.scene.labels import ObstacleLabels
 from higvf_console.ui.scene.movers import Movers
 from higvf_console.ui.scene.parts import Canvas
 from higvf_console.ui.scene.path import PathLayer
@@ -49,6 +51,7 @@ class Scene:
         self.camera_arena: Arena = with_margin(setup.arena, max(self.look.text, 1.0) * canvas.px)
         self._ground = Ground(canvas, setup)
         self._movers = Movers(canvas, setup)
+        self._names = ObstacleLabels(canvas, setup)
         self._background = BackgroundLayer(canvas)
         self._fires = Fires(canvas, setup)
         self._team = Team(canvas, setup)
@@ -89,6 +92,7 @@ class Scene:
         self._dwell.update(snapshot.inputs.dwell, state.pointer_state.cursor)
         self._ground.show_boundaries(ui.boundaries)
         self._movers.update(state, ui.boundaries)
+        self._names.update(state, ui.names)
         self._team.show(links=ui.links, trails=ui.trails, labels=ui.labels, clearance=ui.clearance)
 
     def clear(self) -> None:

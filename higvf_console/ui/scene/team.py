@@ -1,5 +1,6 @@
 """The team: arrow marks with numbers, who is influenced, who is in trouble, links, trails, clearances."""
 
+import time as clock
 from collections import deque
 
 import numpy as np
@@ -12,7 +13,6 @@ from higvf_console.sim.events import too_near
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.glyphs import DigitPlaces, Triangles, glyph, merged, numbering
-from higvf_console.ui.scene.ground import joined
 from higvf_console.ui.scene.parts import Canvas, Layer, Marks
 from higvf_console.ui.theme import DARK, NOMINAL, Palette, cap_height, mixed, vertex_rgb
 from higvf_console.world.setup import Setup
@@ -22,6 +22,8 @@ TRAIL_POINTS = 20
 TRAIL_ROBOTS = 200
 TRAIL_PERIOD = 0.3  # [s] of session time
 MOST_LINKS = 3000
+LINES_AT_ONCE = 30  # robots of a team whose links and rings follow each frame; those of a larger one lag a little
+LINE_PERIOD = 0.2  # [s] of real time
 _HALO = 0.16  # width of the halo of a number [digit heights]
 _CHOSEN = 1.3  # size of the influenced robot's mark
 
@@ -45,6 +47,7 @@ class Team:
         self._clearance = canvas.marks(Layer.CLEARANCE, "/team/clearance", ring, count=count, colour=ink.clearance)
         self._points = ControlledPoints(canvas, setup)
         self._links = canvas.lines(Layer.LINK, "/team/links", ink.link, NOMINAL.link)
+        self._lines_due = 0.0  # [s]
         self._unsafe = canvas.lines(Layer.HALO, "/team/unsafe", ink.trouble, 2.5)
         self._deadlocked = canvas.lines(Layer.HALO, "/team/deadlocked", ink.trouble, 2.5)
         self._numbers = Numbers(canvas, count, self._length)
@@ -70,10 +73,18 @@ class Team:
             apart[state.intent.influenced] = True
         self._numbers.place(at, apart)
         self._trails.follow(at, time)
-        self._links.draw(link_segments(at, trace.links))
-        self._unsafe.draw(rings(at, unsafe, 0.8 * self._length, 24))
-        self._deadlocked.draw(rings(at, trace.deadlocked, 1.1 * self._length, 4))
+        self._draw_lines(at, trace.links, unsafe, trace.deadlocked)
         self._choose(state.intent.influenced, at)
+
+    def _draw_lines(self, at: Floats, links: Ints, unsafe: Bools, deadlocked: Bools) -> None:
+        """Line segments need eight times the bytes of marks: those of a large team are not sent each frame."""
+        now = clock.monotonic()
+        if self._count > LINES_AT_ONCE and now < self._lines_due:
+            return
+        self._lines_due = now + LINE_PERIOD
+        self._links.draw(link_segments(at, links))
+        self._unsafe.draw(rings(at, unsafe, 0.8 * self._length, 24))
+        self._deadlocked.draw(rings(at, deadlocked, 1.1 * self._length, 4))
 
     def _choose(self, influenced: int, at: Floats) -> None:
         known = 0 <= influenced < self._count
@@ -224,4 +235,5 @@ def link_segments(at: Floats, links: Ints) -> Floats:
 
 def rings(at: Floats, marked: Bools, radius: float, corners: int) -> Floats:
     """Outlines (s, 2, 2) round the marked robots; four corners make a diamond."""
-    return joined([shapes.segments(shapes.circle(x, y, radius, corners)) for x, y in at[marked]])
+    ring = shapes.segments(shapes.circle(0.0, 0.0, radius, corners))
+    return (at[marked][:, None, None] + ring).reshape(-1, 2, 2)

@@ -15,7 +15,6 @@ from higvf_console.core.state import PathKind
 from higvf_console.core.viewport import Arena
 from higvf_console.scenario.scenario import load_scenario, parse_scenario
 from tests.browser import (
-    close_notifications,
     console_page,
     draw,
     press,
@@ -63,7 +62,6 @@ def page(whole_page: Page, running: Running) -> Page:  # noqa: ARG001 - it shows
     """The page, at its first tab, with the tool that draws paths."""
     take(whole_page, "path")
     tab(whole_page, "Steer")
-    close_notifications(whole_page)
     return whole_page
 
 

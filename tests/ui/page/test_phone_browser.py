@@ -1,16 +1,29 @@
 """On a phone and in small windows nothing of the console lies outside the page, or on what else it has."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import combinations
+from time import sleep
 
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from tests.browser import open_console, screenshot, wait_until
+from higvf_console.core.events import Event, Severity
+from higvf_console.ui.ui_state import acknowledge_alarms, add_alarms
+from tests.browser import open_console, screenshot, told, wait_until
 from tests.consoles import Running, console_at_work
 
 pytestmark = pytest.mark.browser
 
+_CANVAS = (
+    "(() => { const r = __viserMutable.canvas.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom] })()"
+)
+_BOXES = """
+(found) => found.map((node) => {
+  const { left, top, right, bottom } = node.getBoundingClientRect();
+  return [left, top, right, bottom];
+})
+"""
+_BUTTONS = ".tools button, .status button:visible, .roles"
 Box = tuple[float, float, float, float]
 
 
@@ -39,39 +52,74 @@ def box(found: Locator) -> Box:
     return place["x"], place["y"], place["x"] + place["width"], place["y"] + place["height"]
 
 
+def settled(wrong: Callable[[], list[object]], tries: int = 60) -> None:
+    """Waits until nothing is wrong any more: the page lays itself out a few frames later."""
+    for _ in range(tries):
+        if not wrong():
+            return
+        sleep(0.25)
+    assert wrong() == []
+
+
+def inside(one: Box, other: Box) -> bool:
+    return other[0] <= one[0] and other[1] <= one[1] and one[2] <= other[2] and one[3] <= other[3]
+
+
 def apart(one: Box, other: Box) -> bool:
     return one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
 
 
-@pytest.mark.parametrize(("width", "height"), [(390, 844), (900, 600), (1280, 720)])
-def test_strips_notes_and_stop_stay_in_the_page_and_off_each_other(
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (768, 1024), (900, 600), (1280, 720)])
+def test_strip_tools_arena_stop_and_panel_stay_in_the_page_and_off_each_other(
+    phone: Page, width: int, height: int
+) -> None:
+    phone.set_viewport_size({"width": width, "height": height})
+    parts = {"strip": ".status", "tools": ".tools", "stop": "button.stop", "help": "button.ask"}
+
+    def boxes() -> dict[str, Box]:
+        tabs = box(phone.get_by_role("tab").first)
+        panel = (0.0 if height > width else tabs[0], tabs[1], float(width), float(height))
+        return {name: box(phone.locator(part)) for name, part in parts.items()} | {"panel": panel}
+
+    def wrong() -> list[object]:
+        found = boxes()
+        inner = dict(enumerate(phone.locator(_BUTTONS).evaluate_all(_BOXES)))
+        canvas = phone.evaluate(_CANVAS)
+        out = [
+            (name, place)
+            for name, place in {**found, **inner, "canvas": canvas}.items()
+            if place[0] < 0 or place[1] < 0 or place[2] > width or place[3] > height
+        ]
+        overlapping = [pair for pair in combinations(found, 2) if not apart(found[pair[0]], found[pair[1]])]
+        beside = [(name, found[name], canvas) for name in ("strip", "panel") if not apart(canvas, found[name])]
+        outside = [(name, found[name]) for name in ("tools", "stop", "help") if not inside(found[name], canvas)]
+        return [*out, *overlapping, *beside, *outside]
+
+    settled(wrong)
+    screenshot(phone, f"phone-{width}x{height}")
+
+
+def test_a_message_of_viser_is_told_in_the_line_and_not_over_the_arena(phone: Page, running: Running) -> None:
+    for client in running.server.get_clients().values():
+        client.add_notification("Note", "Some words that the operator shall read.", auto_close_seconds=None)
+    wait_until(told(phone, "Note: Some words that the operator shall read."), 20.0)
+    assert not phone.locator(".mantine-Notification-root").first.is_visible()
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (1280, 720)])
+def test_the_alarms_open_the_log_also_where_the_panel_is_folded(
     phone: Page, running: Running, width: int, height: int
 ) -> None:
     phone.set_viewport_size({"width": width, "height": height})
-    note = phone.locator(".mantine-Notification-root", has_text="Some words")
-    notes = [
-        client.add_notification("Note", "Some words that the operator shall read.", auto_close_seconds=None)
-        for client in running.server.get_clients().values()
-    ]
-    note.wait_for()
-
-    def boxes() -> dict[str, Box]:
-        parts = {"tools": ".tools", "roles": ".roles", "stop": "button.stop", "help": "button.ask"}
-        return {name: box(phone.locator(part)) for name, part in parts.items()} | {"note": box(note)}
-
-    def laid_out() -> bool:
-        found = boxes()
-        tools = [box(button) for button in phone.locator(".tools button").all()]
-        return all(
-            left >= 0 and top >= 0 and right <= width and bottom <= height
-            for left, top, right, bottom in [*found.values(), *tools]
-        ) and all(apart(*pair) for pair in combinations(found.values(), 2))
-
-    wait_until(laid_out, 20.0)  # it slides in
-    screenshot(phone, f"phone-{width}x{height}")
-    for sent in notes:
-        sent.remove()
-    note.wait_for(state="hidden")
+    handle = phone.locator("[data-dock-region-collapse]")
+    (phone.get_by_text("Firefighting", exact=True) if height > width else handle).first.dispatch_event("click")
+    wait_until(lambda: not phone.get_by_role("tab", name="Steer").first.is_visible(), 20.0)
+    running.console.ui.change(add_alarms([Event(1.0, Severity.ALARM, "view", "Something to be read.")]))
+    phone.get_by_role("button", name="1 alarm", exact=True).dispatch_event("click")
+    phone.get_by_role("button", name="Acknowledge 1 alarm").wait_for()
+    running.console.ui.change(acknowledge_alarms())
+    wait_until(lambda: not phone.locator(".alarms").inner_text(), 20.0)
+    phone.get_by_role("tab", name="Steer").first.click()
 
 
 def test_the_red_button_of_a_phone_is_left_of_the_panel(phone: Page) -> None:
@@ -93,3 +141,15 @@ def test_the_key_list_of_a_phone_ends_above_its_buttons_and_has_room_for_words(p
     assert right - left > 200
     screenshot(phone, "phone-keys")
     phone.keyboard.press("?")
+
+
+def test_without_the_server_the_strip_says_that_it_shows_the_last_known_state(phone: Page) -> None:
+    phone.evaluate(
+        "() => { const viewer = __viserMutable; [viewer.kept, viewer.sendMessage] = [viewer.sendMessage, () => {}]; }"
+    )
+    wait_until(told(phone, "Last known state"))
+    assert phone.locator(".status.gone").count() == 1
+    assert phone.locator(".status [data-act=pause]").is_disabled()
+    phone.evaluate("() => { __viserMutable.sendMessage = __viserMutable.kept; }")
+    wait_until(lambda: not phone.locator(".status.gone").count())
+    assert not told(phone, "Last known state")()

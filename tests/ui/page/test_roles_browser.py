@@ -20,12 +20,12 @@ from higvf_console.core.state import PathKind, PathStatus
 from higvf_console.ui.page import control_lease
 from higvf_console.ui.page.roles import Roles
 from tests.browser import (
-    close_notifications,
     draw,
     open_console,
     press_stop,
     screenshot,
     to_page,
+    told,
     turn_wheel,
     wait_for_console,
     wait_until,
@@ -74,8 +74,6 @@ def _from_the_start(running: Running, first: Page, second: Page) -> None:
     running.start_again()
     wait_until(lambda: running.given(Pick) and running.state.motion.tick == 0)
     running.session.commands.clear()
-    close_notifications(first)
-    close_notifications(second)
 
 
 def logged(running: Running, text: str) -> bool:
@@ -95,7 +93,12 @@ def echoed(page: Page) -> bool:
 def opacities(page: Page) -> list[str]:
     """Of the tools, and of one widget of each sort."""
     sorts = [".hg-tools", *(f".mantine-{sort}" for sort in ("Button-root", "Input-wrapper", "Slider-root"))]
-    found = "(sorts) => sorts.map((sort) => getComputedStyle(document.querySelector(sort)).opacity)"
+    found = """
+    (sorts) => {
+      const run = document.querySelector(".hg-strip").shadowRoot.querySelector(".run");
+      return [run, ...sorts.map((sort) => document.querySelector(sort))].map((node) => getComputedStyle(node).opacity);
+    }
+    """
     return page.evaluate(found, sorts)
 
 
@@ -132,7 +135,7 @@ def test_a_page_that_watches_cannot_draw_pick_or_press_keys(first: Page, second:
 
 
 def test_a_widget_moved_by_a_page_that_watches_shows_the_true_value_again(second: Page, running: Running) -> None:
-    picker = second.get_by_role("combobox").nth(1)
+    picker = second.get_by_role("combobox").nth(0)
     wait_until(lambda: picker.input_value() == "Robot 1")
     picker.click()
     second.get_by_role("option", name="Robot 2").click()
@@ -225,7 +228,7 @@ def test_who_takes_over_has_the_pen_and_everybody_is_told(first: Page, second: P
     wait_until(lambda: running.state.pointer_state.stroke_source == "")
     wait_until(lambda: not echoed(first))
     for page in (first, second):
-        page.locator(".mantine-Notification-root", has_text="Browser 2 takes over control").wait_for()
+        wait_until(told(page, "Browser 2 takes over control"))
     screenshot(first, "roles-taken")
     draw(second, to_page(second, HAND), rate=0)
     wait_until(lambda: running.state.intent.path.kind == PathKind.SPLINE)
@@ -314,12 +317,12 @@ def test_the_strip_covers_neither_arena_nor_panel_nor_stop(
         page.set_viewport_size({"width": width, "height": height})
         page.wait_for_timeout(800)
         box, stop = strip(page).bounding_box(), page.locator("button.stop").bounding_box()
-        canvas = page.evaluate("__viserMutable.canvas.getBoundingClientRect().right")
+        canvas = page.evaluate("__viserMutable.canvas.getBoundingClientRect().top")
         (_, top), _ = to_page(page, [[arena.x_min, arena.y_max], [arena.x_max, arena.y_max]])
         assert box is not None and stop is not None
         assert box["x"] > 0
-        assert box["x"] + box["width"] < canvas
-        assert box["y"] + box["height"] < min(top, stop["y"])
+        assert box["x"] + box["width"] <= width
+        assert box["y"] + box["height"] <= canvas < min(top, stop["y"])
         screenshot(page, f"roles-{width}x{height}-{'steers' if page is first else 'watches'}")
         assert before is not None
         page.set_viewport_size(before)

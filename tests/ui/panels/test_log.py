@@ -1,4 +1,4 @@
-"""No alarm is left out of the notifications, however late they are renewed."""
+"""Alarms wait to be read, and are withdrawn when their cause has ended."""
 
 from types import SimpleNamespace
 from typing import Any, cast
@@ -8,25 +8,11 @@ import viser
 
 from higvf_console.core.events import Event, Severity
 from higvf_console.ui.page import page
-from higvf_console.ui.panels.log import MOST_AT_ONCE, LogPanel, Notifications
+from higvf_console.ui.panels import log
+from higvf_console.ui.panels.log import ALARM_S, LogPanel
 from higvf_console.ui.ui_state import UiStore, acknowledge_alarms
 
-
-class Note:
-    """A notification on a page."""
-
-    def __init__(self, text: str, notes: list["Note"]) -> None:
-        self.text, self._notes = text, notes
-        notes.append(self)
-
-    def remove(self) -> None:
-        self._notes.remove(self)
-
-
-@pytest.fixture
-def notes() -> list[Note]:
-    """The notifications that the one page shows."""
-    return []
+STOP = Event(1.0, Severity.ALARM, "stop", "STOP: all robots stand still.")
 
 
 @pytest.fixture
@@ -35,62 +21,53 @@ def ui() -> UiStore:
 
 
 @pytest.fixture
-def panel(monkeypatch: pytest.MonkeyPatch, notes: list[Note], ui: UiStore) -> LogPanel:
+def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """A clock that only the test moves."""
+    now = SimpleNamespace(seconds=100.0)
+    monkeypatch.setattr(log.clock, "monotonic", lambda: now.seconds)
+    return now
+
+
+@pytest.fixture
+def panel(monkeypatch: pytest.MonkeyPatch, ui: UiStore, now: SimpleNamespace) -> LogPanel:  # noqa: ARG001
     def nothing(*_: object) -> None:
         pass
 
     def widget(*_: object, **__: object) -> SimpleNamespace:
         return SimpleNamespace(on_click=nothing)
 
-    def notify(_title: str, text: str, **_: object) -> Note:
-        return Note(text, notes)
-
-    for name in ("listen", "install"):
-        monkeypatch.setattr(page, name, nothing)
+    monkeypatch.setattr(page, "listen", nothing)
     gui = SimpleNamespace(add_button=widget, add_html=widget)
-    client = SimpleNamespace(add_notification=notify)
-    server = SimpleNamespace(gui=gui, get_clients=lambda: {0: client})
-    return LogPanel(cast(viser.ViserServer, server), ui)
+    return LogPanel(cast(viser.ViserServer, SimpleNamespace(gui=gui)), ui)
 
 
-def stop(time: float) -> Event:
-    return Event(time, Severity.ALARM, "stop", "STOP: all robots stand still.")
+def snapshot(*events: Event, stopped: bool) -> Any:
+    return SimpleNamespace(events=events, state=SimpleNamespace(intent=SimpleNamespace(stopped=stopped)))
 
 
-def snapshot(*events: Event) -> Any:
-    return SimpleNamespace(events=events)
-
-
-def test_the_next_alarm_of_a_kind_is_notified_though_the_last_was_acknowledged_only_just_now(
-    panel: LogPanel, ui: UiStore, notes: list[Note]
+def test_an_alarm_is_withdrawn_when_its_cause_has_ended_but_not_before_it_could_be_seen(
+    panel: LogPanel, ui: UiStore, now: SimpleNamespace
 ) -> None:
-    first, second = stop(1.0), stop(9.0)
-    panel.update(snapshot(first))
-    assert len(notes) == 1
+    panel.update(snapshot(STOP, stopped=True))
+    now.seconds += 2 * ALARM_S
+    panel.update(snapshot(STOP, stopped=True))
+    assert ui.state.alarms == (STOP,)
+    panel.update(snapshot(STOP, stopped=False))
+    assert ui.state.alarms == ()
+
+
+def test_an_alarm_of_a_short_cause_stands_for_a_while(panel: LogPanel, ui: UiStore, now: SimpleNamespace) -> None:
+    panel.update(snapshot(STOP, stopped=False))
+    now.seconds += 0.9 * ALARM_S
+    panel.update(snapshot(STOP, stopped=False))
+    assert ui.state.alarms == (STOP,)
+    now.seconds += 0.2 * ALARM_S
+    panel.update(snapshot(STOP, stopped=False))
+    assert ui.state.alarms == ()
+
+
+def test_a_withdrawn_or_acknowledged_alarm_does_not_come_back(panel: LogPanel, ui: UiStore) -> None:
+    panel.update(snapshot(STOP, stopped=True))
     ui.change(acknowledge_alarms())
-    panel.update(snapshot(first, second))
-    assert len(notes) == 1, "the first is taken back, and the second shown"
-    assert ui.state.alarms == (second,)
-    panel.update(snapshot(first, second))
-    assert len(notes) == 1
-
-
-def test_an_alarm_that_still_stands_is_not_notified_twice(panel: LogPanel, notes: list[Note]) -> None:
-    first, second = stop(1.0), stop(9.0)
-    panel.update(snapshot(first))
-    panel.update(snapshot(first, second))
-    assert len(notes) == 1
-
-
-def test_an_acknowledged_alarm_is_taken_back(panel: LogPanel, ui: UiStore, notes: list[Note]) -> None:
-    alarm = stop(1.0)
-    panel.update(snapshot(alarm))
-    ui.change(acknowledge_alarms(alarm.text))
-    panel.update(snapshot(alarm))
-    assert notes == []
-
-
-def test_what_happens_after_an_alarm_does_not_push_it_out() -> None:
-    alarm = stop(1.0)
-    later = [Event(1.0 + k, Severity.WARNING, f"kind {k}", "It happened.") for k in range(5)]
-    assert Notifications().chosen([alarm, *later], 0.0) == [alarm, *later[-MOST_AT_ONCE:]]
+    panel.update(snapshot(STOP, stopped=True))
+    assert ui.state.alarms == ()

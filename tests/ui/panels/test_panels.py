@@ -16,10 +16,9 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState
 from higvf_console.core.state import PathStatus, SimState
-from higvf_console.runtime.phase import Phase
 from higvf_console.sim.simulation import advance
 from higvf_console.ui.panels.fires import MOST_SAMPLES, LossHistory, summary_html, table_html
-from higvf_console.ui.panels.log import MOST_AT_ONCE, MOST_SHOWN, Notifications, log_html, newer
+from higvf_console.ui.panels.log import MOST_SHOWN, log_html
 from higvf_console.ui.panels.preview import preview_html
 from higvf_console.ui.panels.run import nearest_speed
 from higvf_console.ui.panels.status import (
@@ -27,7 +26,6 @@ from higvf_console.ui.panels.status import (
     channel_html,
     filter_line,
     margin_line,
-    modes_of,
     steering_line,
 )
 from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, one_of, reaction, truth
@@ -45,24 +43,6 @@ def with_intent(**changes: Any) -> SimState:
 
 def event(kind: str, severity: Severity = Severity.INFO, text: str = "It happened.") -> Event:
     return Event(1.0, severity, kind, text)
-
-
-@pytest.mark.parametrize(
-    ("intent", "phase", "frozen", "modes"),
-    [
-        ({}, Phase.RUNNING, False, ["RUNNING"]),
-        ({}, Phase.CONTINUED, False, ["RUNNING"]),
-        ({"paused": True}, Phase.RUNNING, False, ["PAUSED"]),
-        ({"paused": True}, Phase.RUNNING, True, ["PAUSED", "FROZEN"]),
-        ({"paused": True, "stopped": True}, Phase.RUNNING, True, ["STOPPED", "FROZEN"]),
-        ({}, Phase.READY, True, ["READY", "FROZEN"]),
-        ({"paused": True}, Phase.ENDED, False, ["PAUSED", "ENDED"]),
-    ],
-)
-def test_the_mode_of_the_team_and_that_of_the_clock_are_both_shown(
-    intent: dict[str, bool], phase: Phase, frozen: bool, modes: list[str]
-) -> None:
-    assert [mode for mode, _ in modes_of(with_intent(**intent), phase, frozen)] == modes
 
 
 def test_the_steering_line_names_robot_and_progress_either_way_round() -> None:
@@ -135,59 +115,11 @@ def test_the_log_is_newest_first_and_ends() -> None:
     assert html.index(f"Number {MOST_SHOWN + 4}.") < html.index(f"Number {MOST_SHOWN + 3}.")
 
 
-def test_only_events_after_the_last_seen_are_new() -> None:
-    a, b, c = (event("target", text=text) for text in "abc")
-    assert newer([a, b, c], a) == [b, c]
-    assert newer([a, b, c], c) == []
-    assert newer([b, c], a) == [b, c]
-
-
-def test_two_equal_events_are_two() -> None:
-    first, second = event("target"), event("target")
-    assert newer([first, second], first) == [second]
-
-
-def test_a_swarm_in_trouble_is_notified_once_but_every_fire_that_goes_out() -> None:
-    notifications = Notifications()
-    flood = [event("deadlock", Severity.WARNING, f"Robot {i} is held.") for i in range(500)]
-    assert len(notifications.chosen(flood, 0.0)) == 1
-    assert notifications.chosen(flood, 5.0) == []
-    assert len(notifications.chosen(flood, 9.0)) == 1
-    fires = [event("extinguished", Severity.GOOD) for _ in range(2)]
-    assert len(notifications.chosen(fires, 9.1)) == 2
-    many = [event(f"kind {i}", Severity.WARNING) for i in range(20)]
-    assert len(notifications.chosen(many, 9.2)) == MOST_AT_ONCE
-
-
-def test_an_alarm_is_notified_at_any_time_unless_one_of_its_kind_still_stands() -> None:
-    notifications = Notifications()
-    alarm, other = event("infeasible", Severity.ALARM), event("channel", Severity.ALARM)
-    assert notifications.chosen([alarm, alarm], 0.0) == [alarm]
-    assert notifications.chosen([alarm, other], 0.1, {"infeasible"}) == [other]
-    assert notifications.chosen([alarm], 0.2) == [alarm], "acknowledged: the next one is news again"
-
-
-def test_a_refusal_is_notified_at_once_unless_the_one_that_is_shown_says_the_same() -> None:
-    notifications = Notifications()
-    near, far, none = (event("refused", Severity.WARNING, text) for text in ("Too near.", "Too far.", "No fire."))
-    assert notifications.chosen([near], 0.0) == [near]
-    assert notifications.chosen([near], 1.0) == []
-    assert notifications.chosen([far, none], 2.0) == [none], "one notification, of the latest"
-    assert notifications.chosen([none], 9.0) == []
-    assert notifications.chosen([near], 9.1) == [near]
-    assert notifications.chosen([near], 18.0) == [near], "the former has gone"
-
-
 def test_alarms_that_nobody_has_acknowledged_stand_out_in_the_log() -> None:
     read, unread = event("stop", Severity.ALARM, "first"), event("stop", Severity.ALARM, "second")
     html = log_html([read, unread], [unread])
     assert "class=alarm>second" in html
     assert "class=alarm>first" not in html
-
-
-def test_what_the_operator_has_just_done_is_logged_and_not_notified() -> None:
-    assert Notifications().chosen([event("resumed"), event("path"), event("picked")], 0.0) == []
-    assert len(Notifications().chosen([event("target"), event("path", Severity.GOOD)], 0.0)) == 2
 
 
 def test_the_loss_curve_thins_itself_and_starts_anew_with_the_run() -> None:

@@ -10,10 +10,9 @@ from higvf_console.core.commands import Freeze
 from higvf_console.core.edits import SetParameters
 from higvf_console.ui.theme import LIGHT, USUAL_LOOK
 from higvf_console.world.editing.presets import preset_name
-from tests.browser import console_page, screenshot, wait_until
+from tests.browser import console_page, screenshot, told, wait_until
 from tests.consoles import Running, console_at_work
 
-NOTE = ".mantine-Notification-root"
 pytestmark = pytest.mark.browser
 
 
@@ -80,7 +79,7 @@ def test_an_unsafe_value_is_refused_with_its_limit_and_springs_back(page: Page, 
     choose(page, "Group", "Formation")
     before = params_of(running)
     type_into(field(page, "Formation rate (1/s)"), "49")
-    page.locator(NOTE, has_text="must stay below").wait_for()
+    wait_until(told(page, "must stay below"))
     page.locator(".hg .warn", has_text="must stay below").wait_for()
     wait_until(lambda: field(page, "Formation rate (1/s)").input_value() == "0.5")
     assert params_of(running) is before
@@ -96,7 +95,7 @@ def test_no_limit_is_a_word_and_other_words_are_told(page: Page, running: Runnin
     type_into(place, "150")
     wait_until(lambda: params_of(running).perception.perception_range == 150.0)
     type_into(page.locator("input[value='150']"), "far")
-    page.locator(NOTE, has_text="'far' is not a number; 150 stays").wait_for()
+    wait_until(told(page, "'far' is not a number; 150 stays"))
     screenshot(page, "tune-perception")
     type_into(page.locator("input[value='150']"), "unlimited")
     wait_until(lambda: params_of(running).perception.perception_range == float("inf"))

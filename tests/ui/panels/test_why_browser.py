@@ -62,7 +62,7 @@ def test_another_robot_is_explained_without_being_steered_and_its_lines_of_sight
     page: Page, running: Running
 ) -> None:
     tab(page, "Why")
-    page.get_by_role("combobox").nth(1).click()
+    page.get_by_role("combobox").nth(0).click()
     page.get_by_role("option", name="Robot 3").click()
     wait_until(page.locator(".hg", has_text="Why robot 3 moves").count)
     assert running.state.intent.influenced == 0
@@ -70,6 +70,6 @@ def test_another_robot_is_explained_without_being_steered_and_its_lines_of_sight
     wait_until(lambda: visible(page, "/why/seen"))
     screenshot(page, "console-sight")
     page.get_by_role("checkbox", name="Lines of sight").click()
-    page.get_by_role("combobox").nth(1).click()
+    page.get_by_role("combobox").nth(0).click()
     page.get_by_role("option", name="Influenced robot").click()
     wait_until(page.locator(".hg", has_text="Why robot 1 moves").count)

@@ -9,19 +9,16 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from higvf_console.core.commands import AskReset, EmergencyStop, Freeze, Pick, ResetEmergencyStop, ResetRun, SetSpeed
-from higvf_console.core.events import Severity
-from higvf_console.ui.panels.log import STAY_S
+from higvf_console.core.commands import AskReset, EmergencyStop, Freeze, Pick, ResetEmergencyStop, ResetRun
 from higvf_console.ui.theme import DARK, LIGHT, TEXT_SIZES, THEMES, USUAL_LOOK, hex_rgb
 from higvf_console.ui.ui_state import UiStore
 from tests.browser import (
-    PATIENCE,
-    close_notifications,
     draw,
     open_console,
     screenshot,
     tab,
     to_page,
+    told,
     wait_for_console,
     wait_until,
 )
@@ -30,7 +27,6 @@ from tests.teams import stroke
 
 pytestmark = pytest.mark.browser
 SIZES = ((1280, 720), (1920, 1080))
-NOTE = ".mantine-Notification-root"
 # Rectangles (left, top, right, bottom) [CSS px] of what shares the page, and what is wrong inside the panel.
 _LAYOUT = """
 () => {
@@ -42,17 +38,15 @@ _LAYOUT = """
     const { left, top, right, bottom } = node.getBoundingClientRect();
     return [left, top, right, bottom];
   };
-  const slides = (node) => Math.abs(new DOMMatrix(getComputedStyle(node).transform).e) > 0.5;  // it comes or goes
-  const notes = [...document.querySelectorAll(".mantine-Notification-root")].filter((note) => !slides(note));
   const panels = [...document.querySelectorAll(".hg")].filter((node) => node.checkVisibility());
   const wide = (node) => node.scrollWidth > node.clientWidth + 1;
   return {
     boxes: {
-      panel: [box(row)[0], 0, window.innerWidth, window.innerHeight],
+      strip: box(overlay(".status")),
+      panel: [box(row)[0], box(row)[1], window.innerWidth, window.innerHeight],
       stop: box(overlay("button.stop")),
       help: box(overlay("button.ask")),
       hints: box(overlay(".strip")),
-      ...Object.fromEntries(notes.map((note, i) => [`note ${i}`, box(note)])),
     },
     page: [window.innerWidth, window.innerHeight],
     row: box(row),
@@ -96,11 +90,6 @@ def ui(running: Running) -> Iterator[UiStore]:
     wait_until(lambda: not running.state.intent.stopped)
 
 
-def put_away_the_browsers_own_note(page: Page) -> None:
-    """Closes the remark that each load of a page without a graphics card brings."""
-    page.locator(NOTE, has_text="WebGL").locator("button").click()
-
-
 def choose(page: Page, label: str, option: str) -> None:
     page.get_by_label(label, exact=True).first.click()
     page.get_by_role("option", name=option, exact=True).click()
@@ -141,7 +130,6 @@ def test_the_first_steps_are_ticked_when_done_and_come_back_from_the_key_list(
     running: Running,
     ui: UiStore,  # noqa: ARG001 - puts all back
 ) -> None:
-    put_away_the_browsers_own_note(page)
     assert steps(page) == ["Draw a path", "Pick a robot", "Space stops"]
     screenshot(page, "hints")
     draw(page, to_page(page, [[300 + 10 * k, 600] for k in range(30)]), rate=500)
@@ -185,46 +173,27 @@ def test_theme_and_text_size_are_chosen_in_the_view_panel_and_hold_for_a_reload(
     assert ui.state.look.palette is LIGHT
 
 
-def test_an_alarm_stays_until_it_is_put_away_or_acknowledged(page: Page, running: Running, ui: UiStore) -> None:
+def test_an_alarm_stays_until_it_is_read_or_its_cause_ends(page: Page, running: Running, ui: UiStore) -> None:
     def counted() -> str:
-        return " ".join(page.locator(".hg .unseen").all_inner_texts())
+        return page.locator(".status .alarms").inner_text()
 
-    note = page.locator(NOTE, has_text="all robots stand still")
     running.push(EmergencyStop())
-    wait_until(note.count)
+    wait_until(told(page, "all robots stand still"))
     wait_until(lambda: counted() == "1 alarm")
-    note.locator("button").click()
+    page.get_by_role("button", name="Read", exact=True).click()
     wait_until(lambda: counted() == "")
     assert ui.state.alarms == ()
     running.push(AskReset(), ResetEmergencyStop(), EmergencyStop())
     wait_until(lambda: counted() == "1 alarm")
-    wait_until(note.count)
     tab(page, "Log")
-    assert page.locator(".hg .log .alarm").count() == 1
+    assert page.locator(".hg .log .alarm:visible").count() == 1
     page.get_by_role("button", name="Acknowledge 1 alarm").click()
     wait_until(lambda: counted() == "")
-    wait_until(lambda: not note.count())
-    assert page.locator(".hg .log .alarm").count() == 0
     assert running.state.intent.stopped, "to acknowledge commands nothing"
-
-
-def test_a_refusal_takes_the_place_of_the_former_one(
-    page: Page,
-    running: Running,
-    ui: UiStore,  # noqa: ARG001 - puts all back
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def reasons() -> list[bool]:
-        refusals = page.locator(NOTE, has_text="Not possible").all_inner_texts()
-        return ["999 times" in refusal for refusal in refusals]
-
-    monkeypatch.setitem(STAY_S, Severity.WARNING, 10.0 * PATIENCE)
-    running.push(SetSpeed(998.0))
-    wait_until(lambda: reasons() == [False])
-    running.push(SetSpeed(999.0))
-    wait_until(lambda: reasons() == [True])
-    page.locator(NOTE, has_text="999 times").locator("button").click()
-    wait_until(lambda: reasons() == [])
+    running.push(AskReset(), ResetEmergencyStop(), EmergencyStop())
+    wait_until(lambda: counted() == "1 alarm")
+    running.push(AskReset(), ResetEmergencyStop())
+    wait_until(lambda: counted() == "")
 
 
 @pytest.mark.parametrize(("width", "height"), SIZES)
@@ -237,12 +206,9 @@ def test_nothing_overlaps_or_overflows_in_any_tab(
     shipped = running.session.scenario.strokes[0]
     running.push(Freeze(False), Pick(0), *stroke(shipped.points, shipped.robot))
     page.evaluate("window.higvf.call('hints', 'reopen')")
-    close_notifications(page)  # the browser's own, unless it has gone by itself
-    last = page.locator(NOTE, has_text="all robots stand still")
-    wait_until(lambda: not last.count())  # that of the test before, which says the same
     wait_until(lambda: running.state.motion.tick > 100)
     running.push(EmergencyStop())
-    wait_until(lambda: (box := last.bounding_box()) and box["x"] > 0)  # it slides in
+    wait_until(told(page, "all robots stand still"))
     wait_until(lambda: surround(page) == f"rgb{hex_rgb(THEMES[theme].surround)}")
     names = page.get_by_role("tab").all_inner_texts()
     for name in names:
@@ -255,7 +221,6 @@ def test_nothing_overlaps_or_overflows_in_any_tab(
 
 def check_layout(found: dict[str, Any]) -> None:
     boxes, (width, height) = found["boxes"], found["page"]
-    assert "note 0" in boxes
     assert [pair for pair in combinations(boxes, 2) if overlap(boxes[pair[0]], boxes[pair[1]])] == []
     for name, (left, top, right, bottom) in boxes.items():
         assert left >= 0, name

@@ -1,5 +1,6 @@
 """What the operator sees has the right shape, place and colour; pure, without a browser."""
 
+from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
@@ -21,7 +22,18 @@ from higvf_console.ui.scene.glyphs import STROKES, WEIGHT, Triangles, glyph, let
 from higvf_console.ui.scene.ground import axis_lettering, grid, obstacle_outlines, scale_bar, with_margin
 from higvf_console.ui.scene.parts import Canvas, Layer, turned
 from higvf_console.ui.scene.path import path_outline, thinned
-from higvf_console.ui.scene.team import MOST_LINKS, TRAIL_POINTS, Team, faded, link_segments, rings, spread
+from higvf_console.ui.scene.team import (
+    LINE_PERIOD,
+    LINES_AT_ONCE,
+    MOST_LINKS,
+    TRAIL_POINTS,
+    Team,
+    clock,
+    faded,
+    link_segments,
+    rings,
+    spread,
+)
 from higvf_console.ui.ui_state import UiStore, show_next_field
 from tests.teams import team
 
@@ -326,3 +338,26 @@ def test_a_number_moves_with_a_halo_of_the_floor_that_is_wider_by_its_margin() -
     assert np.ptp(spread(glyph("8"), 0.16).vertices, axis=0) == pytest.approx(
         np.ptp(glyph("8").vertices, axis=0) + 2 * 0.16
     )
+
+
+@pytest.mark.parametrize(("robots", "at_once"), [(LINES_AT_ONCE, True), (LINES_AT_ONCE + 1, False)])
+def test_the_links_of_a_large_team_follow_a_little_later(
+    monkeypatch: pytest.MonkeyPatch, robots: int, at_once: bool
+) -> None:
+    now = SimpleNamespace(seconds=100.0)
+    monkeypatch.setattr(clock, "monotonic", lambda: now.seconds)
+    setup = team(robots=[(100.0 + 30.0 * (i % 8), 100.0 + 30.0 * (i // 8)) for i in range(robots)])
+    state, trace = advance(setup.start, setup.world, setup.params)
+    trace = trace._replace(links=ints([[0, 1]]), deadlocked=np.arange(robots) == 0)
+    canvas = _Drawn()
+    drawing = Team(cast(Canvas, canvas), setup)
+    drawing.update(state, trace, 0.0)
+    moved = state._replace(motion=state.motion._replace(position=state.motion.position + 5.0))
+    lines = [canvas.nodes[name] for name in ("/team/links", "/team/deadlocked")]
+    before = [node.segments for node in lines]
+    drawing.update(moved, trace, 0.1)
+    assert [np.array_equal(node.segments, old) for node, old in zip(lines, before, strict=True)] == [not at_once] * 2
+    now.seconds += 1.01 * LINE_PERIOD
+    drawing.update(moved, trace, 0.2)
+    for node, old in zip(lines, before, strict=True):
+        assert node.segments == pytest.approx(old + 5.0)

@@ -1,5 +1,6 @@
 """What is hidden is not sent, and shows the latest state when it is shown."""
 
+import warnings
 from collections.abc import Iterator
 
 import numpy as np
@@ -59,3 +60,21 @@ def test_hidden_lines_stay_as_they_were_until_they_are_shown(canvas: Canvas) -> 
     lines.draw(floats([], 0, 2, 2))
     lines.show(True)
     assert not node.visible
+
+
+def test_the_path_and_the_numbers_stand_above_robots_and_obstacles() -> None:
+    below = max(Layer.OBSTACLE, Layer.ROBOT, Layer.TRAIL, Layer.HALO)
+    above = (Layer.PATH, Layer.CHEVRON, Layer.FIRE_TEXT, Layer.OBSTACLE_TEXT, Layer.ROBOT_TEXT_HALO, Layer.ROBOT_TEXT)
+    assert below < min(above)
+    assert list(above) == sorted(above)
+
+
+def test_what_stands_in_a_group_moves_and_goes_with_it(canvas: Canvas) -> None:
+    group = canvas.group("/group")
+    mesh = canvas.mesh(Layer.OBSTACLE, "/group/body", shapes.dart(5.0), "#ffffff")
+    group.move(PLACES[0])
+    assert group._node.position.tolist() == [10.0, 20.0, 0.0]  # pyright: ignore[reportPrivateUsage]
+    assert mesh._node.name.startswith(group._node.name + "/")  # pyright: ignore[reportPrivateUsage]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        canvas.clear()

@@ -13,7 +13,7 @@
       .dot { fill: ${config.colour}; }
       .middle { fill: ${config.ground}; }
       p { position: absolute; left: 0; right: 0; top: 33%; margin: 0; text-align: center; color: ${config.text};
-        font: 15px/1.5 system-ui, "Segoe UI", sans-serif; }
+        font: calc(15px * var(--hg-size, 1))/1.5 system-ui, "Segoe UI", sans-serif; }
     </style>
     <div class="ground" role="status">
       <svg><g><circle class="back" r="${RING_PX}"/><circle class="fill" r="${RING_PX}" transform="rotate(-90)"/>

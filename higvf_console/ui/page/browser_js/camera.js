@@ -12,10 +12,12 @@
 
   const between = (low, value, high) => Math.min(Math.max(value, low), high);
 
+  const top = () => Math.max(padding.top, (page.part("tools")?.reach() ?? 0) + 14);
+
   const fitScale = (rect) =>
     Math.max(
       (arena.x_max - arena.x_min) / Math.max(rect.width - padding.left - padding.right, 1),
-      (arena.y_max - arena.y_min) / Math.max(rect.height - padding.top - padding.bottom, 1),
+      (arena.y_max - arena.y_min) / Math.max(rect.height - top() - padding.bottom, 1),
     );
 
   function place() {
@@ -48,7 +50,7 @@
     view.fitted = true;
     view.scale = fitScale(rect);
     view.x = (arena.x_min + arena.x_max) / 2 + ((padding.right - padding.left) / 2) * view.scale;
-    view.y = (arena.y_min + arena.y_max) / 2 + ((padding.top - padding.bottom) / 2) * view.scale;
+    view.y = (arena.y_min + arena.y_max) / 2 + ((top() - padding.bottom) / 2) * view.scale;
     place();
   }
 

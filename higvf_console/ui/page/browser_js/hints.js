@@ -2,7 +2,7 @@
 (page, config) => {
   const KEY = "higvf-hints"; // the steps that are done, and "away" once the strip was put away
   const FOLLOW_MS = 200;
-  const LEFT = 290; // of the canvas, right of the STOP button and its "?" [CSS px]
+  const LEFT = 290; // of the canvas, right of the STOP button and its "?", in text of the usual size [CSS px]
   const ROOM = 18; // to the edges of the canvas [CSS px]
   const LEAST = 150; // width of a step [CSS px]
   const STAY_MS = 2500; // after the last tick
@@ -18,7 +18,7 @@
       .strip.open { display: flex; }
       ol { display: flex; flex: 1; min-width: 0; gap: 16px; margin: 0; padding: 0; list-style: none; }
       li { display: grid; flex: 1; min-width: 0; grid-template-columns: 22px 1fr; column-gap: 9px; align-content: center; }
-      li i { grid-row: 1 / 3; width: 22px; height: 22px; border-radius: 50%; text-align: center; font-size: 12px; font-style: normal;
+      li i { grid-row: 1 / 3; width: 22px; height: 22px; border-radius: 50%; text-align: center; font-size: calc(12px * var(--hg-size, 1)); font-style: normal;
         font-weight: 600; line-height: 20px; border: 1px solid var(--hg-dim, #9aa5b1); color: var(--hg-dim, #9aa5b1); }
       li b { font-weight: 600; }
       li span { color: var(--hg-dim, #9aa5b1); font-size: 0.92em; }
@@ -27,7 +27,7 @@
       li.done b { color: var(--hg-dim, #9aa5b1); }
       li.spare { display: none; }
       button { align-self: flex-start; width: 26px; height: 26px; margin-top: 6px; border: 0; border-radius: 6px;
-        cursor: pointer; font: inherit; font-size: 16px; color: var(--hg-dim, #9aa5b1); background: none; }
+        cursor: pointer; font: inherit; font-size: calc(16px * var(--hg-size, 1)); color: var(--hg-dim, #9aa5b1); background: none; }
       button:hover { color: var(--hg-text, #d5dbe2); background: var(--hg-key, #2b323c); }
       button:focus-visible { outline: 2px solid var(--hg-robot, #56b4e9); }
     </style>
@@ -71,7 +71,6 @@
 
   function show(open) {
     strip.classList.toggle("open", open);
-    document.documentElement.style.setProperty("--hg-notes-bottom", open ? "100px" : "18px");
     let number = 1;
     for (const [name, item] of items) {
       item.classList.toggle("done", done.has(name));
@@ -85,8 +84,9 @@
   function place() {
     const rect = page.canvas()?.getBoundingClientRect();
     if (!rect) return;
-    const width = rect.width - LEFT - ROOM;
-    strip.style.left = `${rect.left + LEFT}px`;
+    const beside = LEFT * (Number(getComputedStyle(document.documentElement).getPropertyValue("--hg-size")) || 1);
+    const width = rect.width - beside - ROOM;
+    strip.style.left = `${rect.left + beside}px`;
     strip.style.bottom = `${Math.max(window.innerHeight - rect.bottom, 0) + ROOM - 2}px`;
     strip.style.width = `${Math.min(width, 700)}px`;
     const all = width >= config.steps.length * LEAST;
@@ -136,7 +136,6 @@
     remove() {
       clearInterval(following);
       clearTimeout(closing);
-      document.documentElement.style.removeProperty("--hg-notes-bottom");
       overlay.remove();
     },
   };

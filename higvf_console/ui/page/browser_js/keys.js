@@ -19,26 +19,26 @@
 
   const overlay = page.overlay(
     `<style>
-      :host { font: 14px/1.45 var(--mantine-font-family, sans-serif); }
+      :host { font: calc(14px * var(--hg-size, 1))/1.45 var(--mantine-font-family, sans-serif); }
       * { box-sizing: border-box; }
       .bar { position: absolute; display: flex; gap: 10px; align-items: flex-end; }
       button { pointer-events: auto; cursor: pointer; font: inherit; border: 0; touch-action: manipulation;
         user-select: none; -webkit-user-select: none; -webkit-tap-highlight-color: transparent; }
       button:focus-visible { outline: 3px solid var(--hg-text, #fff); outline-offset: 2px; }
-      .stop { width: 196px; min-height: 68px; padding: 8px 10px; border-radius: 12px; color: #fff; background: #c81e1e;
+      .stop { width: calc(196px * var(--hg-size, 1)); min-height: 68px; padding: 8px 10px; border-radius: 12px; color: #fff; background: #c81e1e;
         box-shadow: 0 0 0 2px rgba(255, 255, 255, 0.85), 0 4px 16px rgba(0, 0, 0, 0.45); line-height: 1.2; }
       .stop:hover { background: #dc2626; }
       .stop:active { filter: brightness(0.85); }
-      .stop b { display: block; font-size: 17px; font-weight: 700; letter-spacing: 0.02em; }
-      .stop.ready b { font-size: 22px; font-weight: 800; letter-spacing: 0.06em; }
-      .stop span { display: block; font-size: 12.5px; opacity: 0.95; }
+      .stop b { display: block; font-size: calc(17px * var(--hg-size, 1)); font-weight: 700; letter-spacing: 0.02em; }
+      .stop.ready b { font-size: calc(22px * var(--hg-size, 1)); font-weight: 800; letter-spacing: 0.06em; }
+      .stop span { display: block; font-size: calc(12.5px * var(--hg-size, 1)); opacity: 0.95; }
       .stop.sending, .stop.accepted { background: #7f1d1d; }
       .stop.stopped, .stop.asked { color: #991b1b; background: #fff;
         box-shadow: 0 0 0 4px #dc2626, 0 4px 16px rgba(0, 0, 0, 0.45); }
       .stop.asked { color: #7c2d12; background: #fde68a; }
       .stop.offline { background: #3f1d1d; box-shadow: 0 0 0 3px #f59e0b, 0 4px 16px rgba(0, 0, 0, 0.45); }
       .ask { width: 34px; height: 34px; border-radius: 50%; color: var(--hg-text, #cbd5e1);
-        background: var(--hg-card, #161b21); font-size: 16px; font-weight: 600;
+        background: var(--hg-card, #161b21); font-size: calc(16px * var(--hg-size, 1)); font-weight: 600;
         box-shadow: 0 0 0 1px var(--hg-border, #4b5563); }
       .note { padding: 5px 12px; border-radius: 8px; font-weight: 600; color: var(--hg-badge_text, #0d1117);
         background: var(--hg-operator, #f0e442); }
@@ -51,8 +51,8 @@
       .card { width: min(860px, 92vw); max-height: 100%; overflow: auto; padding: 22px 26px 18px; border-radius: 14px;
         color: var(--hg-text, #dbe2ea); background: var(--hg-card, #161b21);
         box-shadow: 0 12px 48px rgba(0, 0, 0, 0.5); border: 1px solid var(--hg-card_rule, #343c46); }
-      h2 { margin: 0 0 12px; font-size: 17px; font-weight: 600; }
-      h3 { margin: 16px 0 8px; font-size: 12px; font-weight: 600; color: var(--hg-dim, #8d99a8); letter-spacing: 0.08em;
+      h2 { margin: 0 0 12px; font-size: calc(17px * var(--hg-size, 1)); font-weight: 600; }
+      h3 { margin: 16px 0 8px; font-size: calc(12px * var(--hg-size, 1)); font-weight: 600; color: var(--hg-dim, #8d99a8); letter-spacing: 0.08em;
         text-transform: uppercase; }
       dl { display: grid; grid-template-columns: max-content 1fr max-content 1fr; gap: 8px 14px; margin: 0;
         align-items: baseline; }
@@ -64,15 +64,15 @@
       }
       dd { margin: 0; }
       kbd { display: inline-block; min-width: 26px; padding: 1px 8px; border-radius: 6px; text-align: center;
-        font: 600 13px/1.6 ui-monospace, "DejaVu Sans Mono", monospace; color: var(--hg-text, #f1f5f9);
+        font: 600 calc(13px * var(--hg-size, 1))/1.6 ui-monospace, "DejaVu Sans Mono", monospace; color: var(--hg-text, #f1f5f9);
         background: var(--hg-key, #2b323c); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46); }
       .stops kbd { color: #fff; background: #b91c1c; }
-      p { margin: 14px 0 0; font-size: 12.5px; color: var(--hg-dim, #98a4b3); }
+      p { margin: 14px 0 0; font-size: calc(12.5px * var(--hg-size, 1)); color: var(--hg-dim, #98a4b3); }
       .again { margin-top: 14px; padding: 5px 12px; border-radius: 6px; color: var(--hg-text, #dbe2ea);
         background: var(--hg-key, #2b323c); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46); }
       @media (max-width: ${PHONE_PX}px) {
         .bar { flex-direction: column-reverse; align-items: flex-start; }
-        .stop { width: 100px; padding: 8px 4px; }
+        .stop { width: calc(100px * var(--hg-size, 1)); padding: 8px 4px; }
         .veil { padding: 12px 8px 142px; } /* above the "?", too */
         .card { padding: 16px 14px; }
         dl { grid-template-columns: max-content 1fr; }
@@ -340,6 +340,7 @@
 
   return {
     beat,
+    connected,
 
     alive() {
       [alive.connection, alive.heardAt] = [page.connection(), now()];

@@ -1,10 +1,8 @@
-// Who steers and who watches: a strip above the arena, at its right; one click asks for control, grants, takes or releases it.
+// Who steers and who watches, in the strip over the arena; one click asks for control, grants, takes or releases it.
 (page) => {
   const SEND_EVERY_MS = 1000;
   const CHECK_MS = 150;
   const NOTE_MS = 4000;
-  const BESIDE_PX = 900; // narrower, and the strip goes below that of the tools
-  const GAP = 8; // below a strip [CSS px]
   const STORE = "higvf identity";
   const WANTED = new Set(["Grant", "Request", "Take control"]); // the gentle way; the others are drawn quietly
 
@@ -16,14 +14,13 @@
   let identity = sessionStorage.getItem(STORE) ?? fresh();
   takeOut();
 
-  const overlay = page.overlay(
-    `<style>
+  const host = document.createElement("div");
+  host.style.minWidth = "0";
+  host.attachShadow({ mode: "open" }).innerHTML = `<style>
       :host { font: calc(13px * var(--hg-size, 1))/1.4 var(--mantine-font-family, sans-serif); }
-      .roles { position: absolute; transform: translateX(-100%); display: none; align-items: center; gap: 8px;
-        box-sizing: border-box; padding: 4px 5px 4px 12px; border-radius: 8px; white-space: nowrap;
-        color: var(--hg-text, #d5dbe2); background: var(--hg-card, #161b21);
-        box-shadow: 0 0 0 1px var(--hg-border, #4b5563); }
-      .roles.open { display: flex; }
+      .roles { display: flex; align-items: center; gap: 8px; box-sizing: border-box; height: 2.3em;
+        padding: 0 4px 0 10px; border-radius: 6px; white-space: nowrap; color: var(--hg-text, #d5dbe2);
+        background: var(--hg-card, #161b21); box-shadow: inset 0 0 0 1px var(--hg-card_rule, #343c46); }
       .roles.asks { box-shadow: 0 0 0 2px var(--hg-operator, #f0e442); }
       .roles.note { box-shadow: 0 0 0 2px var(--hg-warning, #e69f00); }
       .mark { flex: none; width: 8px; height: 8px; border-radius: 50%; box-shadow: 0 0 0 2px var(--hg-dim, #9aa5b1); }
@@ -40,11 +37,9 @@
     </style>
     <div class="roles" role="status">
       <span class="mark"></span><span class="text"></span><span class="acts"></span>
-    </div>`,
-    2147483646,
-  );
+    </div>`;
 
-  const $ = (selector) => overlay.shadowRoot.querySelector(selector);
+  const $ = (selector) => host.shadowRoot.querySelector(selector);
   const [strip, text, acts] = [$(".roles"), $(".text"), $(".acts")];
 
   const now = () => performance.now();
@@ -62,6 +57,7 @@
       const answers = [["Grant", "grant", asker], ["Refuse", "refuse", asker]];
       return [`${asker} asks for control${others}`, "steers asks", answers];
     }
+    if (alone()) return ["You steer", "steers", []];
     if (role.steers) {
       const watch = role.others === 1 ? "watches" : "watch";
       return [`You steer, ${role.others} ${watch}`, "steers", [["Release", "release"]]];
@@ -76,24 +72,16 @@
 
   let shown = "";
   function show() {
-    const rect = page.canvas()?.getBoundingClientRect();
-    const tools = page.part("tools")?.bottom() ?? 0;
-    if (rect?.width) {
-      strip.style.left = `${rect.right - 8}px`;
-      strip.style.top = `${rect.width < BESIDE_PX ? tools + GAP : 8}px`;
-      strip.style.maxWidth = `${rect.width - 16}px`;
-    }
-    const open = role !== null && !alone();
-    strip.classList.toggle("open", open);
-    const end = open ? strip.getBoundingClientRect().bottom : tools;
-    document.documentElement.style.setProperty("--hg-strips-end", `${end + GAP}px`);
-    if (!open) return;
+    const bar = page.part("strip")?.host;
+    if (bar && host.parentElement !== bar) bar.append(host);
+    if (!role) return;
+    page.part("strip")?.watches(!role.steers);
     const [says, look, buttons] = face();
     const noted = now() < note.until;
     const key = JSON.stringify([says, look, buttons, noted && note.text]);
     if (key === shown) return;
     shown = key;
-    strip.className = `roles open ${look} ${noted ? "note" : ""}`;
+    strip.className = `roles ${alone() ? "" : "open"} ${look} ${noted ? "note" : ""}`;
     strip.title = `This page is ${role.you}`;
     text.textContent = noted ? note.text : says;
     acts.replaceChildren(
@@ -173,8 +161,7 @@
       clearInterval(checking);
       stopCheckingHidden();
       forget();
-      document.documentElement.style.removeProperty("--hg-strips-end");
-      overlay.remove();
+      host.remove();
     },
   };
 }

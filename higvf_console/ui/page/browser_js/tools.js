@@ -8,7 +8,7 @@
 
   const overlay = page.overlay(
     `<style>
-      .tools { position: absolute; top: 8px; display: flex; flex-wrap: wrap; gap: 10px; padding: 4px;
+      .tools { position: absolute; display: flex; flex-wrap: wrap; gap: 10px; padding: 4px;
         box-sizing: border-box; border-radius: 9px; background: var(--hg-card, #161b21);
         box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46); pointer-events: auto; }
       .tools.tight { gap: 2px; }
@@ -17,10 +17,18 @@
         color: var(--hg-text, #c9d1d9); touch-action: manipulation; display: grid; place-items: center; }
       button:hover:not(:disabled) { background: rgba(148, 163, 184, 0.22); }
       button:focus-visible { outline: 2px solid currentColor; outline-offset: 1px; }
-      button:disabled { opacity: 0.35; cursor: default; }
+      button:disabled svg { opacity: 0.35; }
+      button:disabled { cursor: default; }
       button[aria-pressed="true"], button[aria-pressed="true"]:hover:not(:disabled) { background: var(--hg-operator, #f0e442); color: var(--hg-badge_text, #14171c); }
       svg { width: 20px; height: 20px; fill: none; stroke: currentColor; stroke-width: 1.8; stroke-linecap: round;
         stroke-linejoin: round; }
+      .tip { position: absolute; top: calc(100% + 6px); left: 0; display: none; max-width: 340px; padding: 6px 10px;
+        border-radius: 7px; font: calc(13px * var(--hg-size, 1))/1.4 var(--mantine-font-family, sans-serif);
+        color: var(--hg-text, #d5dbe2); background: var(--hg-card, #161b21); pointer-events: none;
+        box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46), 0 4px 14px rgba(0, 0, 0, 0.35); }
+      .tip.open { display: block; }
+      .tip b { font-weight: 600; }
+      .tip span { display: block; color: var(--hg-dim, #9aa5b1); }
       @media (pointer: coarse) { button { width: 38px; height: 38px; } }
     </style>
     <div class="tools" role="toolbar" aria-label="Tools"></div>`,
@@ -32,23 +40,43 @@
   const buttons = new Map();
   const groups = new Map();
 
-  function make(group, name, icon, title) {
+  const tip = strip.appendChild(Object.assign(document.createElement("div"), { className: "tip" }));
+
+  function name(button, title, text) {
+    button.dataset.title = title;
+    button.dataset.text = text;
+    button.setAttribute("aria-label", `${title}. ${text}`);
+  }
+
+  // At once, and for the keyboard too; a browser's own hint comes late and not at all on focus.
+  function showTip({ target }) {
+    const button = target.closest?.("button");
+    tip.classList.toggle("open", Boolean(button));
+    if (!button) return;
+    tip.replaceChildren(Object.assign(document.createElement("b"), { textContent: button.dataset.title }));
+    tip.append(Object.assign(document.createElement("span"), { textContent: button.dataset.text }));
+    tip.style.left = `${Math.max(0, Math.min(button.offsetLeft, strip.parentNode.host.clientWidth - 360))}px`;
+  }
+  const hideTip = () => tip.classList.remove("open");
+
+  function make(group, tool, icon, title, text) {
     if (!groups.has(group)) groups.set(group, strip.appendChild(Object.assign(document.createElement("div"), { className: "group" })));
     const button = document.createElement("button");
     button.type = "button";
     button.innerHTML = `<svg viewBox="0 0 24 24" aria-hidden="true">${icon}</svg>`;
-    button.title = title;
-    button.setAttribute("aria-label", title);
-    button.dataset.tool = name;
-    button.addEventListener("click", () => page.send("tool", { name }));
+    name(button, title, text);
+    button.dataset.tool = tool;
+    button.addEventListener("click", () => page.send("tool", { name: tool }));
     groups.get(group).append(button);
-    buttons.set(name, button);
+    buttons.set(tool, button);
     return button;
   }
 
-  for (const { name, group, icon, title, text, key } of config.tools) make(group, name, icon, `${title} (${key}). ${text}.`);
-  const undo = make("history", "undo", UNDO, "Undo (Ctrl+Z)");
-  const redo = make("history", "redo", REDO, "Redo (Ctrl+Y)");
+  for (const { name, group, icon, title, text, key } of config.tools) make(group, name, icon, `${title} (${key})`, `${text}.`);
+  const undo = make("history", "undo", UNDO, "Undo (Ctrl+Z)", "");
+  const redo = make("history", "redo", REDO, "Redo (Ctrl+Y)", "");
+  for (const type of ["pointerover", "focusin"]) strip.addEventListener(type, showTip);
+  for (const type of ["pointerleave", "focusout", "pointerdown"]) strip.addEventListener(type, hideTip);
   strip.addEventListener("mousedown", (event) => event.preventDefault()); // the focus stays where it is
 
   function show(name) {
@@ -62,7 +90,7 @@
       [redo, texts.redo, "Redo", "Ctrl+Y"],
     ]) {
       button.disabled = !text;
-      button.title = text ? `${word} (${keys}): ${text}` : `Nothing to ${word.toLowerCase()}`;
+      name(button, `${word} (${keys})`, text || `Nothing to ${word.toLowerCase()}`);
     }
   }
 
@@ -70,6 +98,7 @@
     const rect = page.canvas()?.getBoundingClientRect();
     if (!rect) return;
     strip.style.left = `${rect.left + 8}px`;
+    strip.style.top = `${rect.top + 8}px`;
     strip.style.maxWidth = `${rect.width - 16}px`;
     strip.classList.toggle("tight", rect.width < LEAST_ROOM);
   }
@@ -83,8 +112,8 @@
     show,
     history,
 
-    // Where the strip ends [CSS px].
-    bottom: () => strip.getBoundingClientRect().bottom,
+    // Of the arena's upper edge, down to the end of the strip [CSS px].
+    reach: () => strip.offsetHeight + 8,
 
     remove() {
       clearInterval(following);

@@ -22,16 +22,10 @@ def severity_colour(severity: Severity, palette: Palette = CSS) -> str:
 # block's own, in steps of a sixth.
 _STYLE = """
 :root { --mantine-color-dimmed: var(--hg-dim) !important; --mantine-color-text: var(--hg-text) !important; }
+html { font-size: calc(92.5% * var(--hg-size)) !important; }
 .hg { padding: 0 10px 8px; font-size: calc(13px * var(--hg-size)); line-height: 1.5; color: var(--hg-text);
   font-variant-numeric: tabular-nums; }
 .hg .dim { color: var(--hg-dim); }
-.hg .head { display: flex; align-items: center; gap: 12px; margin: 2px 0 8px; }
-.hg .mode { padding: 3px 11px; border-radius: 6px; font-weight: 700; letter-spacing: .05em;
-  color: var(--hg-badge_text); }
-.hg .clock { font-size: 1.7em; font-weight: 600; letter-spacing: -.01em; }
-.hg .speed { margin-left: auto; font-size: 1.08em; color: var(--hg-dim); }
-.hg .unseen { padding: 2px 9px; border-radius: 6px; font-weight: 600; color: var(--hg-badge_text);
-  background: var(--hg-alarm); }
 .hg dl { display: grid; grid-template-columns: 5.7em 1fr; gap: 1px 8px; margin: 0; }
 .hg dt { color: var(--hg-dim); }
 .hg dd { margin: 0; }
@@ -63,6 +57,9 @@ _STYLE = """
 .hg .chart .rule { stroke: var(--mantine-color-default-border); }
 .hg .key { display: grid; grid-template-columns: 22px 1fr; gap: 3px 8px; align-items: center; }
 .hg .key svg { width: 20px; height: 14px; overflow: visible; }
+.hg .key svg.tool { width: 18px; height: 18px; fill: none; stroke: currentColor; stroke-width: 1.8;
+  stroke-linecap: round; stroke-linejoin: round; }
+.hg .key.words { grid-template-columns: max-content 1fr; align-items: baseline; }
 .hg .warn { color: var(--hg-warning); font-weight: 600; }
 .hg .ahead { min-height: 9.5em; }
 .hg .good { color: var(--hg-progress); }
@@ -74,14 +71,18 @@ _STYLE = """
 /* viser's own settings and developer tools are none of an operator's. */
 .mantine-ActionIcon-root:has(.tabler-icon-adjustments) { display: none !important; }
 [role=tab] { padding-inline: 4px !important; flex: 1 1 auto; justify-content: center; }
-.mantine-Notification-description { color: var(--hg-dim) !important; }
-.mantine-Notifications-root { top: auto !important; bottom: var(--hg-notes-bottom, 18px) !important;
-  left: 290px !important; }
-/* On a phone the notes have no room beside the STOP button: they come below the strips. */
-@media (max-width: 600px) {
-  body .mantine-Notifications-root { top: var(--hg-strips-end) !important; bottom: auto !important;
-    left: 8px !important; right: 8px !important; width: auto; max-width: none; transform: none; }
-}
+/* viser's page lies between the strip and, in portrait and on a phone, the panel; its messages go into the strip. */
+[id="root"] { position: absolute; top: var(--hg-strip-height, 0px); bottom: var(--hg-sheet-height, 0px);
+  left: 0; right: 0; height: auto !important; }
+.mantine-Notifications-root { display: none; }
+.mantine-Paper-root[style*="position: fixed"] { left: 0; width: 100% !important; max-height: 40% !important; }
+.mantine-Paper-root[style*="position: fixed"] [style*="20em"] { width: 100% !important; }
+/* Labels: words keep their usual spacing and break between words only. */
+.mantine-Text-root:has(> label) { letter-spacing: normal !important; overflow-wrap: normal !important; }
+.mantine-Text-root > label > wbr { display: none; }
+.mantine-Flex-root > div:has(> .mantine-Text-root > label) { width: 9.4em !important; }
+.mantine-Input-input { letter-spacing: normal !important; }
+.mantine-ScrollArea-viewport:has([role=tab]) > div { padding-right: 8px; box-sizing: border-box; } /* the scroll bar */
 """
 
 
@@ -92,7 +93,6 @@ def style_html(look: Look) -> str:
 
 
 TIMES, DASH = "\u00d7", "\u2013"
-SPACER = '<div style="height: 8px"></div>'
 
 
 def block(content: str) -> str:

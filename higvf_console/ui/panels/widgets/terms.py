@@ -26,6 +26,12 @@ class TermsWidgets:
     def __init__(self, gui: viser.GuiApi, sink: PointerSink, ui: UiStore) -> None:
         """Builds the widgets; what is chosen for the path in hand goes to `sink`."""
         self._sink, self._ui, self._path = sink, ui, NO_PATH
+        self._at_once = gui.add_checkbox(
+            "Commit at once",
+            ui.state.commit_at_once,
+            hint="On: a new or redrawn path is followed at once. Off: it waits for Commit (Enter) or Discard (Esc)",
+        )
+        self._at_once.on_update(reaction(lambda value: ui.update(commit_at_once=truth(value))))
         self._end = gui.add_dropdown("At its end", tuple(_ENDINGS), hint="What the team does when the path is finished")
         self._end.on_update(reaction(lambda value: self._shape(ending=one_of(value, _ENDINGS))))
         self._speed = gui.add_slider(
@@ -41,12 +47,6 @@ class TermsWidgets:
             gui, "Smoothing", self._chosen_smoothing(), NumberRange(meaning.unit, meaning.low, meaning.high),
             lambda value: ui.change(change_terms(smoothing=value)), hint=meaning.text,
         )  # fmt: skip
-        self._at_once = gui.add_checkbox(
-            "Commit at once",
-            ui.state.commit_at_once,
-            hint="On: a new or redrawn path is followed at once. Off: it waits for Commit (Enter) or Discard (Esc)",
-        )
-        self._at_once.on_update(reaction(lambda value: ui.update(commit_at_once=truth(value))))
         self._horizon = gui.add_slider(
             "Look ahead (s)",
             SHORTEST,

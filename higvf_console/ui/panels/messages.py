@@ -1,0 +1,87 @@
+"""The one line that tells the latest message, and how long an alarm stands: until it is read or its cause has ended."""
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from higvf_console.core.events import Event, Severity
+from higvf_console.core.interface import ChannelState
+from higvf_console.sim.events import too_near
+
+if TYPE_CHECKING:
+    from higvf_console.runtime.snapshot import Snapshot
+
+STAY_S = {Severity.INFO: 4.0, Severity.GOOD: 6.0, Severity.WARNING: 8.0, Severity.ALARM: 8.0}  # ahead of older alarms
+_ROBOT = re.compile(r"Robot (\d+)\b")
+_INPUT = re.compile(r"Input '(.*?)'")
+_OFF = frozenset({ChannelState.LOST, ChannelState.RECOVERED})
+
+
+def cause_lasts(alarm: Event, snapshot: "Snapshot") -> bool:
+    """Whether what an alarm tells still holds; one whose cause cannot be seen to end lasts until it is read."""
+    match alarm.kind:
+        case "stop":
+            return snapshot.state.intent.stopped
+        case "infeasible":
+            return _in_trouble(alarm, snapshot.trace.infeasible.tolist())
+        case "clearance":
+            return _in_trouble(alarm, too_near(snapshot.trace).tolist())
+        case "channel":
+            name = _INPUT.search(alarm.text)
+            states = {health.state for channel, health in snapshot.channels if name is None or channel == name[1]}
+            return bool(states & _OFF)
+        case _:
+            return True
+
+
+def _in_trouble(alarm: Event, robots: list[bool]) -> bool:
+    number = _ROBOT.search(alarm.text)
+    index = int(number[1]) - 1 if number else -1
+    return robots[index] if 0 <= index < len(robots) else any(robots)
+
+
+def _rank(event: Event) -> int:
+    """A warning may take the line from an alarm: it answers what was done last."""
+    return {Severity.INFO: 0, Severity.GOOD: 1}.get(event.severity, 2)
+
+
+class LatestMessage:
+    """Chooses the message to be shown: the latest, then an alarm that still stands, then the latest again.
+
+    A message keeps the line for a while against lesser ones. What the operator has just done is seen anyway and only
+    logged.
+    """
+
+    def __init__(self) -> None:
+        """Nothing has happened."""
+        self._latest: Event | None = None
+        self._until = 0.0  # [s]
+
+    def chosen(self, fresh: Sequence[Event], standing: Sequence[Event], now: float) -> Event | None:
+        """The message at `now` [s].
+
+        Args:
+            fresh: what is new, oldest first.
+            standing: alarms that nobody has read and whose cause lasts, oldest first.
+            now: time of a clock that does not stop [s].
+        """
+        for event in fresh:
+            if event.severity != Severity.INFO or event.kind == "target":
+                if self._latest is not None and now < self._until and _rank(event) < _rank(self._latest):
+                    continue
+                self._latest, self._until = event, now + STAY_S[event.severity]
+        if standing and now >= self._until:
+            return standing[-1]
+        latest = self._latest
+        ended = latest is not None and latest.severity == Severity.ALARM and not any(latest is one for one in standing)
+        return None if ended and now >= self._until else latest
+
+
+def newer(events: Sequence[Event], newest: Event | None) -> list[Event]:
+    """The events after one that was seen, oldest first; all of them when it is no longer kept."""
+    fresh: list[Event] = []
+    for event in reversed(events):
+        if event is newest:
+            break
+        fresh.append(event)
+    return fresh[::-1]

@@ -1,0 +1,99 @@
+"""One line tells the latest message; an alarm stands until it is read or its cause has ended."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from higvf_console.core.events import Event, Severity
+from higvf_console.core.interface import ChannelHealth, ChannelState
+from higvf_console.sim.simulation import advance
+from higvf_console.ui.panels.messages import STAY_S, LatestMessage, cause_lasts, newer
+from tests.teams import team
+
+SETUP = team()
+STATE, TRACE = advance(SETUP.start, SETUP.world, SETUP.params)
+
+
+def event(kind: str, severity: Severity = Severity.INFO, text: str = "It happened.") -> Event:
+    return Event(1.0, severity, kind, text)
+
+
+def snapshot(*, stopped: bool = False, gaze: ChannelState = ChannelState.LIVE, **trace: Any) -> Any:
+    return SimpleNamespace(
+        state=STATE._replace(intent=STATE.intent._replace(stopped=stopped)),
+        trace=TRACE._replace(**trace),
+        channels=(("gaze", ChannelHealth(gaze, "why")), ("console", ChannelHealth(ChannelState.LIVE, ""))),
+    )
+
+
+STOP = event("stop", Severity.ALARM, "STOP: all robots stand still.")
+NO_VELOCITY = event("infeasible", Severity.ALARM, "Robot 2 has no safe velocity: it takes the least violation.")
+NEAR = event("clearance", Severity.ALARM, "Robot 2 violates its clearance.")
+LOST = event("channel", Severity.ALARM, "Input 'gaze' is lost: nothing for 2.0 s.")
+
+
+@pytest.mark.parametrize(
+    ("alarm", "cause"),
+    [
+        (STOP, {"stopped": True}),
+        (NO_VELOCITY, {"infeasible": np.array([False, True, False])}),
+        (NEAR, {"barrier": np.array([0.1, -0.1, 0.1])}),
+        (LOST, {"gaze": ChannelState.LOST}),
+        (LOST, {"gaze": ChannelState.RECOVERED}),
+    ],
+)
+def test_an_alarm_stands_as_long_as_its_cause(alarm: Event, cause: dict[str, Any]) -> None:
+    assert cause_lasts(alarm, snapshot(**cause))
+    assert not cause_lasts(alarm, snapshot())
+
+
+def test_the_trouble_of_another_robot_is_another_alarm() -> None:
+    assert not cause_lasts(NO_VELOCITY, snapshot(infeasible=np.array([True, False, True])))
+
+
+def test_an_alarm_whose_cause_cannot_be_seen_to_end_stands_until_it_is_read() -> None:
+    assert cause_lasts(event("failure", Severity.ALARM), snapshot())
+
+
+def test_the_latest_message_is_shown_and_then_the_alarm_that_still_stands() -> None:
+    line = LatestMessage()
+    refused = event("refused", Severity.WARNING, "Not done.")
+    assert line.chosen([STOP], [STOP], 0.0) is STOP
+    assert line.chosen([refused], [STOP], 1.0) is refused
+    assert line.chosen([], [STOP], 1.1 + STAY_S[Severity.WARNING]) is STOP
+    assert line.chosen([], [], 20.0) is refused, "the cause has ended; what came last stays"
+
+
+def test_an_alarm_that_was_withdrawn_leaves_the_line() -> None:
+    line = LatestMessage()
+    assert line.chosen([STOP], [STOP], 0.0) is STOP
+    assert line.chosen([], [], 1.0) is STOP, "but not before it could be read"
+    assert line.chosen([], [], 1.0 + STAY_S[Severity.ALARM]) is None
+
+
+def test_a_message_keeps_the_line_for_a_while_against_lesser_ones() -> None:
+    line = LatestMessage()
+    out, target = event("extinguished", Severity.GOOD, "Fire 1 is out."), event("target")
+    assert line.chosen([STOP, out], [STOP], 0.0) is STOP
+    assert line.chosen([out, target], [STOP], 1.0 + STAY_S[Severity.ALARM]) is out
+    assert line.chosen([target], [], 100.0) is target
+
+
+def test_what_the_operator_has_just_done_is_only_logged() -> None:
+    assert LatestMessage().chosen([event("resumed"), event("path"), event("picked")], [], 0.0) is None
+    target = event("target")
+    assert LatestMessage().chosen([target], [], 0.0) is target
+
+
+def test_only_events_after_the_last_seen_are_new() -> None:
+    a, b, c = (event("target", text=text) for text in "abc")
+    assert newer([a, b, c], a) == [b, c]
+    assert newer([a, b, c], c) == []
+    assert newer([b, c], a) == [b, c]
+
+
+def test_two_equal_events_are_two() -> None:
+    first, second = event("target"), event("target")
+    assert newer([first, second], first) == [second]
