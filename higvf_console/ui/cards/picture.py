@@ -46,8 +46,8 @@ def scenario_svg(scenario: Scenario) -> str:
 def _obstacles(scenario: Scenario, at: _ToPicture, scale: float) -> list[str]:
     obstacles = scenario.obstacles
     parts = [
-        _disc(*at(floats([[x, y]]))[0].tolist(), max(radius * scale, _LEAST_PX), CSS.obstacle_edge)
-        for x, y, radius in obstacles.circles.tolist()
+        _disc(x, y, max(radius * scale, _LEAST_PX), CSS.obstacle_edge)
+        for (x, y), radius in zip(at(obstacles.circles[:, :2]).tolist(), obstacles.circles[:, 2].tolist(), strict=True)
     ]
     for ax, ay, bx, by, half_width in obstacles.bars.tolist():
         (x1, y1), (x2, y2) = at(floats([[ax, ay], [bx, by]])).tolist()

@@ -61,9 +61,10 @@ class ViewPanel:
     def _wear(self, **changes: Any) -> None:
         self._ui.change(change_look(**changes))
 
-    def _make_switch(self, gui: viser.GuiApi, name: str, label: str, hint: str) -> None:
+    def _make_switch(self, gui: viser.GuiApi, name: str, label: str, hint: str) -> viser.GuiInputHandle[bool]:
         switch = gui.add_checkbox(label, bool(getattr(self._ui.state, name)), hint=hint)
         switch.on_update(reaction(lambda value: self._ui.update(**{name: truth(value)})))
+        return switch
 
     def update(self, _: "Snapshot") -> None:
         """Shows what is chosen now."""

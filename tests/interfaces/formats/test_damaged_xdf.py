@@ -61,7 +61,7 @@ def test_a_file_whose_only_header_is_damaged_is_refused_with_the_reason(write: W
         survey(look(write(xdf(CUES).replace(b"</info>", b"</inf>>"))).path)
 
 
-@pytest.mark.parametrize("lost", [10, 500, 1500])
+@pytest.mark.parametrize("lost", [10, len(BOUNDARY), 500, 1500])
 def test_a_chunk_that_was_cut_costs_only_its_own_samples(write: Write, lost: int) -> None:
     start = chunks_of_samples(WHOLE)[3]
     end = WHOLE.index(BOUNDARY, start)
