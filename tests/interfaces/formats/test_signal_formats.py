@@ -263,7 +263,7 @@ def test_a_bids_events_table_is_read_with_its_missing_values(write: Write) -> No
     table = "onset\tduration\ttrial_type\tvalue\n2.5\t1\tn/a\t7\n1\tn/a\tfist\t1\nn/a\t0\topen\t2\n"
     log = read_decisions(write(table))
     assert log.decisions == (Decision(1.0, "fist", None), Decision(2.5, "7", None))
-    assert log.notes == ("1 events without onset or label dropped", "entries out of order: sorted by time")
+    assert log.notes == ("1 events without onset or label dropped", "entries out of order by up to 2 s: sorted by time")
 
 
 def test_raw_samples_instead_of_decisions_are_refused_with_the_decoders(write: Write) -> None:

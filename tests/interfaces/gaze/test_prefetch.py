@@ -84,9 +84,9 @@ def test_an_xdf_file_is_loaded_once(
 ) -> None:
     loaded: list[object] = []
 
-    def counting(*arguments: Any) -> Any:
+    def counting(*arguments: Any, **named: Any) -> Any:
         loaded.append(arguments)
-        return load(*arguments)
+        return load(*arguments, **named)
 
     def play() -> list[list[float]]:
         commands = [command for tick in range(400) for command in gaze.poll(at(tick * PERIOD, clutch=True))]

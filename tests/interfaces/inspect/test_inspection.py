@@ -110,7 +110,7 @@ def test_a_wrong_option_of_a_command_log_is_refused(write: Write) -> None:
         inspected(write("time,label\n1,fist\n"), votes="5/3")
 
 
-@pytest.mark.parametrize("options", [{"clutch": "held"}, {"decoder": "lda"}, {"votes": "3/5"}, {"latency": "0.1"}])
+@pytest.mark.parametrize("options", [{"clutch": "held"}, {"decoder": "lda"}, {"votes": "3/5"}, {"confusion": "0.9"}])
 def test_the_options_of_every_channel_are_accepted(write: Write, options: dict[str, Any]) -> None:
     assert inspected(write("time,x [px],y [px]\n0,1,1\n1,1,1\n"), **options)["kind"] == "gaze"
     assert inspected(write("time,label\n1,fist\n"), **options)["kind"] == "commands"

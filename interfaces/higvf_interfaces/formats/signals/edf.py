@@ -17,6 +17,7 @@ import numpy as np
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_console.core.optional import optional
+from higvf_interfaces.formats.clock import event_times, is_time
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals import bids_channels
 from higvf_interfaces.formats.signals.edf_annotations import Annotations, read_annotations
@@ -111,10 +112,12 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
                 notes.append(f"{len(codes)} triggers of the channel {signal.label}")
     except _BROKEN as problem:
         raise InputError(f"{file.path}: the triggers cannot be read: {str(problem)[:200]}") from problem
-    decisions = tuple(Decision(time, label, None) for time, label in sorted(found) if np.isfinite(time))
-    if not decisions:
+    labelled = sorted((time, label) for time, label in found if is_time(time))
+    if not labelled:
         raise InputError(f"{file.path}: the file has neither annotations nor triggers, so it holds no decisions")
-    return CommandLog(decisions, 0.0, MARKED_NAME, tuple(notes))
+    order, times, epoch, repaired = event_times(floats([time for time, _ in labelled]), from_epoch=False)
+    decisions = tuple(Decision(time, labelled[row][1], None) for row, time in zip(order, times.tolist(), strict=True))
+    return CommandLog(decisions, epoch, MARKED_NAME, (*notes, *repaired))
 
 
 def _usable(path: Path, data: Any, request: SignalRequest, notes: list[str]) -> list[_Channel]:
