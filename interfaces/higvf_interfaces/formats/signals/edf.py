@@ -112,7 +112,7 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
                 notes.append(f"{len(codes)} triggers of the channel {signal.label}")
     except _BROKEN as problem:
         raise InputError(f"{file.path}: the triggers cannot be read: {str(problem)[:200]}") from problem
-    labelled = sorted((time, label) for time, label in found if is_time(time))
+    labelled = sorted((time, label) for time, label in found if label and is_time(time))  # two lists made one
     if not labelled:
         raise InputError(f"{file.path}: the file has neither annotations nor triggers, so it holds no decisions")
     order, times, epoch, repaired = event_times(floats([time for time, _ in labelled]), from_epoch=False)
