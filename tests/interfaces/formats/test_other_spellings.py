@@ -160,3 +160,19 @@ def test_a_table_without_times_and_with_a_rate_reads_only_signals(write: Write) 
     text = signal("EEG 1,EEG 2,Battery Level,Counter", "{k}.5,7,90,{k}")
     record = read_signals(write(text), SignalRequest(format="signal-csv", rate=250))
     assert (record.names, record.rate) == (("EEG 1", "EEG 2"), 250)
+
+
+def studio(*units: str) -> str:
+    """A table of Tobii Studio with the point of the left eye in several units, in millimetres a tenth of the pixels."""
+    titles = "\t".join(f"GazePointLeftX ({unit})\tGazePointLeftY ({unit})" for unit in units)
+    scales = [0.1 if "mm" in unit else 1 for unit in units]
+    rows = (
+        f"{10 * k}\t" + "\t".join(f"{500 * scale:g}\t{300 * scale:g}" for scale in scales) + "\t0" for k in range(40)
+    )
+    return f"RecordingTimestamp\t{titles}\tValidityLeft\n" + "\n".join(rows) + "\n"
+
+
+def test_gaze_of_tobii_studio_is_taken_in_pixels_wherever_they_stand(write: Write) -> None:
+    assert read_gaze(write(studio("ADCSmm", "ADCSpx"))).points[0].tolist() == [500, 300]
+    with pytest.raises(InputError, match=r"GazePointLeftX \(ADCSmm\) is in 'adcsmm', not in pixels of the screen"):
+        read_gaze(write(studio("ADCSmm")))
