@@ -252,7 +252,7 @@ def test_calibration_in_another_unit_is_refused(write: Write) -> None:
     marks = [m for cue in CUES[:6] for m in ((cue.start, f"{cue.label}_start"), (cue.end, f"{cue.label}_end"))]
     calibration = write(table(emg(cues=CUES[:6]), marks).replace("ch0", "ch0 [V]"), "calibration.csv")
     played = write(table(emg(cues=CUES[:1])).replace("ch0", "ch0 [uV]"), "played.csv")
-    with pytest.raises(InputError, match=r"ch0 .*is in v and the signal to decode in uv; record both in one unit"):
+    with pytest.raises(InputError, match=r"ch0 .*is in V and the signal to decode in uV; record both in one unit"):
         open_emg(InputSpec("emg", played, options={"decoder": "lda", "calibration": calibration}))
 
 

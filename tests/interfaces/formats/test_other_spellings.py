@@ -160,3 +160,40 @@ def test_a_table_without_times_and_with_a_rate_reads_only_signals(write: Write) 
     text = signal("EEG 1,EEG 2,Battery Level,Counter", "{k}.5,7,90,{k}")
     record = read_signals(write(text), SignalRequest(format="signal-csv", rate=250))
     assert (record.names, record.rate) == (("EEG 1", "EEG 2"), 250)
+
+
+def studio(*units: str) -> str:
+    """A table of Tobii Studio with the point of the left eye in several units, in millimetres a tenth of the pixels."""
+    titles = "\t".join(f"GazePointLeftX ({unit})\tGazePointLeftY ({unit})" for unit in units)
+    scales = [0.1 if "mm" in unit else 1 for unit in units]
+    rows = (
+        f"{10 * k}\t" + "\t".join(f"{500 * scale:g}\t{300 * scale:g}" for scale in scales) + "\t0" for k in range(40)
+    )
+    return f"RecordingTimestamp\t{titles}\tValidityLeft\n" + "\n".join(rows) + "\n"
+
+
+def test_gaze_of_tobii_studio_is_taken_in_pixels_wherever_they_stand(write: Write) -> None:
+    assert read_gaze(write(studio("ADCSmm", "ADCSpx"))).points[0].tolist() == [500, 300]
+    with pytest.raises(InputError, match=r"GazePointLeftX \(ADCSmm\) is in 'adcsmm', not in pixels of the screen"):
+        read_gaze(write(studio("ADCSmm")))
+
+
+def test_samples_at_the_origin_are_lost_gaze(write: Write) -> None:
+    text = gaze("time,x [px],y [px]", "{t},5{k},300") + "0.40,0,0\n0.41,0.0,0\n0.42,0,300\n"
+    found = read_gaze(write(text))
+    assert np.flatnonzero(~found.valid).tolist() == [40, 41]
+    assert "2 samples at exactly 0, 0 taken as lost gaze" in found.notes
+    assert read_gaze(write("time,x [m],y [m]\n0,0,0\n0.01,1,2\n")).valid.all()
+
+
+def test_times_of_signals_in_milliseconds_without_a_unit_are_refused(write: Write) -> None:
+    rows = "".join(f"{4 * k},{k % 7}.5\n" for k in range(600))
+    with pytest.raises(InputError, match=r"time has no unit, and in seconds its rate is 0\.25 Hz.*such as time \[ms\]"):
+        read_signals(write("time,C3\n" + rows))
+    assert read_signals(write("time [ms],C3\n" + rows)).rate == pytest.approx(250)
+    assert read_signals(write("time [s],C3\n" + rows)).rate == pytest.approx(0.25)
+
+
+def test_units_of_titles_are_units_and_no_part_of_the_names(write: Write) -> None:
+    record = read_signals(write(signal("time,EMG 1 [mV],EMG 2 (µV)", "{t:.4f},{k}.5,7")))
+    assert (record.names, record.units) == (("EMG 1", "EMG 2"), ("mV", "uV"))

@@ -57,11 +57,17 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     notes = [f"{validity.title}: 1 taken as valid, 0 as invalid"] if validity is not None and assumed else []
 
     def rows() -> Iterator[Row]:
+        nowhere = 0  # samples at the origin, which trackers write when they see no eye
         for row in file.rows(notes):
             valid = validity is None or says_yes(file, row, validity, empty=True)
             valid = valid and not (blink is not None and says_yes(file, row, blink))
             point = number(cell(row, x)), number(cell(row, y))
+            if point == (0, 0) and stated.frame != "arena":
+                nowhere += 1
+                valid = False
             yield seconds(cell(row, time)), *point, valid, number(cell(row, confidence))
+        if nowhere:
+            notes.append(f"{nowhere} samples at exactly 0, 0 taken as lost gaze")
 
     return GazeStream(
         format=NAME,

@@ -20,6 +20,7 @@ NAME = "tobii-old"
 TITLE = "Tobii Studio, E-Prime or old Tobii SDK table (validity 0 to 4)"
 _FOUND = 1  # highest validity code accepted
 _MISSING = -1.0
+_PIXELS = ("adcspx", "adcs px", "px", "pixels", "")
 _FIRST_ROWS = 2000
 _TIMES = ("eyetrackertimestamp", "time", "recordingtimestamp", "tettime", "timestamp")
 _DIALECTS = (
@@ -56,6 +57,12 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         )
     if not clocks:
         raise InputError(f"{file.path}: no time column (one of {', '.join(_TIMES)}); has: {file.titles}")
+    odd = next((eye.x for eye in eyes if frame == "screen" and eye.x.unit not in _PIXELS), None)
+    if odd is not None:
+        raise InputError(
+            f"{file.path}: {odd.title} is in {odd.unit[:20]!r}, not in pixels of the screen; include the columns in "
+            "ADCSpx in the export"
+        )
     notes: list[str] = []
     clock = clocks[0]
     scale = seconds_per(file, clock) if clock.unit else 0.0
@@ -78,7 +85,8 @@ def _find_eyes(file: TextFile) -> tuple[str, tuple[_EyeColumns, ...]]:
     for frame, x, y, validity, names in _DIALECTS:
         eyes: list[_EyeColumns] = []
         for name in names:
-            found = [file.find(title.format(name)) for title in (x, y, validity)]
+            points = [file.find(t.format(name), units=_PIXELS) or file.find(t.format(name)) for t in (x, y)]
+            found = [*points, file.find(validity.format(name))]
             known = [column for column in found if column is not None]
             if len(known) == len(found):
                 eyes.append(_EyeColumns(*known))

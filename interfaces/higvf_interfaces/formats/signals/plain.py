@@ -6,14 +6,15 @@ Every other column with numbers in its first rows is a channel. The time stamps 
 """
 
 import math
+import re
 from collections.abc import Iterator
 
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.gaze.plain import TIMES, seconds_of
 from higvf_interfaces.formats.records import CommandLog
-from higvf_interfaces.formats.signals.records import SignalRecord, SignalRequest
+from higvf_interfaces.formats.signals.records import SignalRecord, SignalRequest, plain_unit
 from higvf_interfaces.formats.signals.table import SampleTable, table_markers, table_signals
-from higvf_interfaces.formats.text import Column, TextFile, cell, number
+from higvf_interfaces.formats.text import Column, TextFile, cell, epoch_seconds, number
 
 NAME = "signal-csv"
 TITLE = "table of samples (timestamps, one column a channel[, Marker0])"
@@ -24,6 +25,8 @@ _MARKERS = ("marker0", "marker", "markers", "stim", "trigger", "status", "event"
 _UNMARKED = ("", "0", "0.0")
 _NO_CHANNEL = {"x", "y", "confidence", "valid", "label", "command"}
 _LOOKED_AT = 5  # rows
+_UNIT = re.compile(r"[\[(][^\[\]()]*[\])]\s*$")  # at the end of a title
+_SLOWEST = 5.0  # below it, times without unit are hardly seconds [Hz]
 
 
 def matches(file: TextFile) -> bool:
@@ -41,9 +44,17 @@ def read_signals(file: TextFile, request: SignalRequest) -> SignalRecord:
     """Read the channels.
 
     Raises:
-        InputError: If there are no channels, no samples, or neither times nor a rate, or the unit of time is unknown.
+        InputError: If there are no channels, no samples, or neither times nor a rate, or the unit of time is unknown or
+            cannot be seconds.
     """
-    return table_signals(_table(file, NAME), request)
+    record = table_signals(_table(file, NAME), request)
+    time = file.find(*STAMPS)
+    if time is not None and seconds_of(file.path, time) is epoch_seconds and record.rate < _SLOWEST:
+        raise InputError(
+            f"{file.path}: {time.title} has no unit, and in seconds its rate is {record.rate:.3g} Hz, too slow for a "
+            f"signal; write the unit into that title, such as {time.title} [ms], or [s] if it is right"
+        )
+    return record
 
 
 def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:
@@ -69,8 +80,8 @@ def _table(file: TextFile, name: str) -> SampleTable:
         format=name,
         rows=rows,
         channels=tuple(c.place for c in channels),
-        names=tuple(c.title.strip() for c in channels),
-        units=tuple(c.unit for c in channels),
+        names=tuple(_UNIT.sub("", c.title).strip() for c in channels),
+        units=tuple(plain_unit(c.unit) for c in channels),
         time=None if time is None else time.place,
         seconds=seconds_of(file.path, time),
         counter=None,
