@@ -102,6 +102,18 @@ class Worker:
         raise ScenarioError(value)
 
 
+def submitted(worker: Worker | None, function: Callable[..., _Result], *arguments: Any) -> "Future[_Result]":
+    """What a function returns, in time: from the worker, or at once where there is none."""
+    if worker is not None:
+        return worker.submit(function, *arguments)
+    outcome: Future[_Result] = Future()
+    try:
+        outcome.set_result(function(*arguments))
+    except HigvfError as error:
+        outcome.set_exception(error)
+    return outcome
+
+
 def _send(stream: BinaryIO, message: object) -> None:
     content = pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL)
     stream.write(len(content).to_bytes(_LENGTH, "big") + content)

@@ -14,7 +14,7 @@ _log = logging.getLogger(__name__)
 MOST_BYTES = 16_000_000
 PIECE = 400_000  # bytes of one message
 
-Received = Callable[[str, bytes], None]  # name and content of a file
+Received = Callable[[int, str, bytes], None]  # client, name and content of a file
 
 
 class FileKind(NamedTuple):
@@ -74,7 +74,7 @@ def install(
         if len(known.content) == known.parts:
             del growing[client_id]
             try:
-                kinds[known.kind].received(name, b"".join(known.content))
+                kinds[known.kind].received(client_id, name, b"".join(known.content))
             except ValueError as error:
                 refused(client_id, name, str(error))
             except Exception as error:  # a decoder of pictures raises whatever the content makes it raise

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from functools import partial
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from higvf_console.core.commands import LoadScenario
 from higvf_console.core.edits import AddOutlines
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.interface import PointerSink
+from higvf_console.runtime.worker import submitted
 from higvf_console.scenario.writer import scenario_yaml
 from higvf_console.ui.page import files
 from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reaction
@@ -19,11 +21,14 @@ from higvf_console.ui.panels.widgets.notice import tell
 from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
 from higvf_console.ui.scene.background import Background
 from higvf_console.ui.ui_state import UiStore, move_background
-from higvf_console.world.editing.overhead import outlines_in, read_picture
+from higvf_console.world.editing.overhead import Pixels, outlines_in, read_picture
 from higvf_console.world.masks import MaskPlace
 from higvf_console.world.setup import Setup
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from higvf_console.core.arrays import Floats
     from higvf_console.runtime.session import Session, Snapshot
 
 _DARK, _BRIGHT = "Dark", "Bright"
@@ -126,7 +131,7 @@ class FilesPanel:
     def _choose_image(self, client_id: int) -> None:
         self._choose(_IMAGE, client_id)
 
-    def _load(self, name: str, content: bytes) -> None:
+    def _load(self, _client_id: int, name: str, content: bytes) -> None:
         try:
             text = content.decode("utf-8-sig")
         except UnicodeDecodeError as error:
@@ -136,15 +141,19 @@ class FilesPanel:
         self._sink.push(LoadScenario(text=text, name=PurePath(name).name, waits=self._session.waits))
         self._said = ""
 
-    def _lay(self, _name: str, content: bytes) -> None:
-        try:
-            picture = read_picture(content)
-        except ScenarioError as error:
-            raise ValueError(str(error)) from error
-        arena = self._session.setup.arena
-        scale = arena.width / picture.shape[1]
-        self._ui.update(background=Background(picture, MaskPlace((arena.x_min, arena.y_min), scale)))
-        self._said = ""
+    def _lay(self, client_id: int, name: str, content: bytes) -> None:
+        def laid(outcome: "Future[Pixels]") -> None:
+            if outcome.cancelled():
+                return
+            if (error := outcome.exception()) is not None:
+                self._refuse(client_id, name, str(error))
+                return
+            picture, arena = outcome.result(), self._session.setup.arena
+            scale = arena.width / picture.shape[1]
+            self._ui.update(background=Background(picture, MaskPlace((arena.x_min, arena.y_min), scale)))
+            self._said = ""
+
+        submitted(self._session.worker, read_picture, content).add_done_callback(laid)
 
     def _placed(self, *, scale: float | None = None, left: float | None = None, bottom: float | None = None) -> None:
         background = self._ui.state.background
@@ -160,12 +169,17 @@ class FilesPanel:
         if background is None:
             return
         threshold = number_in(self._threshold.value, 0, 255)
-        try:
-            outlines = outlines_in(background.picture, background.place, threshold, bright=bright)
-        except ScenarioError as error:
+        traced = partial(outlines_in, bright=bright)
+        outcome = submitted(self._session.worker, traced, background.picture, background.place, threshold)
+        outcome.add_done_callback(self._traced)
+
+    def _traced(self, outcome: "Future[tuple[Floats, ...]]") -> None:
+        if outcome.cancelled():
+            return
+        if (error := outcome.exception()) is not None:
             self._said = f"No obstacles: {error}"
             return
-        self._sink.push(AddOutlines(outlines=outlines))
+        self._sink.push(AddOutlines(outlines=outcome.result()))
         self._said = ""
 
     def _refuse(self, client_id: int, name: str, reason: str) -> None:
