@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, cast
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -58,8 +58,12 @@ def test_the_link_is_that_of_any_interface_which_is_not_told_of_it(monkeypatch: 
         told.append(spec)
         return Pressed([Pause(time=1.0)])
 
-    point = cast(Any, type("Point", (), {"name": "glove", "value": "glove:open", "load": lambda _: opener})())
-    monkeypatch.setattr(opening, "entry_points", lambda **_: [point])  # pyright: ignore[reportUnknownLambdaType]
+    point = SimpleNamespace(name="glove", value="glove:open", load=lambda: opener)
+
+    def installed(group: str) -> list[SimpleNamespace]:
+        return [point] if group == opening.GROUP else []
+
+    monkeypatch.setattr(opening, "entry_points", installed)
     glove = open_interface(InputSpec("glove", "", {**LATE, "seed": "3", "hand": "left"}, {"jitter": 0.0}))
     assert (dict(told[0].options), dict(told[0].settings), told[0].seed) == ({"hand": "left"}, {}, 3)
     assert glove.poll(at(1.2)) == []

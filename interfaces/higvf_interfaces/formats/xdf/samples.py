@@ -29,7 +29,7 @@ else:
 
 _OFFSET = 16  # bytes of a clock offset
 # Stamps are smoothed between gaps of this length; by default, pyxdf smooths across gaps of up to 500 samples.
-_BREAKS = {"jitter_break_threshold_seconds": 0.5, "jitter_break_threshold_samples": 3}
+_BREAKS: Mapping[str, Any] = {"jitter_break_threshold_seconds": 0.5, "jitter_break_threshold_samples": 3}
 _Loaded = Mapping[str, Any]
 
 
