@@ -118,7 +118,7 @@ def test_the_end_of_a_fire_is_an_event_with_its_loss() -> None:
         state, trace = advance(before, setup.world, setup.params)
         found += [e.text for e in events_between(before, state, None, trace, setup.params, unnamed)]
         before = state
-    assert found == ["Fire 1 is out; it burnt 2,827 m²."]
+    assert found == ["Fire 1 is out; it burnt 2\u202f827 m²."]
 
 
 def test_a_stopped_robot_that_a_fire_grows_to_is_reported_once_and_a_paused_one_yields() -> None:

@@ -414,7 +414,7 @@ def test_letters_without_latin_ones_and_the_row_of_digits_are_known_by_their_pla
 
 
 def test_a_robot_above_9_is_typed_as_a_number(page: Page, stage: Stage) -> None:
-    keys.show_robots(stage.server, 120)
+    keys.show_robots(stage.server, 200)
     page.wait_for_timeout(300)
     press: dict[str, dict[str, object]] = {
         name: {"key": name, "code": f"Key{name}"} for name in ("1", "7", "3", "0", "4", "5", "2", "p")
