@@ -17,7 +17,7 @@ from higvf_console.runtime.result import run_result
 from higvf_console.scenario.kept import Draft, recent_files
 from higvf_console.ui.cards.briefing import ready_html
 from higvf_console.ui.cards.result_sheet import result_html
-from higvf_console.ui.cards.scenarios import Choice, recent_choices, scenarios_html, shipped_choices
+from higvf_console.ui.cards.scenarios import LOADING_HTML, Choice, recent_choices, scenarios_html, shipped_choices
 from higvf_console.ui.page import cards
 from higvf_console.ui.panels.widgets.html import clock
 
@@ -116,7 +116,9 @@ class RunCard:
         threading.Thread(target=self._open_scenarios, args=(client_id,), name="scenarios", daemon=True).start()
 
     def _open_scenarios(self, client_id: int) -> None:
-        self._shipped = self._shipped or shipped_choices()
+        if not self._shipped:
+            cards.open_card(self._server, LOADING_HTML, client_id)
+            self._shipped = shipped_choices()
         self._recent = recent_choices(recent_files(self._drafts.folder)) if self._drafts is not None else ()
         html = scenarios_html(self._shipped, self._recent, self._session.scenario.text)
         cards.open_card(self._server, html, client_id)

@@ -12,6 +12,9 @@ from higvf_console.ui.panels.widgets.html import TIMES, text
 _NO_PICTURE = '<svg viewBox="0 0 190 110" aria-hidden="true"></svg>'
 
 
+LOADING_HTML = '<header><h2>Scenarios</h2></header><div class="body"><p class="dim">Drawing their pictures …</p></div>'
+
+
 class Choice(NamedTuple):
     """A scenario that can be chosen.
 
