@@ -22,8 +22,9 @@ TRAIL_POINTS = 20
 TRAIL_ROBOTS = 200
 TRAIL_PERIOD = 0.3  # [s] of session time
 MOST_LINKS = 3000
-LINES_AT_ONCE = 30  # robots of a team whose links and rings follow each frame; those of a larger one lag a little
-LINE_PERIOD = 0.2  # [s] of real time
+# Positions are sent each frame. Headings, links and rings of a larger team, which need several times the bytes, lag.
+ALL_AT_ONCE = 30  # robots
+LAG = 0.2  # [s] of real time, at most
 _HALO = 0.16  # width of the halo of a number [digit heights]
 _CHOSEN = 1.3  # size of the influenced robot's mark
 
@@ -47,7 +48,7 @@ class Team:
         self._clearance = canvas.marks(Layer.CLEARANCE, "/team/clearance", ring, count=count, colour=ink.clearance)
         self._points = ControlledPoints(canvas, setup)
         self._links = canvas.lines(Layer.LINK, "/team/links", ink.link, NOMINAL.link)
-        self._lines_due = 0.0  # [s]
+        self._next = 0.0  # [s]
         self._unsafe = canvas.lines(Layer.HALO, "/team/unsafe", ink.trouble, 2.5)
         self._deadlocked = canvas.lines(Layer.HALO, "/team/deadlocked", ink.trouble, 2.5)
         self._numbers = Numbers(canvas, count, self._length)
@@ -64,7 +65,8 @@ class Team:
             self._heading = motion.heading
         else:
             self._heading = shapes.headings(motion.velocity, self._heading, params.blending.cruise_speed)
-        self._robots.place(at, self._heading)
+        due = self._due()
+        self._robots.place(at, self._heading if due else None)
         self._clearance.place(at)
         self._points.place(at, motion.position)
         unsafe = trace.infeasible | too_near(trace)
@@ -73,18 +75,19 @@ class Team:
             apart[state.intent.influenced] = True
         self._numbers.place(at, apart)
         self._trails.follow(at, time)
-        self._draw_lines(at, trace.links, unsafe, trace.deadlocked)
+        if due:
+            self._links.draw(link_segments(at, trace.links))
+            self._unsafe.draw(rings(at, unsafe, 0.8 * self._length, 24))
+            self._deadlocked.draw(rings(at, trace.deadlocked, 1.1 * self._length, 4))
         self._choose(state.intent.influenced, at)
 
-    def _draw_lines(self, at: Floats, links: Ints, unsafe: Bools, deadlocked: Bools) -> None:
-        """Line segments need eight times the bytes of marks: those of a large team are not sent each frame."""
+    def _due(self) -> bool:
+        """Whether all of the team is to be drawn, and not only where the robots are."""
         now = clock.monotonic()
-        if self._count > LINES_AT_ONCE and now < self._lines_due:
-            return
-        self._lines_due = now + LINE_PERIOD
-        self._links.draw(link_segments(at, links))
-        self._unsafe.draw(rings(at, unsafe, 0.8 * self._length, 24))
-        self._deadlocked.draw(rings(at, deadlocked, 1.1 * self._length, 4))
+        if self._count > ALL_AT_ONCE and now < self._next:
+            return False
+        self._next = now + LAG
+        return True
 
     def _choose(self, influenced: int, at: Floats) -> None:
         known = 0 <= influenced < self._count

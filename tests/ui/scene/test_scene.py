@@ -23,8 +23,8 @@ from higvf_console.ui.scene.ground import axis_lettering, grid, obstacle_outline
 from higvf_console.ui.scene.parts import Canvas, Layer, turned
 from higvf_console.ui.scene.path import path_outline, thinned
 from higvf_console.ui.scene.team import (
-    LINE_PERIOD,
-    LINES_AT_ONCE,
+    ALL_AT_ONCE,
+    LAG,
     MOST_LINKS,
     TRAIL_POINTS,
     Team,
@@ -340,8 +340,8 @@ def test_a_number_moves_with_a_halo_of_the_floor_that_is_wider_by_its_margin() -
     )
 
 
-@pytest.mark.parametrize(("robots", "at_once"), [(LINES_AT_ONCE, True), (LINES_AT_ONCE + 1, False)])
-def test_the_links_of_a_large_team_follow_a_little_later(
+@pytest.mark.parametrize(("robots", "at_once"), [(ALL_AT_ONCE, True), (ALL_AT_ONCE + 1, False)])
+def test_links_rings_and_headings_of_a_large_team_follow_a_little_later(
     monkeypatch: pytest.MonkeyPatch, robots: int, at_once: bool
 ) -> None:
     now = SimpleNamespace(seconds=100.0)
@@ -357,7 +357,11 @@ def test_the_links_of_a_large_team_follow_a_little_later(
     before = [node.segments for node in lines]
     drawing.update(moved, trace, 0.1)
     assert [np.array_equal(node.segments, old) for node, old in zip(lines, before, strict=True)] == [not at_once] * 2
-    now.seconds += 1.01 * LINE_PERIOD
+    robots_drawn = canvas.nodes["/team/robots"]
+    assert robots_drawn.at == pytest.approx(moved.motion.position)
+    assert (robots_drawn.heading is not None) == at_once
+    now.seconds += 1.01 * LAG
     drawing.update(moved, trace, 0.2)
+    assert robots_drawn.heading is not None
     for node, old in zip(lines, before, strict=True):
         assert node.segments == pytest.approx(old + 5.0)

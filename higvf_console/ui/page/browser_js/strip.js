@@ -192,8 +192,9 @@
   const sheet = () => document.querySelector('.mantine-Paper-root[style*="position: fixed"]');
 
   function place() {
-    const height = sheet()?.offsetHeight ?? 0;
-    root.setProperty("--hg-strip-height", `${strip.offsetHeight}px`);
+    const tall = (node) => Math.ceil(node?.getBoundingClientRect().height ?? 0);
+    const height = tall(sheet());
+    root.setProperty("--hg-strip-height", `${tall(strip)}px`);
     root.setProperty("--hg-sheet-height", `${height}px`);
     if (below && !height) page.send("landscape", {}); // viser docks the panel anew, without its width
     below = height > 0;
