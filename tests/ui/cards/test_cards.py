@@ -56,7 +56,7 @@ def test_the_mission_says_how_many_robots_each_fire_takes_and_when_the_run_ends(
     lines = mission_lines(Session(parse_scenario(PLAIN, "t.yaml"), []).snapshot)
     assert lines == [
         "1 fire to put out; it takes 2 of 2 robots.",
-        "The run ends when all fires have been out, or after 2:00.0.",
+        "The run ends when all fires are out, or after 2:00.0.",
     ]
 
 
@@ -64,7 +64,7 @@ def test_the_mission_says_how_many_robots_each_fire_takes_and_when_the_run_ends(
     ("ends", "line"),
     [
         ("{when: never}", "The run has no end: take your time."),
-        ("{when: path_finished, after_s: 3}", "The run ends when the path has been finished for 3 s, or after 2:00.0."),
+        ("{when: path_finished, after_s: 3}", "The run ends 3 s after the path is finished, or after 2:00.0."),
     ],
 )
 def test_every_end_is_told(ends: str, line: str) -> None:
