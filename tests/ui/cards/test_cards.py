@@ -87,8 +87,8 @@ RESULT = RunResult(
 def test_the_result_compares_each_fire_and_all_of_them() -> None:
     html = losses_html(RESULT)
     assert '<td class="dim">same</td>' in html
-    assert "\u22125\u202f703 (\u221215.4 %)" in html
-    assert "\u22125\u202f703 (\u221214.7 %)" in html
+    assert "\u22125\u202f703 (\u221215.4\u00a0%)" in html
+    assert "\u22125\u202f703 (\u221214.7\u00a0%)" in html
     assert "NaN" not in losses_html(RESULT._replace(without=None)).replace("nan", "NaN")
     assert "No fires" in losses_html(RESULT._replace(loss_area=floats([])))
 
