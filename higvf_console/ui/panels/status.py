@@ -65,7 +65,7 @@ class StatusPanel:
 def modes_of(state: SimState, phase: Phase, frozen: bool) -> list[tuple[str, str]]:
     """All modes that hold, each in one word with its colour: that of the team, then that of the clock."""
     team = ("STOPPED", CSS.alarm) if state.intent.stopped else ("PAUSED", CSS.warning)
-    modes = [team] if state.intent.stopped or state.intent.paused else []
+    modes: list[tuple[str, str]] = [team] if state.intent.stopped or state.intent.paused else []
     if phase in (Phase.READY, Phase.ENDED):
         modes.append((phase.value.upper(), CSS.robot))
     if frozen:
