@@ -45,10 +45,10 @@ def scenario_svg(scenario: Scenario) -> str:
 
 def _obstacles(scenario: Scenario, at: _ToPicture, scale: float) -> list[str]:
     obstacles = scenario.obstacles
-    parts = [
-        _disc(*at(floats([[x, y]]))[0].tolist(), max(radius * scale, _LEAST_PX), CSS.obstacle_edge)
-        for x, y, radius in obstacles.circles.tolist()
-    ]
+    parts = list[str]()
+    for x, y, radius in obstacles.circles.tolist():
+        x1, y1 = at(floats([[x, y]]))[0].tolist()
+        parts.append(_disc(x1, y1, max(radius * scale, _LEAST_PX), CSS.obstacle_edge))
     for ax, ay, bx, by, half_width in obstacles.bars.tolist():
         (x1, y1), (x2, y2) = at(floats([[ax, ay], [bx, by]])).tolist()
         width = max(2.0 * half_width * scale, 2.0 * _LEAST_PX)
