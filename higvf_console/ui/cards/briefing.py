@@ -68,12 +68,12 @@ def _count(number: int, noun: str) -> str:
 def end_line(scenario: Scenario, fires: bool) -> str:
     """When the run ends, in one sentence."""
     ends, limit = scenario.ends, f"after {clock(scenario.duration)}"
-    after = f" for {ends.after:g} s" if ends.after > 0.0 else ""
+    when = f"{ends.after:g} s after" if ends.after > 0.0 else "when"
     if ends.when is EndWhen.NEVER:
         return "The run has no end: take your time."
     if ends.when is EndWhen.PATH_FINISHED:
-        return f"The run ends when the path has been finished{after}, or {limit}."
-    return f"The run ends when all fires have been out{after}, or {limit}." if fires else f"The run ends {limit}."
+        return f"The run ends {when} the path is finished, or {limit}."
+    return f"The run ends {when} all fires are out, or {limit}." if fires else f"The run ends {limit}."
 
 
 def ready_html(snapshot: "Snapshot", note: str = "") -> str:

@@ -56,7 +56,7 @@ def test_the_mission_says_how_many_robots_each_fire_takes_and_when_the_run_ends(
     lines = mission_lines(Session(parse_scenario(PLAIN, "t.yaml"), []).snapshot)
     assert lines == [
         "1 fire to put out; it takes 2 of 2 robots.",
-        "The run ends when all fires have been out, or after 2:00.0.",
+        "The run ends when all fires are out, or after 2:00.0.",
     ]
 
 
@@ -64,7 +64,7 @@ def test_the_mission_says_how_many_robots_each_fire_takes_and_when_the_run_ends(
     ("ends", "line"),
     [
         ("{when: never}", "The run has no end: take your time."),
-        ("{when: path_finished, after_s: 3}", "The run ends when the path has been finished for 3 s, or after 2:00.0."),
+        ("{when: path_finished, after_s: 3}", "The run ends 3 s after the path is finished, or after 2:00.0."),
     ],
 )
 def test_every_end_is_told(ends: str, line: str) -> None:
@@ -87,8 +87,8 @@ RESULT = RunResult(
 def test_the_result_compares_each_fire_and_all_of_them() -> None:
     html = losses_html(RESULT)
     assert '<td class="dim">same</td>' in html
-    assert "\u22125\u202f703 (\u221215.4 %)" in html
-    assert "\u22125\u202f703 (\u221214.7 %)" in html
+    assert "\u22125\u202f703 (\u221215.4\u00a0%)" in html
+    assert "\u22125\u202f703 (\u221214.7\u00a0%)" in html
     assert "NaN" not in losses_html(RESULT._replace(without=None)).replace("nan", "NaN")
     assert "No fires" in losses_html(RESULT._replace(loss_area=floats([])))
 

@@ -10,6 +10,7 @@ from playwright.sync_api import Browser, Page, expect
 from higvf_console.core.commands import LoadScenario, ResetRun
 from higvf_console.runtime.phase import Phase
 from higvf_console.scenario.kept import draft_file, write_whole
+from higvf_console.scenario.scenario import scenario_names
 from tests.browser import console_page, press, screenshot, shown, wait_until
 from tests.consoles import Running, console_at_work
 from tests.scenario.test_kept import gone_process
@@ -71,7 +72,7 @@ def test_a_run_waits_is_started_ends_and_is_run_again(page: Page, running: Runni
 def test_a_scenario_is_chosen_from_its_picture(page: Page, running: Running) -> None:
     press(page, "Other scenario …")
     dialog = page.locator("#own")
-    expect(dialog.locator(".choice svg")).to_have_count(15 + 1)  # shipped ones, and this one, opened lately
+    expect(dialog.locator(".choice svg")).to_have_count(len(scenario_names()))
     screenshot(page, "run-scenarios")
     dialog.get_by_role("button", name="Empty arena").click()
     wait_until(lambda: running.session.scenario.title == "Empty arena")

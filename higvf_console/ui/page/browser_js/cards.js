@@ -88,8 +88,8 @@
     const page_width = window.innerWidth;
     own.style.width = `${Math.min(920, page_width - ROOM)}px`;
     own.style.left = `${(page_width - Math.min(920, page_width - ROOM)) / 2}px`;
-    own.style.top = `${ROOM}px`;
-    own.style.maxHeight = `${window.innerHeight - 2 * ROOM - (narrow ? 130 : 84)}px`;
+    own.style.top = `${top}px`; // the strips stand above the veil
+    own.style.maxHeight = `${window.innerHeight - top - ROOM - (narrow ? 130 : 84)}px`;
   }
 
   function act(event) {
