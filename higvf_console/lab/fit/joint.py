@@ -62,7 +62,11 @@ class JointTrial(NamedTuple):
     hidden: float
 
 
-FORM = TrialForm("all", lambda fields: JointTrial(tuple(fields[0]), *fields[1:]))
+def _read(fields: Sequence[Any]) -> JointTrial:
+    return JointTrial(tuple(fields[0]), *fields[1:])
+
+
+FORM = TrialForm("all", _read)
 
 
 def attempt_all(sample: Sample, base: Setup, strokes: Mapping[str, Branch]) -> JointTrial:

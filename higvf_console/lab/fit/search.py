@@ -55,7 +55,11 @@ class Trial(NamedTuple):
     objective: float
 
 
-FORM = TrialForm("1", lambda fields: Trial(tuple(fields[0]), tuple(fields[1]), *fields[2:]))
+def _read(fields: Sequence[Any]) -> Trial:
+    return Trial(tuple(fields[0]), tuple(fields[1]), *fields[2:])
+
+
+FORM = TrialForm("1", _read)
 
 
 def attempt(sample: Sample, base: Setup) -> Trial:
