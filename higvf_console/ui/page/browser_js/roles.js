@@ -120,7 +120,7 @@
 
   strip.addEventListener("mousedown", (event) => event.preventDefault()); // the focus stays where it is
   const checking = setInterval(check, CHECK_MS);
-  const stopCheckingHidden = page.steadily(TELL_EVERY_MS / 2, checkHidden);
+  const stopCheckingHidden = page.steadily(SEND_EVERY_MS / 2, checkHidden);
   const forget = page.listen({
     pagehide: putAway,
     pageshow: (event) => event.persisted && takeOut(),
