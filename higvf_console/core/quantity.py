@@ -3,7 +3,7 @@
 Parameters are NamedTuples whose fields are `Annotated[float, Quantity(...)]`. The kernels take them as they are; YAML
 checks, sliders and documentation read the annotations:
 
-    class BlendingGains(NamedTuple):
+    class BlendingParameters(NamedTuple):
         cruise_speed: Annotated[float, Quantity("m/s", 0.1, 400.0, "C", "Desired speed of the team.")] = 60.0
 """
 

@@ -22,6 +22,7 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.interface import ChannelState
 from higvf_console.core.state import PathKind
+from higvf_console.ui.panels.status import StatusStrip
 from higvf_console.ui.panels.widgets.html import TIMES
 from tests.browser import (
     console_page,
@@ -191,7 +192,7 @@ def test_stop_is_latched_shown_and_survives_a_reload(page: Page, running: Runnin
 
 @pytest.mark.parametrize("widget", ["dropdown", "number"])
 def test_space_stops_whatever_has_the_focus(page: Page, running: Running, widget: str) -> None:
-    field = page.get_by_role("combobox").nth(0) if widget == "dropdown" else page.locator("input[inputmode]").nth(0)
+    field = page.get_by_role("combobox").nth(0) if widget == "dropdown" else page.locator("input[inputmode]:visible").nth(0)
     field.click()
     page.keyboard.press("Space")
     wait_until(lambda: running.state.intent.stopped)
@@ -321,7 +322,8 @@ def test_two_pages_see_the_same_and_a_late_one_has_it_all(
 def test_a_panel_that_fails_does_not_stop_the_scene(
     page: Page, running: Running, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    status = running.console._panels[0]  # pyright: ignore[reportPrivateUsage]
+    panels = running.console._panels  # pyright: ignore[reportPrivateUsage]
+    status = next(panel for panel in panels if isinstance(panel, StatusStrip))
     monkeypatch.setattr(status, "update", {}.__delitem__)
     running.push(Pick(1))
     wait_until(lambda: page.get_by_role("combobox").nth(0).input_value() == "Robot 2")

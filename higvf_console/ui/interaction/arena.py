@@ -75,7 +75,7 @@ class ArenaInteraction:
             actions: what is done in a page.
         """
         self._session, self._ui, self._roles, self._actions = session, ui, roles, actions
-        self._pointer_state: int | None = None
+        self._drawing_client: int | None = None
         self._drag_tool = Tool.PATH  # with which that began
         self._last = floats([0.0, 0.0])  # point of a press that moves, with a tool that adds
         self._outline = floats([], 0, 2)  # of a group that is being drawn round
@@ -92,12 +92,12 @@ class ArenaInteraction:
         """A stroke begins, grows and ends; one of a page that has lost control since is not taken up again."""
         if phase == "start":
             tool = self._tools.get(client_id, Tool.PATH)
-            self._pointer_state, self._drag_tool = client_id, tool
+            self._drawing_client, self._drag_tool = client_id, tool
             use = self._use_of(tool)
             steered = use is StrokeUse.PATH and not group and len(points)
             robot = nearest_of(self._ui.state.group, centres(*self._run_state()), points[0]) if steered else None
             self._ui.update(drawn_for=use, drawn_robot=robot)
-        elif client_id != self._pointer_state:
+        elif client_id != self._drawing_client:
             return
         tool = self._drag_tool
         if group:
@@ -111,7 +111,7 @@ class ArenaInteraction:
         else:
             self._drag(client_id, tool, phase, points)
         if phase in ("cancel", "end"):
-            self._pointer_state = None
+            self._drawing_client = None
             self._ui.update(drawn_for=StrokeUse.PATH, drawn_robot=None)
 
     def _lasso(self, phase: pointer.Phase, points: Floats) -> None:
@@ -216,9 +216,9 @@ class ArenaInteraction:
 
     def hand_over(self, client_id: int | None) -> None:
         """Another page steers from now on, or none: a stroke that is being drawn goes with the hand that drew it."""
-        if self._pointer_state is not None:
+        if self._drawing_client is not None:
             self._push(StrokeCancel())
-            self._pointer_state = None
+            self._drawing_client = None
             self._ui.update(drag=None, drawn_for=StrokeUse.PATH, drawn_robot=None)
         tool = Tool.PATH if client_id is None else self._tools.get(client_id, Tool.PATH)
         self._ui.update(editing=tool is Tool.EDIT, selected=None, group=frozenset())

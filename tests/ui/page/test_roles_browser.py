@@ -152,7 +152,7 @@ def test_a_widget_moved_by_a_page_that_watches_shows_the_true_value_again(second
     wait_until(lambda: smoothing.input_value() == value)
     second.get_by_role("button", name="Pause", exact=True).click()
     second.wait_for_timeout(500)
-    assert running.session.commands == []
+    assert not running.session.commands
     second.evaluate("document.activeElement.blur()")
 
 
@@ -283,7 +283,7 @@ def test_when_the_page_that_steers_is_lost_its_path_ends_in_autonomy_and_the_nex
     assert changes(running)[-1][:2] == (ControlChange.LOST, "Browser 2")
     assert logged(running, "is lost: Browser 2 steers")
     second.get_by_role("tab", name="Log").click()
-    second.locator(".hg .log", has_text="is lost: Browser 2 steers").wait_for()
+    second.locator(".hg .log:visible", has_text="is lost: Browser 2 steers").wait_for()
     screenshot(second, "roles-lost")
     second.get_by_role("tab", name="Steer").click()
 

@@ -183,7 +183,7 @@
   // A folded panel is unfolded first, which takes it a moment.
   function openLog(_event, tries = 20) {
     const tab = [...document.querySelectorAll("[role=tab]")].find((found) => found.textContent.trim() === "Log");
-    if (tab?.checkVisibility()) return tab.click();
+    if (tab?.checkVisibility()) return page.part("tabs")?.open("Log");
     if (tries === 20) (document.querySelector(FOLDED) ?? sheet()?.querySelector("[style*=pointer]"))?.click();
     if (tries) setTimeout(() => openLog(null, tries - 1), 100);
   }
