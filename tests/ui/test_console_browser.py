@@ -192,7 +192,9 @@ def test_stop_is_latched_shown_and_survives_a_reload(page: Page, running: Runnin
 
 @pytest.mark.parametrize("widget", ["dropdown", "number"])
 def test_space_stops_whatever_has_the_focus(page: Page, running: Running, widget: str) -> None:
-    field = page.get_by_role("combobox").nth(0) if widget == "dropdown" else page.locator("input[inputmode]:visible").nth(0)
+    field = (
+        page.get_by_role("combobox").nth(0) if widget == "dropdown" else page.locator("input[inputmode]:visible").nth(0)
+    )
     field.click()
     page.keyboard.press("Space")
     wait_until(lambda: running.state.intent.stopped)
