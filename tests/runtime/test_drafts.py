@@ -13,7 +13,7 @@ from higvf_console.runtime.session import Session
 from higvf_console.scenario.kept import draft_file, left_drafts, recent_files
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario
 from tests.fake_interfaces import FakeConsole
-from tests.scenario.test_kept import gone_process
+from tests.scenario.test_kept_texts import gone_process
 
 CIRCLE = AddEntity("circle", floats([300.0, 300.0]))
 

@@ -13,7 +13,7 @@ from higvf_console.scenario.kept import draft_file, write_whole
 from higvf_console.scenario.scenario import scenario_names
 from tests.browser import console_page, press, screenshot, shown, wait_until
 from tests.consoles import Running, console_at_work
-from tests.scenario.test_kept import gone_process
+from tests.scenario.test_kept_texts import gone_process
 
 pytestmark = pytest.mark.browser
 EASY = """
