@@ -82,6 +82,7 @@ class Session:
         snapshot: the latest moment.
         baseline: loss area without an operator; None until it is known.
         viewport: how the operator's screen lies over the arena; set by the view.
+        command_time: what the commands of one tick may take [s]; a run in real time limits it.
         commands: the latest that were applied, without cursors and stroke points, which come by the thousand.
         error: what halted the engine; None while all is well.
         attended: whether the clock stands once a run has ended.
@@ -143,7 +144,7 @@ class Session:
         self._supervisor = Supervisor(self._channels, scenario.limits)
         self._reporter = Reporter(self._channels, self._run.setup.params.safety.control_period)
         self._admission = Admission()
-        self._command_time = math.inf  # for the commands of one tick [s]
+        self.command_time = math.inf  # for the commands of one tick [s]
         self._limiter = Limiter()
         self._applied = 0  # commands but cursors and stroke points
         self._recorder, self._markers = recorder, markers
@@ -221,7 +222,7 @@ class Session:
     def run(self, stopping: Signal) -> None:
         """Ticks at the pace of the clock until `stopping` is set; an engine that fails halts the team, not the loop."""
         Thread(target=keep_baseline, args=(self, stopping), name="baseline", daemon=True).start()
-        self._command_time = COMMAND_SHARE * self.setup.params.safety.control_period
+        self.command_time = COMMAND_SHARE * self.setup.params.safety.control_period
         due = perf_counter()
         while not stopping.is_set():
             try:
@@ -277,7 +278,7 @@ class Session:
 
     def _apply_waiting(self, context: OperatorContext) -> None:
         """Applies what waits, STOP first, until all is done or the time for it is used up."""
-        end = perf_counter() + self._command_time
+        end = perf_counter() + self.command_time
         while True:
             self._admission.take_in(Said(*stop) for stop in self._channels.take_stops(context))
             said = self._admission.next()

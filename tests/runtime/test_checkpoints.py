@@ -87,7 +87,11 @@ def test_a_damaged_file_is_refused_in_one_line(part: str, tmp_path: Path) -> Non
 
 def test_one_of_another_version_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = kept(session_at_work(5), tmp_path)
-    monkeypatch.setattr("higvf_console.runtime.checkpoints.version", lambda _: "9.9")
+
+    def version(_: str) -> str:
+        return "9.9"
+
+    monkeypatch.setattr("higvf_console.runtime.checkpoints.version", version)
     with pytest.raises(ScenarioError, match=r"of version .*; this is 9\.9$"):
         restored(file)
 

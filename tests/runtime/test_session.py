@@ -374,7 +374,7 @@ def crowded(team: Scenario) -> tuple[Session, ConsoleChannel]:
     """A session that has time for one command a tick, with many that wait."""
     console = ConsoleChannel()
     session = Session(team, [console])
-    session._command_time = 0.0
+    session.command_time = 0.0
     for k in range(300):
         console.push(Pick(k % 2))
     return session, console
@@ -418,7 +418,7 @@ def test_resets_that_were_given_before_a_stop_do_not_release_it(team: Scenario) 
     session.tick()
     for command in (AskReset(), ResetEmergencyStop(), Resume(), EmergencyStop()):
         console.push(command)
-    session._command_time = math.inf
+    session.command_time = math.inf
     session.tick()
     session.tick()
     assert session.snapshot.state.intent.stopped

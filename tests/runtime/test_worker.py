@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from concurrent.futures import CancelledError
 
 import pytest
@@ -33,7 +33,7 @@ def test_a_result_and_a_refusal_come_back(worker: Worker) -> None:
     ("function", "argument"), [(bytes, 3 << 30), (time.sleep, 60.0), (os._exit, 3)], ids=["memory", "time", "death"]
 )
 def test_what_exceeds_a_limit_is_refused_and_the_next_job_is_done(
-    worker: Worker, function: object, argument: object
+    worker: Worker, function: Callable[..., object], argument: object
 ) -> None:
     pid = worker.submit(os.getpid).result()
     with pytest.raises(ScenarioError, match=r"takes more than 5 s or 2\.1 GB"):

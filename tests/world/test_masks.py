@@ -150,6 +150,9 @@ def png(width: int, height: int) -> bytes:
 def test_a_huge_image_is_refused_by_its_header(
     size: tuple[int, int], line: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cv2.imdecode", lambda *_: pytest.fail("decoded"))
+    def decode(*_: object) -> None:
+        pytest.fail("decoded")
+
+    monkeypatch.setattr("cv2.imdecode", decode)
     with pytest.raises(ScenarioError, match=line):
         decoded(png(*size), 1)

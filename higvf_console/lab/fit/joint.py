@@ -39,9 +39,9 @@ KNOWN: tuple[Sample, ...] = (
     (12.38, 0.013, 38.2, 103.5, 0.009, 0.004, 82.5, 786.0, 170.0, 453.0),
 )
 _HOPELESS = 3.0  # misfit of column 1 at which the other columns are not run
-_TOGETHER = 2  # neighbours that are run together
+TOGETHER = 2  # neighbours that are run together
 _FRONT = 8  # best samples from which to step while none meets the table
-_BATCH = 48  # samples between two choices of the samples from which to step
+BATCH = 48  # samples between two choices of the samples from which to step
 _MISSED = 2.0  # least misfit of a world that misses an order, a sign or the clearance
 _UNSEEN, _LAST = 3, 4  # indices of the fires after and before which the team looks for the last one
 
@@ -135,13 +135,13 @@ def explore(
     rng = np.random.default_rng([seed, len(SPACE)])
     low, high = (np.array([getattr(free, end) for free in SPACE]) for end in ("low", "high"))
     most = len(known) + runs
-    while len(known) + _BATCH <= most:
+    while len(known) + BATCH <= most:
         starts = sorted(known.values(), key=lambda one: (not one.meets, one.hidden < HIDDEN, one.objective, one.sample))
         starts = [one for one in starts if one.meets] or starts[:_FRONT]
         batch = dict.fromkeys(
             on_grid(np.clip(np.array(starts[int(pick)].sample) * (1.0 + step), low, high))
             for pick, step in zip(
-                rng.integers(len(starts), size=_BATCH), rng.uniform(-STEP, STEP, (_BATCH, len(SPACE))), strict=True
+                rng.integers(len(starts), size=BATCH), rng.uniform(-STEP, STEP, (BATCH, len(SPACE))), strict=True
             )
         )
         known.update((one.sample, one) for one in evaluate([sample for sample in batch if sample not in known]))
@@ -173,7 +173,7 @@ def choose_joint(
         if 1.0 - trial.objective <= best:
             break
         near, margin = neighbours(trial.sample), 1.0 - trial.objective
-        for places in np.split(np.argsort(-worst, kind="stable"), range(_TOGETHER, len(worst), _TOGETHER)):
+        for places in np.split(np.argsort(-worst, kind="stable"), range(TOGETHER, len(worst), TOGETHER)):
             found = misfits([near[place] for place in places])
             worst[places] = np.maximum(worst[places], found)
             margin = min(margin, 1.0 - max(found))

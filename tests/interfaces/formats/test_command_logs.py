@@ -120,12 +120,16 @@ def test_a_date_that_is_none_is_no_time(write: Callable[..., str], time: str) ->
         read_decisions(write(f"time,label\n{time},fist\n"))
 
 
+def read_slow_signals(file: str) -> object:
+    return whole(read_signals(file, SignalRequest(rate=10.0)))
+
+
 @pytest.mark.parametrize(
     ("header", "row", "read"),
     [
         ("time,label", "2,5,open", read_decisions),
         ("time,x [px],y [px]", "2,5,100,200", read_gaze),
-        ("timestamps,C3", "2,5,7,5", lambda file: whole(read_signals(file, SignalRequest(rate=10.0)))),
+        ("timestamps,C3", "2,5,7,5", read_slow_signals),
     ],
     ids=["log", "gaze", "signals"],
 )

@@ -168,7 +168,7 @@ def test_a_world_is_given_up_at_its_first_neighbour_below_the_best_margin() -> N
 
     best, beaten = at(0.0, 0.1), at(100.0, 0.2)
     assert choose_joint([best, beaten], misfits) == (best, 0.5)
-    assert len(asked) == 2 * len(SPACE) + joint._TOGETHER
+    assert len(asked) == 2 * len(SPACE) + joint.TOGETHER
 
 
 def test_the_worlds_known_before_meet_the_table() -> None:
@@ -198,7 +198,7 @@ def test_exploring_steps_from_worlds_that_meet_the_table() -> None:
 
 def test_exploring_comes_nearer_where_no_world_meets_the_table_yet() -> None:
     far = tuple(value + 30.0 * (place == BAR) for place, value in enumerate(CENTRE))
-    found = explore(ball([far]), 20 * joint._BATCH, 1, ball)
+    found = explore(ball([far]), 20 * joint.BATCH, 1, ball)
     assert min(one.objective for one in found) < 0.7 * distance(far, CENTRE)
 
 
