@@ -10,6 +10,7 @@ import viser
 from higvf_console.core.commands import Acknowledge, Freeze, OperatorCommand, Pause, ResetRun, Resume, SetSpeed, Step
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState, PointerSink
+from higvf_console.runtime.phase import Phase, RunPhase
 from higvf_console.sim.simulation import advance
 from higvf_console.ui.page import page
 from higvf_console.ui.panels.run import RunControls
@@ -60,7 +61,7 @@ def snapshot(*events: Event, time: float = 1.0, gaze: ChannelState = ChannelStat
     return SimpleNamespace(
         state=STATE._replace(intent=STATE.intent._replace(**intent)), trace=TRACE, time=time, frozen=False, speed=1.0,
         min_clearance=2.0, tick_ms=0.3, infeasible_ticks=0, deadlock_s=0.0, events=events,
-        channels=(("gaze", ChannelHealth(gaze, "why")),),
+        channels=(("gaze", ChannelHealth(gaze, "why")),), phase=RunPhase(Phase.RUNNING), setup=SETUP, lost_time=0.0,
     )  # fmt: skip
 
 
