@@ -120,6 +120,7 @@ def test_things_are_added_numbered_and_deleted(page: Page, running: Running) -> 
     click(page, 300, 560)
     wait_until(lambda: len(running.given(AddEntity)) == 2)
     tab(page, "Edit")
+    take(page, "edit")  # the tool that adds stays until it is put away
     click(page, 300, 560)
     wait_until(shown(page, "Bar 2"))
     field = page.get_by_label("Angle (deg)")
