@@ -200,7 +200,12 @@
     $(".card").append(again);
   }
 
-  const toggleHelp = (open = !veil.classList.contains("open")) => veil.classList.toggle("open", open);
+  function toggleHelp(open = !veil.classList.contains("open")) {
+    // In portrait the buttons stand in the arena, with room for the list below them.
+    const end = bar.getBoundingClientRect().bottom;
+    veil.style.padding = end < 0.75 * innerHeight ? `${end + 12}px 8px 12px` : "";
+    veil.classList.toggle("open", open);
+  }
 
   // A Latin letter as printed on the key; on a keyboard without Latin letters, the one at that place. What a Latin
   // layout prints there, punctuation and accented letters included, is never another key.
