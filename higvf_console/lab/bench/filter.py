@@ -11,6 +11,7 @@ Robots stand on a grid with random nominal velocities; circles and growing fires
 import itertools
 import math
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -29,8 +30,8 @@ try:
 except ImportError:  # part of the extra `bench`
     daqp = None
 try:
-    from pyrvo.pyrvo import RVOSimulator
-except ImportError:
+    RVOSimulator = import_module("pyrvo.pyrvo").RVOSimulator
+except ImportError:  # the extra `orca`, which no other extra installs
     RVOSimulator = None
 
 TEAMS = (3, 30, 100, 1000)
