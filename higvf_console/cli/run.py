@@ -206,19 +206,29 @@ def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace
             drafts = Drafts(session, state_folder())
             checkpoints = Checkpoints(session, state_folder())
             console = Console(session, server, drafts)
-        console.start()
         ends.callback(console.close)
-        loop = Thread(target=session.run, args=(stopping,), name="session")
-        keeper = Thread(target=drafts.run, args=(stopping,), name="drafts")
-        writer = Thread(target=checkpoints.run, args=(stopping,), name="checkpoints")
-        for thread in (loop, keeper, writer):
+        threads = [
+            Thread(target=target, args=(stopping,), name=name)
+            for name, target in (("session", session.run), ("drafts", drafts.run), ("checkpoints", checkpoints.run))
+        ]
+        ends.callback(_join, threads, stopping)  # before the first starts: a signal may come between two of them
+        console.start()
+        for thread in threads:
             thread.start()
-            ends.callback(thread.join)
-        ends.callback(stopping.set)
         scheduling.stand_back()
+        if given.duration is not None and not given.start_at_once:
+            log(f"The {given.duration:g} s of --duration begin with Start in the page; --start-at-once needs no page.")
         while given.duration is None or not _over(session.snapshot, given.duration):
             sleep(0.1)  # not stopping.wait: an interrupt could leave its lock acquired
     return 0
+
+
+def _join(threads: list[Thread], stopping: Signal) -> None:
+    """Ends the threads that have been started."""
+    stopping.set()
+    for thread in threads:
+        if thread.is_alive():
+            thread.join()
 
 
 def _over(snapshot: "Snapshot", duration: float) -> bool:

@@ -1,8 +1,7 @@
 """What is chosen for editing, number by number; the arena; who is linked."""
 
-import math
-import time
 from collections.abc import Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -25,25 +24,61 @@ if TYPE_CHECKING:
 _MOST_NUMBERS = max(len(numbers) for numbers in NUMBERS.values())
 _SIDES = {"x_min": "Left", "y_min": "Bottom", "x_max": "Right", "y_max": "Top"}
 _DIGITS = 3  # after the point: millimetres
-_LATE_S = 0.3  # [s] what was typed before a click arrives at most so long after it
 _HELP = (
     "Choose the arrow above the arena (M) and click a robot, a fire or an obstacle. Drag it to move it, its square to "
     "resize it, its disc to turn it. The tools beside the arrow add entities, draw obstacles and link robots."
 )
 
 
+class _Form:
+    """Number fields of one entity; it stays the entity's while what was typed there may still arrive."""
+
+    def __init__(self, gui: viser.GuiApi, sink: PointerSink) -> None:
+        self.place: EntityRef | None = None
+        self._sink = sink
+        self._fields = [
+            NumberField(gui, " ", 0.0, NumberRange(), partial(self._change, slot), visible=False)
+            for slot in range(_MOST_NUMBERS)
+        ]
+
+    def _change(self, slot: int, number: float) -> None:
+        if self.place is not None and slot < len(NUMBERS[self.place.kind]):
+            self._sink.push(ChangeEntity(self.place.kind, self.place.row, list(NUMBERS[self.place.kind])[slot], number))
+
+    def hide(self) -> None:
+        """Hides the fields; they still mean the same entity."""
+        for field in self._fields:
+            field.visible = False
+
+    def show(self, place: EntityRef, numbers: Mapping[str, float], settle: float) -> None:
+        """Shows an entity's numbers, but for those that were typed less than `settle` [s] ago."""
+        self.place = place
+        shown = list(numbers.items())
+        for slot, field in enumerate(self._fields):
+            field.visible = slot < len(shown)
+            if slot >= len(shown):
+                continue
+            name, value = shown[slot]
+            quantity = NUMBERS[place.kind][name]
+            label = name if name in ("x", "y") else name.capitalize()
+            field.describe(label, NumberRange(quantity.unit), quantity.text)
+            field.show(round(value, _DIGITS), settle)
+
+
 class EditPanel:
-    """Number fields whose names follow what is chosen."""
+    """Number fields whose names follow what is chosen.
+
+    A field may be left by the click that chooses another entity, and what was typed there arrives after it. So two
+    forms take turns: a number is of the entity whose form it was typed into.
+    """
 
     def __init__(self, gui: viser.GuiApi, sink: PointerSink, ui: UiStore) -> None:
         """Builds the widgets; none has a meaning before `update`."""
         self._sink, self._ui = sink, ui
         self._place: EntityRef | None = None
-        self._former: EntityRef | None = None  # what was chosen before, until
-        self._chosen_at = -math.inf  # [s] of a clock
         self._arena, self._walls = Arena(0.0, 0.0, 1.0, 1.0), True
         self._head = gui.add_html("")
-        self._fields = [self._make_field(gui, slot) for slot in range(_MOST_NUMBERS)]
+        self._form, self._other_form = _Form(gui, sink), _Form(gui, sink)
         self._delete = gui.add_button(
             "Delete", icon=viser.Icon.TRASH, color="red", visible=False, hint="Delete the selected entity (Del)"
         )
@@ -57,20 +92,11 @@ class EditPanel:
             )
             self._by_range.on_click(reaction(lambda _: sink.push(LinkByRange())))
 
-    def _make_field(self, gui: viser.GuiApi, slot: int) -> NumberField:
-        return NumberField(gui, " ", 0.0, NumberRange(), lambda number: self._change(slot, number), visible=False)
-
     def _make_side(self, gui: viser.GuiApi, name: str, label: str) -> NumberField:
         hint = "Position of this side of the arena"
         return NumberField(
             gui, label, 0.0, NumberRange("m"), lambda number: self._set_arena(sides={name: number}), hint=hint
         )
-
-    def _change(self, slot: int, number: float) -> None:
-        """A number was typed into a field; of what it showed then."""
-        place = self._former if time.monotonic() - self._chosen_at < _LATE_S else self._place
-        if place is not None and slot < len(NUMBERS[place.kind]):
-            self._sink.push(ChangeEntity(place.kind, place.row, list(NUMBERS[place.kind])[slot], number))
 
     def _set_arena(self, walls: bool | None = None, sides: Mapping[str, float] = MappingProxyType({})) -> None:
         self._arena = self._arena._replace(**sides)  # the next side may come before the session has answered
@@ -87,7 +113,8 @@ class EditPanel:
         place, former = self._ui.state.selected, self._place
         self._place = place if place is not None and exists(place, layout) else None
         if self._place != former:
-            self._former, self._chosen_at = former, time.monotonic()
+            self._form.hide()
+            self._form, self._other_form = self._other_form, self._form
         self._head.content = block(
             f'<span class="dim">{_HELP}</span>'
             if self._place is None
@@ -102,18 +129,9 @@ class EditPanel:
         self._by_range.disabled = layout.links is None
 
     def _show_numbers(self, layout: Layout, snapshot: "Snapshot", settle: float) -> None:
-        place, numbers = self._place, dict[str, Any]()
-        if place is not None:
-            numbers = numbers_of(place, layout, snapshot.state.motion)
-            if layout.params.robots.look_ahead == 0.0:
-                numbers.pop("heading", None)
-        shown = list(numbers.items())
-        for slot, field in enumerate(self._fields):
-            field.visible = slot < len(shown)
-            if place is None or slot >= len(shown):
-                continue
-            name, value = shown[slot]
-            quantity = NUMBERS[place.kind][name]
-            label = name if name in ("x", "y") else name.capitalize()
-            field.describe(label, NumberRange(quantity.unit), quantity.text)
-            field.show(round(value, _DIGITS), settle)
+        if self._place is None:
+            return
+        numbers: dict[str, Any] = numbers_of(self._place, layout, snapshot.state.motion)
+        if layout.params.robots.look_ahead == 0.0:
+            numbers.pop("heading", None)
+        self._form.show(self._place, numbers, settle)
