@@ -209,6 +209,8 @@ class Session:
             self._add(self._run.step())
             if self._recorder is not None:
                 self._record(self._recorder.step, self._run.state.motion)
+        if self._recorder is not None:
+            self._record(self._recorder.keep)
         self._publish(started)
         if self._applied > known:
             self.answered.set()
@@ -246,7 +248,8 @@ class Session:
 
     def _report_lateness(self) -> None:
         if count := self._limiter.due("late", perf_counter()):
-            text = f"The computer is busy: the run lags {self._clock.lost:.1f} s behind real time ({count} new delays)."
+            delays = f"{count} new delay" + "s" * (count > 1)
+            text = f"The computer is busy: the run lags {self._clock.lost:.1f} s behind real time ({delays})."
             self._add((Event(self._run.time, Severity.WARNING, "late", text),))
 
     def _attend(self) -> None:
