@@ -41,20 +41,20 @@ from higvf_console.core.limiter import Limiter
 from higvf_console.core.reports import Calibrated
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.admission import Admission
-from higvf_console.runtime.baseline_thread import keep_baseline
-from higvf_console.runtime.checkpoints import Checkpoint
+from higvf_console.runtime.background.baseline_thread import keep_baseline
+from higvf_console.runtime.background.loader import Loaded, Loader
+from higvf_console.runtime.background.worker import Worker
 from higvf_console.runtime.clock import Clock
 from higvf_console.runtime.compiling import announce
 from higvf_console.runtime.dispatch import Prepared, seed_of
 from higvf_console.runtime.failsafe import failure_event, halted, interruption_event
 from higvf_console.runtime.history import rows_before
 from higvf_console.runtime.inputs import opening_warnings
-from higvf_console.runtime.loader import Loaded, Loader
+from higvf_console.runtime.persistence.checkpoints import Checkpoint
 from higvf_console.runtime.phase import Phase, RunPhase
 from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.run import Run
 from higvf_console.runtime.snapshot import Snapshot
-from higvf_console.runtime.worker import Worker
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.sim.metrics import loss_area
 from higvf_console.world.setup import Setup
