@@ -33,6 +33,7 @@ from higvf_console.core.commands import (
     Resume,
     ReversePath,
     ShapePath,
+    StartRun,
     StrokeBegin,
     StrokeEnd,
     StrokePoints,
@@ -104,7 +105,7 @@ def _pick(rng: np.random.Generator, run: Run) -> Some:
 
 
 def _simple(rng: np.random.Generator, _: Run) -> Some:
-    kinds = (Confirm, Discard, ClearPath, ReversePath, NextTask, ContinueRun, ResetRun, LinkByRange)
+    kinds = (Confirm, Discard, ClearPath, ReversePath, NextTask, StartRun, ContinueRun, ResetRun, LinkByRange)
     return [kinds[int(rng.integers(len(kinds)))]()]
 
 
@@ -221,7 +222,7 @@ def _arena(rng: np.random.Generator, run: Run) -> Some:
 
 def _load(rng: np.random.Generator, _: Run) -> Some:
     scenario = random_world(rng, f"loaded-{int(rng.integers(1_000_000))}")
-    return [LoadScenario(scenario.text, scenario.source)]
+    return [LoadScenario(scenario.text, scenario.source, waits=bool(rng.random() < 0.5))]
 
 
 def _robot(rng: np.random.Generator, run: Run) -> int:
