@@ -6,7 +6,8 @@ page set any attribute of a widget. So the server is started here, behind four c
     address   the socket is bound before viser starts: a busy port or an unassignable host is an error, not a surprise
     login     the printed link carries a token and leaves a cookie; without one, every request is answered 401 (`door`)
     origin    a WebSocket is opened for our own page only, and for so many pages at once (`door`)
-    filter    a message that no honest page sends is dropped and logged, and the page stays open (`message_filter`)
+    filter    a message that no honest page sends is dropped and logged (`message_table`), as is what
+              comes too fast; who goes on so is cut off (`message_filter`)
 
 This module alone knows how viser starts its web server.
 """
@@ -27,11 +28,16 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from higvf_console.core.errors import ConsoleError
+from higvf_console.ui.page import page as page  # viser decodes the messages of scripts once they are defined
 from higvf_console.ui.page.door import Door, Handler, RequestHandler, own_origins
-from higvf_console.ui.page.message_filter import FilteredConnection
+from higvf_console.ui.page.message_filter import FilterSettings, filtering, keep_settings
+from higvf_console.ui.page.pace import Limits
+from higvf_console.ui.page.refusals import socket_logger
 
 VISER_VERSION = "1.1.1"
 MAX_FRAME_BYTES = 2 * 1024 * 1024
+
+PAGE_LIMITS = Limits()
 
 _starting = threading.Lock()
 
@@ -50,7 +56,14 @@ def login_url(server: viser.ViserServer, token: str) -> str:
 
 
 def open_server(
-    host: str, port: int, token: str, label: str, *, max_clients: int = 16, origins: tuple[str, ...] = ()
+    host: str,
+    port: int,
+    token: str,
+    label: str,
+    *,
+    max_clients: int = 16,
+    origins: tuple[str, ...] = (),
+    limits: Limits = PAGE_LIMITS,
 ) -> viser.ViserServer:
     """Starts viser behind the guard.
 
@@ -61,6 +74,7 @@ def open_server(
         label: title of the control panel.
         max_clients: pages that may be open at once.
         origins: further origins that may open the console, e.g. "https://lab.example" of a reverse proxy.
+        limits: to what one page sends.
 
     Raises:
         ConsoleError: another version of viser, an address that is busy, unknown or not of this machine, no token.
@@ -81,12 +95,15 @@ def open_server(
         origins=own_origins(host, bound_port) | set(origins),
         any_host=host in ("", "0.0.0.0", "::"),
     )
+    settings = FilterSettings(limits=limits)
     try:
-        with _guarded(listener, door):
-            return viser.ViserServer(host=host, port=bound_port, label=label, verbose=False)
+        with _guarded(listener, door, settings):
+            server = viser.ViserServer(host=host, port=bound_port, label=label, verbose=False)
     except BaseException:
         listener.close()
         raise
+    keep_settings(server, settings)
+    return server
 
 
 def _bind(host: str, port: int) -> socket.socket:
@@ -125,7 +142,7 @@ def _cannot_bind(host: str, port: int, error: OSError) -> str:
 
 
 @contextlib.contextmanager
-def _guarded(listener: socket.socket, door: Door) -> Generator[None]:
+def _guarded(listener: socket.socket, door: Door, settings: FilterSettings) -> Generator[None]:
     """While viser starts, its web server is started on our socket and behind our door."""
     original = websockets.asyncio.server.serve
 
@@ -138,7 +155,8 @@ def _guarded(listener: socket.socket, door: Door) -> Generator[None]:
         def admit(connection: ServerConnection) -> Awaitable[None]:
             return door.admit(connection, handler)
 
-        options |= {"process_request": answer, "max_size": MAX_FRAME_BYTES, "create_connection": FilteredConnection}
+        options |= {"process_request": answer, "max_size": MAX_FRAME_BYTES, "create_connection": filtering(settings)}
+        options["logger"] = socket_logger(settings.refusals)
         return original(admit, sock=listener, **options)
 
     # viser prints an address of its own, which lacks the token.

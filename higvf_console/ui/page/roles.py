@@ -17,9 +17,9 @@ from higvf_console.core.commands import Command, HandOver, OperatorCommand
 from higvf_console.core.interface import PointerSink
 from higvf_console.ui.page import control_lease, page
 from higvf_console.ui.page.control_lease import Control, Outcome
+from higvf_console.ui.page.message_filter import settings_of
 
 FREE_TOPICS = frozenset({"alive", "control", "hello", "viewport"})  # of what every page may send
-_IDENTITY_LENGTH = (16, 64)  # characters
 
 
 class Roles:
@@ -60,8 +60,9 @@ class Roles:
         page.install(self._server, "roles", {})
 
     def allow(self, uuid: str) -> None:
-        """Lets every page use a widget or palette command."""
+        """Lets every page use a widget or palette command, a command at any pace: what stops the team."""
         self._free.add(uuid)
+        settings_of(self._server).stops.add(uuid)
 
     def steers(self, client_id: int) -> bool:
         """Whether a page has control."""
@@ -80,9 +81,14 @@ class Roles:
         self._sink.heartbeat()
 
     def update(self) -> None:
-        """Forgets pages that have fallen silent; to be called a few times a second, from any thread."""
+        """Forgets pages that have fallen silent, and tells those that send too much.
+
+        To be called a few times a second, from any thread.
+        """
         with self._lock:
             self._follow(control_lease.forgotten(self._control, monotonic(), self.timeout))
+        for client_id, count in page.dropped(self._server).items():
+            page.call(self._server, "roles", "slowed", count, client_id)
 
     def _push(self, command: OperatorCommand, name: str) -> None:
         self._sink.push(replace(command, operator=name or Command.operator))
@@ -98,10 +104,7 @@ class Roles:
         return False
 
     def _hello(self, client_id: int, body: page.Body) -> None:
-        identity = body.get("identity")
-        shortest, longest = _IDENTITY_LENGTH
-        if not isinstance(identity, str) or not shortest <= len(identity) <= longest:
-            raise ValueError(f"an identity has {shortest} to {longest} characters")
+        identity = body["identity"]
         with self._lock:
             outcome = control_lease.heartbeat(self._control, identity, monotonic())
             # The newest connection speaks for a page; an older one is cut off already, or of a copy of the page.
@@ -115,7 +118,7 @@ class Roles:
                 self.heartbeat()
 
     def _click(self, client_id: int, body: page.Body) -> None:
-        act, name = body.get("act"), body.get("page")
+        act, name = body["act"], body["page"]
         with self._lock:
             control, identity = self._control, self._identities.get(client_id, "")
             match act:
@@ -126,7 +129,7 @@ class Roles:
                 case "release":
                     self._follow(control_lease.released(control, identity))
                 case "grant" | "refuse":
-                    self._follow(control_lease.answered(control, identity, str(name), granted=act == "grant"))
+                    self._follow(control_lease.answered(control, identity, name, granted=act == "grant"))
                 case _:
                     raise ValueError(f"{act!r}: expected ask, take, release, grant or refuse")
 

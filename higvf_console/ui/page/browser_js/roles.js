@@ -72,7 +72,8 @@
     return [`${who(role)}, ${rest}`, "", [...ask, ["Take over", "take"]]];
   }
 
-  const alone = () => role.steers && role.others === 0;
+  const noted = () => now() < note.until;
+  const alone = () => role.steers && role.others === 0 && !noted();
 
   let shown = "";
   function show() {
@@ -89,13 +90,12 @@
     document.documentElement.style.setProperty("--hg-strips-end", `${end + GAP}px`);
     if (!open) return;
     const [says, look, buttons] = face();
-    const noted = now() < note.until;
-    const key = JSON.stringify([says, look, buttons, noted && note.text]);
+    const key = JSON.stringify([says, look, buttons, noted() && note.text]);
     if (key === shown) return;
     shown = key;
-    strip.className = `roles open ${look} ${noted ? "note" : ""}`;
+    strip.className = `roles open ${look} ${noted() ? "note" : ""}`;
     strip.title = `This page is ${role.you}`;
-    text.textContent = noted ? note.text : says;
+    text.textContent = noted() ? note.text : says;
     acts.replaceChildren(
       ...buttons.map(([label, act, asker]) => {
         const button = document.createElement("button");
@@ -150,6 +150,10 @@
       if (role) say(`${who(role)}: you cannot do that here`);
       page.part("pointer")?.cancel();
       page.part("keys")?.refused();
+    },
+
+    slowed(count) {
+      if (role) say(`This page sends too much: ${count} messages were dropped`);
     },
 
     // Another page goes by this identity.
