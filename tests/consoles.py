@@ -26,6 +26,7 @@ from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.warm_up import warm_up
 from higvf_console.ui.console import Console
 from higvf_console.ui.page import guard
+from higvf_console.ui.page.access import Role, access_by
 from tests.teams import stroke
 
 
@@ -64,14 +65,14 @@ def console_at_work(scenario: str, *interfaces: Interface) -> Generator[Running]
     """A scenario, live, with the console's channel and what else there is."""
     session = Session(load_scenario(scenario), [open_interface(InputSpec("console")), *interfaces])
     warm_up(session.setup.start, session.setup.world, session.setup.params)
-    token = guard.new_token()
-    server = guard.open_server("127.0.0.1", 0, token, "Console")
+    access = access_by(None)
+    server = guard.open_server("127.0.0.1", 0, access, "Console")
     console = Console(session, server)
     stopping = threading.Event()
     loop = threading.Thread(target=session.run, args=(stopping,), daemon=True)
     loop.start()
     console.start()
-    yield Running(session, server, console, guard.login_url(server, token))
+    yield Running(session, server, console, guard.login_url(server, access.token(Role.EXPERIMENTER)))
     stopping.set()
     loop.join()
     console.close()

@@ -11,6 +11,7 @@ import viser
 from websockets.asyncio.server import ServerConnection
 from websockets.frames import CloseCode
 
+from higvf_console.ui.page.access import Access, Login
 from higvf_console.ui.page.message_table import CommandTriggerMessage, Key, checked
 from higvf_console.ui.page.pace import Limits, Pace
 from higvf_console.ui.page.refusals import Refusals, RefusedError
@@ -28,11 +29,13 @@ class FilterSettings:
         refusals: told what was refused.
         limits: to what a page sends.
         stops: uuids of the palette's commands that stop the team.
+        access: tokens and logins; None = everybody may everything.
     """
 
     refusals: Refusals = field(default_factory=Refusals)
     limits: Limits = field(default_factory=Limits)
     stops: set[str] = field(default_factory=set[str])
+    access: Access | None = None
 
 
 class FilteredConnection(ServerConnection):
@@ -40,6 +43,7 @@ class FilteredConnection(ServerConnection):
 
     Attributes:
         pace: how much the page has said.
+        login: by which it was opened.
     """
 
     def __init__(self, settings: FilterSettings, *arguments: Any, **options: Any) -> None:
@@ -48,6 +52,7 @@ class FilteredConnection(ServerConnection):
         self._settings = settings
         self._frames = 0
         self.pace = Pace(settings.limits)
+        self.login: Login | None = None
 
     async def recv(self, decode: bool | None = None) -> str | bytes:  # pyright: ignore[reportIncompatibleMethodOverride]
         """The next frame that may pass."""
@@ -76,10 +81,17 @@ class FilteredConnection(ServerConnection):
             return True
         return in_pace or (isinstance(message, CommandTriggerMessage) and message.uuid in self._settings.stops)
 
+    def end(self, reason: str) -> None:
+        """Ends the connection; callable from any thread."""
+        asyncio.run_coroutine_threadsafe(self._close(reason), self.loop)
+
     async def _cut(self) -> None:
-        """Ends the connection, and reads nothing more."""
         reason = "this page sent far too much; reload it"
         self._settings.refusals.tell("pace", self.remote_address, f"the page was cut off: {reason}")
+        await self._close(reason)
+
+    async def _close(self, reason: str) -> None:
+        """Tells why, and reads nothing more."""
         self.loop.call_later(CLOSING_S, self.transport.abort)
         async with self.send_context():
             self.protocol.fail(CloseCode.POLICY_VIOLATION, reason)

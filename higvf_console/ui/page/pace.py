@@ -20,11 +20,15 @@ class Bucket:
         self._rate, self._burst = rate, burst
         self._left, self._at = burst, float("-inf")
 
-    def take(self, amount: float, now: float) -> bool:
-        """Takes `amount`, if so much is there at `now` [s, any clock that runs on]."""
+    def holds(self, amount: float, now: float) -> bool:
+        """Whether `amount` is there at `now` [s, any clock that runs on]."""
         self._left = min(self._burst, self._left + self._rate * (now - self._at))
         self._at = now
-        if amount > self._left:
+        return amount <= self._left
+
+    def take(self, amount: float, now: float) -> bool:
+        """Takes `amount`, if so much is there at `now` [s]."""
+        if not self.holds(amount, now):
             return False
         self._left -= amount
         return True

@@ -21,8 +21,8 @@ import viser
 from viser import _messages
 from viser.infra import WebsockClientConnection, WebsockServer
 
-from higvf_console.ui.page.message_filter import settings_of
-from higvf_console.ui.page.pace import Pace
+from higvf_console.ui.page.access import Role
+from higvf_console.ui.page.message_filter import FilteredConnection, settings_of
 
 Body: TypeAlias = dict[str, Any]
 WIDGET = "widget"  # topic under which `gate` asks about viser's own widgets, palette and scene
@@ -121,12 +121,14 @@ def gate(server: viser.ViserServer, allows: Callable[[int, str, Body], bool]) ->
             topic, body = message.topic, message.body
         else:
             topic, body = WIDGET, {"uuid": getattr(message, "uuid", None)}
-        if isinstance(message, _messages.GuiUpdateMessage) and (reason := _misfit(server, message)):
+        widget = isinstance(message, _messages.GuiUpdateMessage)
+        if not isinstance(message, _messages.ViewerCameraMessage) and not allows(client_id, topic, body):
+            if widget:
+                _show_true_value(server, message.uuid, client_id)
+        elif widget and (reason := _misfit(server, message)):
             refusals.tell("widget", f"page {client_id}", reason)
-        elif isinstance(message, _messages.ViewerCameraMessage) or allows(client_id, topic, body):
+        else:
             await handle(client_id, message)
-        elif isinstance(message, _messages.GuiUpdateMessage):
-            _show_true_value(server, message.uuid, client_id)
 
     sockets._handle_incoming_message = handle_allowed  # pyright: ignore[reportPrivateUsage]
 
@@ -149,10 +151,16 @@ def dropped(server: viser.ViserServer) -> dict[int, int]:
     """By page, how many messages were dropped since the last call because the page sent too many; from any thread."""
     counts: dict[int, int] = {}
     for client_id, connection in list(_sockets(server)._live_connections.items()):  # pyright: ignore[reportPrivateUsage]
-        pace = getattr(connection, "pace", None)
-        if isinstance(pace, Pace) and pace.dropped:
-            counts[client_id], pace.dropped = pace.dropped, 0
+        if isinstance(connection, FilteredConnection) and connection.pace.dropped:
+            counts[client_id], connection.pace.dropped = connection.pace.dropped, 0
     return counts
+
+
+def role_of(server: viser.ViserServer, client_id: int) -> Role:
+    """The role of the login by which a page was opened; without a guard, everybody has the highest."""
+    connection = _sockets(server)._live_connections.get(client_id)  # pyright: ignore[reportArgumentType, reportPrivateUsage, reportCallIssue]
+    login = connection.login if isinstance(connection, FilteredConnection) else None
+    return Role.EXPERIMENTER if login is None else login.role
 
 
 def _misfit(server: viser.ViserServer, message: _messages.GuiUpdateMessage) -> str | None:

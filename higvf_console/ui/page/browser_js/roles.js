@@ -66,6 +66,7 @@
       const watch = role.others === 1 ? "watches" : "watch";
       return [`You steer, ${role.others} ${watch}`, "steers", [["Release", "release"]]];
     }
+    if (role.role === "observer") return [`${who(role)}, you observe`, "", []];
     if (!role.holder) return ["Nobody steers", "", [["Take control", "take"]]];
     const ask = role.asked ? [] : [["Request", "ask"]];
     const rest = role.asked ? "you asked" : role.waiting.length ? `${role.waiting[0]} asked` : "you watch";
@@ -148,6 +149,12 @@
     // What this page tried is for the one that steers.
     refused() {
       if (role) say(`${who(role)}: you cannot do that here`);
+      page.part("pointer")?.cancel();
+      page.part("keys")?.refused();
+    },
+
+    lacks([wanted, has]) {
+      say(`This needs the role ${wanted}; this page has the role ${has}`);
       page.part("pointer")?.cancel();
       page.part("keys")?.refused();
     },
