@@ -28,6 +28,7 @@ from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.warm_up import warm_up
 from higvf_console.ui.console import Console
 from higvf_console.ui.page import guard
+from higvf_console.ui.page.access import Role, access_by
 from tests.teams import stroke
 
 
@@ -76,14 +77,14 @@ def console_at_work(
     console_channel = open_interface(InputSpec("console"))
     session = Session(load_scenario(scenario), [console_channel, *interfaces], attended=attended, waits=attended)
     warm_up(session.setup.start, session.setup.world, session.setup.params)
-    token = guard.new_token()
-    server = guard.open_server("127.0.0.1", 0, token, "Console")
+    access = access_by(None)
+    server = guard.open_server("127.0.0.1", 0, access, "Console")
     console = Console(session, server, Drafts(session, folder) if folder is not None else None)
     stopping = threading.Event()
     loop = threading.Thread(target=session.run, args=(stopping,), daemon=True)
     loop.start()
     console.start()
-    yield Running(session, server, console, guard.login_url(server, token))
+    yield Running(session, server, console, guard.login_url(server, access.token(Role.EXPERIMENTER)))
     stopping.set()
     loop.join()
     console.close()

@@ -1,16 +1,49 @@
-"""The document that a page loads: viser's own, with a script of ours that must run ahead of it."""
+"""The documents that a page loads: what a visitor is told, the key that the link leaves, and viser's own document.
+
+Scripts of ours run ahead of viser's: `browser_js/early.js`, and one that hands in the key with each socket.
+"""
 
 import gzip
+import json
 from functools import cache
 from importlib.resources import files
 
 from websockets.http11 import Response
 
+LOGIN_PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Console: login needed</title>
+<style>body{background:#14171c;color:#d7dce3;font:17px/1.6 system-ui,sans-serif;max-width:34em;margin:18vh auto;
+padding:0 1.5em}h1{font-size:1.3em;color:#fff}
+code{background:#242a33;border-radius:4px;padding:.1em .4em;white-space:nowrap}</style>
+<h1>This console opens by its link</h1>
+<p>Whoever started the console was shown a link that ends in <code>?token=&hellip;</code>: please open that link in this
+browser. It stays logged in until the browser is closed.</p>
+<p>If the console was started again since then, it has printed a new link.</p></html>"""
+
+# The cookie is sent to every server of this host; what a page stores, no other server gets.
+_STORE = "'higvf key ' + location.pathname.replace(/[^/]*$/, '')"
+_WELCOME = f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>Console</title>
+<script>localStorage.setItem({_STORE}, %s); location.replace(%s);</script></html>"""
+# viser opens its socket in a worker, which it tells the address: the key is added there.
+_HAND_IN_KEY = f"""(() => {{
+  const key = localStorage.getItem({_STORE});
+  if (!key) location.replace("./?login=1");
+  const post = Worker.prototype.postMessage;
+  Worker.prototype.postMessage = function (message, ...rest) {{
+    if (message?.type === "set_server") message = {{ ...message, server: `${{message.server}}/?key=${{key}}` }};
+    return post.call(this, message, ...rest);
+  }};
+}})();"""
+
 _HEAD = b"<head>"
 
 
-def with_early_script(response: Response) -> Response:
-    """The response with `browser_js/early.js` at the top of its head; one that is no HTML document is left as it is.
+def welcome_page(key: str, further: str) -> str:
+    """The page that follows the link: it keeps the key of its login, and goes on to the address `further`."""
+    return _WELCOME % tuple(json.dumps(text).replace("<", "\\u003c") for text in (key, further))
+
+
+def with_early_scripts(response: Response) -> Response:
+    """The response with our early scripts at the top of its head; one that is no HTML document is left as it is.
 
     Args:
         response: of viser's web server, as it is or compressed by gzip.
@@ -26,6 +59,7 @@ def with_early_script(response: Response) -> Response:
 @cache
 def _scripted(body: bytes, zipped: bool) -> bytes:
     document = gzip.decompress(body) if zipped else body
-    script = (files("higvf_console.ui.page") / "browser_js" / "early.js").read_bytes()
-    document = document.replace(_HEAD, _HEAD + b"<script>" + script + b"</script>", 1)
+    early = (files("higvf_console.ui.page") / "browser_js" / "early.js").read_bytes()
+    scripts = b"".join(b"<script>" + script + b"</script>" for script in (_HAND_IN_KEY.encode(), early))
+    document = document.replace(_HEAD, _HEAD + scripts, 1)
     return gzip.compress(document, mtime=0) if zipped else document
