@@ -15,6 +15,7 @@ class Watch:
         longest: work of the longest tick, in control periods of the processor's time.
         stop_received: tick in which the first STOP came in; None = none has.
         stop_done: tick after which the team was stopped.
+        stopped_at: when that was [s, `time.perf_counter`].
     """
 
     def __init__(self, session: Session) -> None:
@@ -28,15 +29,20 @@ class Watch:
         self.longest = 0.0
         self.stop_received: int | None = None
         self.stop_done: int | None = None
+        self.stopped_at = 0.0
 
     def tick(self, *, advance: bool = True) -> None:
         """A tick of the session, measured."""
         before = time.thread_time()
         self._tick(advance=advance)
-        period = self._session.setup.params.safety.control_period
-        self.longest = max(self.longest, (time.thread_time() - before) / period)
+        self.longest = max(self.longest, (time.thread_time() - before) / self.period)
         if self._session.snapshot.state.intent.stopped and self.stop_done is None:
-            self.stop_done = self._session.ticks
+            self.stop_done, self.stopped_at = self._session.ticks, time.perf_counter()
+
+    @property
+    def period(self) -> float:
+        """Of control [s]."""
+        return self._session.setup.params.safety.control_period
 
     def push(self, command: OperatorCommand) -> None:
         """A command of a page, on its way to the session."""

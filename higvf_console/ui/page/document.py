@@ -10,14 +10,27 @@ from importlib.resources import files
 
 from websockets.http11 import Response
 
-LOGIN_PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Console: login needed</title>
-<style>body{background:#14171c;color:#d7dce3;font:17px/1.6 system-ui,sans-serif;max-width:34em;margin:18vh auto;
-padding:0 1.5em}h1{font-size:1.3em;color:#fff}
-code{background:#242a33;border-radius:4px;padding:.1em .4em;white-space:nowrap}</style>
-<h1>This console opens by its link</h1>
-<p>Whoever started the console was shown a link that ends in <code>?token=&hellip;</code>: please open that link in this
-browser. It stays logged in until the browser is closed.</p>
-<p>If the console was started again since then, it has printed a new link.</p></html>"""
+_TOLD = """<!doctype html><html lang="en"><meta charset="utf-8">
+<meta name="viewport" content="width=device-width"><title>Console: {title}</title>
+<style>body{{background:#14171c;color:#d7dce3;font:17px/1.6 system-ui,sans-serif;max-width:34em;margin:18vh auto;
+padding:0 1.5em}}h1{{font-size:1.3em;color:#fff}}
+code{{background:#242a33;border-radius:4px;padding:.1em .4em;white-space:nowrap}}</style>
+<h1>{title}</h1>{text}</html>"""
+_LINK = """<p>Whoever started the console was shown a link that ends in <code>?token=&hellip;</code>: please open that
+link in this browser. It stays logged in until the browser is closed.</p>
+<p>If the console was started again since then, it has printed a new link.</p>"""
+
+NO_LOGIN = _TOLD.format(title="This console opens by its link", text=_LINK)
+WRONG_TOKEN = _TOLD.format(title="The token of this link is not valid, or not any more", text=_LINK)
+TOO_MANY_TRIES = _TOLD.format(
+    title="Too many wrong tokens came from this address",
+    text="<p>Please wait some seconds, then open the link again. Pages that are open are not concerned.</p>",
+)
+OTHER_NAME = _TOLD.format(
+    title="This console is not served under this name",
+    text="<p>Open it by the link that it printed when it was started. To serve it under a further name, start it with "
+    "<code>--origin https://NAME</code>.</p>",
+)
 
 # The cookie is sent to every server of this host; what a page stores, no other server gets.
 _STORE = "'higvf key ' + location.pathname.replace(/[^/]*$/, '')"

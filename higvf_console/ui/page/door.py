@@ -20,7 +20,14 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from higvf_console.ui.page.access import Access, Login, same
-from higvf_console.ui.page.document import LOGIN_PAGE, welcome_page, with_early_scripts
+from higvf_console.ui.page.document import (
+    NO_LOGIN,
+    OTHER_NAME,
+    TOO_MANY_TRIES,
+    WRONG_TOKEN,
+    welcome_page,
+    with_early_scripts,
+)
 from higvf_console.ui.page.message_filter import FilteredConnection
 from higvf_console.ui.page.pace import Bucket
 from higvf_console.ui.page.refusals import Refusals
@@ -40,6 +47,7 @@ SECURITY_HEADERS = {
 TRIES_AT_ONCE = 10  # wrong tokens of one address
 TRIES_PER_S = 0.5
 MOST_ADDRESSES = 1024  # whose tries are counted
+_HTML = "text/html; charset=utf-8"
 
 Handler: TypeAlias = Callable[[ServerConnection], Awaitable[None]]
 RequestHandler: TypeAlias = Callable[[ServerConnection, Request], Response | None]
@@ -94,14 +102,14 @@ class Door:
         host = request.headers.get("Host", "")
         if not self._names_us(host):
             self.refusals.tell("host", _address(connection), f"host {host!r} is not this console; --origin adds names")
-            return respond(HTTPStatus.MISDIRECTED_REQUEST, "this console has another name\n", "text/plain")
+            return respond(HTTPStatus.MISDIRECTED_REQUEST, OTHER_NAME, _HTML)
         self.access.refresh()
         query = dict(parse_qsl(urlsplit(request.path).query))
         if token := query.pop("token", ""):
             return self._log_in(connection, request, token, query)
         login = self.access.login(self._cookie_of(request))
         if login is None or "login" in query:
-            return respond(HTTPStatus.UNAUTHORIZED, LOGIN_PAGE, "text/html; charset=utf-8")
+            return respond(HTTPStatus.UNAUTHORIZED, NO_LOGIN, _HTML)
         if request.headers.get("Upgrade", "").lower() == "websocket":
             return self._refuse_page(connection, request, login, query.get("key", ""))
         response = static(connection, request)
@@ -135,17 +143,16 @@ class Door:
         now = monotonic()
         if not tries.holds(1, now):
             self.refusals.tell("login", address, "too many wrong tokens")
-            text = "too many wrong tokens from this address: wait some seconds\n"
-            return respond(HTTPStatus.TOO_MANY_REQUESTS, text, "text/plain")
+            return respond(HTTPStatus.TOO_MANY_REQUESTS, TOO_MANY_TRIES, _HTML)
         login = self.access.log_in(token, self.access.login(self._cookie_of(request)))
         if login is None:
             tries.take(1, now)
             self.refusals.tell("login", address, "a wrong token")
-            return respond(HTTPStatus.UNAUTHORIZED, LOGIN_PAGE, "text/html; charset=utf-8")
+            return respond(HTTPStatus.UNAUTHORIZED, WRONG_TOKEN, _HTML)
         # A page that goes on from here is one of our own site, to which a browser sends a strict cookie. Relative, so
         # that it also holds behind a proxy that serves the console under a path.
         further = f"./?{urlencode(query)}" if query else "./"
-        response = respond(HTTPStatus.OK, welcome_page(login.key, further), "text/html; charset=utf-8")
+        response = respond(HTTPStatus.OK, welcome_page(login.key, further), _HTML)
         secure = "; Secure" if self.secure else ""
         response.headers["Set-Cookie"] = f"{self.cookie}={login.cookie}; HttpOnly; SameSite=Strict; Path=/{secure}"
         return response

@@ -41,8 +41,6 @@ class Alive(_Fields, frozen=True):
 class Calibration(_Fields, frozen=True):
     """Gives a calibration of gaze up."""
 
-    cancel: bool
-
 
 class Card(_Fields, frozen=True):
     """A button of a card, and what it chooses."""

@@ -75,7 +75,9 @@ def test_without_the_link_every_request_is_answered_401_in_words(server: viser.V
     for path in ("/", "/index.html", "/?token=wrong", "/?token=", "/nothing"):
         answer = get(server, path)
         assert answer.status == 401, path
-        assert "open that link" in answer.read().decode()
+        text = " ".join(answer.read().decode().split())
+        assert "open that link in this browser" in text
+        assert ("not valid" in text) is ("wrong" in path)
 
 
 def test_the_link_logs_in_and_drops_the_token_from_the_address(server: viser.ViserServer) -> None:
@@ -137,7 +139,9 @@ def test_an_error_of_our_own_has_them_too(server: viser.ViserServer, monkeypatch
 
 def test_a_name_that_was_pointed_at_this_machine_is_refused(server: viser.ViserServer) -> None:
     port = server.get_port()
-    assert get(server, "/", host=f"evil.example:{port}").status == 421
+    answer = get(server, "/", host=f"evil.example:{port}")
+    assert answer.status == 421
+    assert "--origin" in answer.read().decode()
     assert get(server, "/", host=f"localhost:{port}").status == 401
     assert get(server, "/", host="127.0.0.1:1").status == 421
 

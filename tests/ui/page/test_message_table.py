@@ -21,7 +21,7 @@ CAMERA = {
 }  # fmt: skip
 HONEST: dict[str, dict[str, Any]] = {
     "alive": {},
-    "calibration": {"cancel": True},
+    "calibration": {},
     "card": {"act": "load", "value": "shipped:firefighting"},
     "click": {"point": [600, 350.5], "group": False},
     "control": {"act": "grant", "page": "Browser 2"},
