@@ -1,6 +1,6 @@
 """The documents that a page loads: what a visitor is told, the key that the link leaves, and viser's own document.
 
-Scripts of ours run ahead of viser's: `browser_js/early.js`, and one that hands in the key with each socket.
+Scripts of ours run ahead of viser's: `browser_js/socket.js` hands in the key, `browser_js/early.js` sets the layout.
 """
 
 import gzip
@@ -36,17 +36,6 @@ OTHER_NAME = _TOLD.format(
 _STORE = "'higvf key ' + location.pathname.replace(/[^/]*$/, '')"
 _WELCOME = f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>Console</title>
 <script>localStorage.setItem({_STORE}, %s); location.replace(%s);</script></html>"""
-# viser opens its socket in a worker, which it tells the address: the key is added there.
-_HAND_IN_KEY = f"""(() => {{
-  const key = localStorage.getItem({_STORE});
-  if (!key) location.replace("./?login=1");
-  const post = Worker.prototype.postMessage;
-  Worker.prototype.postMessage = function (message, ...rest) {{
-    if (message?.type === "set_server") message = {{ ...message, server: `${{message.server}}/?key=${{key}}` }};
-    return post.call(this, message, ...rest);
-  }};
-}})();"""
-
 _HEAD = b"<head>"
 
 
@@ -72,7 +61,10 @@ def with_early_scripts(response: Response) -> Response:
 @cache
 def _scripted(body: bytes, zipped: bool) -> bytes:
     document = gzip.decompress(body) if zipped else body
-    early = (files("higvf_console.ui.page") / "browser_js" / "early.js").read_bytes()
-    scripts = b"".join(b"<script>" + script + b"</script>" for script in (_HAND_IN_KEY.encode(), early))
-    document = document.replace(_HEAD, _HEAD + scripts, 1)
+    scripts = f"<script>({_source('socket')})({_STORE});</script><script>{_source('early')}</script>"
+    document = document.replace(_HEAD, _HEAD + scripts.encode(), 1)
     return gzip.compress(document, mtime=0) if zipped else document
+
+
+def _source(name: str) -> str:
+    return (files("higvf_console.ui.page") / "browser_js" / f"{name}.js").read_text(encoding="utf-8").strip()

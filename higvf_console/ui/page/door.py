@@ -2,7 +2,7 @@
 
 every request   the host that it names is ours (else another name could be pointed at this machine)
 the link        its token gives a login: a cookie, and a key that the login page leaves in the browser's own store
-other requests  the cookie
+other requests  the cookie; with "seat" in it, whether a socket would find one
 a socket        the cookie, the key, our own origin, and a free seat
 """
 
@@ -112,6 +112,9 @@ class Door:
             return respond(HTTPStatus.UNAUTHORIZED, NO_LOGIN, _HTML)
         if request.headers.get("Upgrade", "").lower() == "websocket":
             return self._refuse_page(connection, request, login, query.get("key", ""))
+        if "seat" in query:
+            text = self._no_seat(login)
+            return respond(HTTPStatus.SERVICE_UNAVAILABLE if text else HTTPStatus.OK, text or "", "text/plain")
         response = static(connection, request)
         return response if response is None else with_early_scripts(response)
 
@@ -172,7 +175,7 @@ class Door:
             return respond(HTTPStatus.UNAUTHORIZED, "open this console by its link\n", "text/plain")
         if (text := self._no_seat(login)) is not None:
             self.refusals.tell("seats", _address(connection), text)
-            return respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{text}: close one\n", "text/plain")
+            return respond(HTTPStatus.SERVICE_UNAVAILABLE, text, "text/plain")
         if isinstance(connection, FilteredConnection):
             connection.login = login
         return None
@@ -182,9 +185,9 @@ class Door:
         most = max(1, self.max_clients // 2)
         kept = self.max_clients // 4  # for logins that have no page yet
         if self.pages >= self.max_clients:
-            return f"{self.pages} pages of this console are open already"
+            return f"This console has {self.max_clients} seats, all taken: close a page of it."
         if len(login.pages) >= most or (login.pages and self.pages >= self.max_clients - kept):
-            return f"{len(login.pages)} pages of this browser are open already, and seats are kept for others"
+            return "This login has as many pages as it may have; the other seats are kept for others: close a page."
         return None
 
 

@@ -24,7 +24,7 @@ from higvf_console.ui.page.access import Access, Role, access_by
 from higvf_console.ui.page.door import SECURITY_HEADERS, TRIES_AT_ONCE
 from higvf_console.ui.page.message_filter import settings_of
 from tests.attacks.raw_page import Login, log_in
-from tests.browser import Stage, wait_until
+from tests.browser import Stage, open_stage, screenshot, wait_until
 
 TOKEN = "a token with; odd characters"
 
@@ -328,6 +328,29 @@ def test_a_browser_without_the_link_is_told_what_to_do(chromium: Browser, stage:
     page.goto(stage.url.partition("?")[0])
     assert "open that link" in page.locator("body").inner_text()
     context.close()
+
+
+@pytest.mark.browser
+def test_a_page_that_is_refused_a_socket_says_why(chromium: Browser) -> None:
+    stage = open_stage(max_clients=2)
+    context = chromium.new_context()
+    first, second = context.new_page(), context.new_page()
+    first.goto(stage.url)
+    wait_until(lambda: len(stage.server.get_clients()) == 1)
+    second.goto(stage.url)
+    told = second.locator("p[role=alert]")
+    told.wait_for()
+    assert "This login has as many pages as it may have" in told.inner_text()
+    screenshot(second, "no-seat")
+    first.close()
+    told.wait_for(state="detached")
+    access = settings_of(stage.server).access
+    assert access is not None
+    access.log_out(next(iter(access._logins.values())), "on purpose")  # pyright: ignore[reportPrivateUsage]
+    told.wait_for()
+    wait_until(lambda: told.inner_text() == "The login of this page has ended: open the console by its link again.")
+    context.close()
+    stage.server.stop()
 
 
 @pytest.mark.browser
