@@ -19,7 +19,7 @@ from websockets import Headers
 from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
-from higvf_console.ui.page.access import Access, Login, same
+from higvf_console.ui.page.access import Access, Login, Role, same
 from higvf_console.ui.page.document import (
     NO_LOGIN,
     OTHER_NAME,
@@ -183,11 +183,14 @@ class Door:
     def _no_seat(self, login: Login) -> str | None:
         """Why a login may not open one more page; None where it may."""
         most = max(1, self.max_clients // 2)
-        kept = self.max_clients // 4  # for logins that have no page yet
+        kept = self.max_clients // 4  # for logins that have no page yet, and may steer
         if self.pages >= self.max_clients:
             return f"This console has {self.max_clients} seats, all taken: close a page of it."
-        if len(login.pages) >= most or (login.pages and self.pages >= self.max_clients - kept):
+        few = self.pages >= self.max_clients - kept
+        if len(login.pages) >= most or (few and login.pages):
             return "This login has as many pages as it may have; the other seats are kept for others: close a page."
+        if few and not login.role.may(Role.OPERATOR):
+            return "As many observers are here as may be; the other seats are kept for those who steer."
         return None
 
 

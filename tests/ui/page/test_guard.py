@@ -221,6 +221,19 @@ def test_a_login_has_half_of_the_seats_and_others_find_one(server: viser.ViserSe
         wait_until(lambda: _opens(server, second))
 
 
+def test_observers_leave_seats_to_those_who_steer(tmp_path: Path) -> None:
+    access = access_by(tmp_path / "tokens")
+    server = guard.open_server("127.0.0.1", 0, access, "Watched", max_clients=4)
+    observer, operator = (guard.login_url(server, access.token(role)) for role in (Role.OBSERVER, Role.OPERATOR))
+    with contextlib.ExitStack() as pages:
+        for _ in range(3):
+            pages.enter_context(open_socket(server, log_in(observer)))
+        with pytest.raises(InvalidStatus, match="503"):
+            open_socket(server, log_in(observer))
+        pages.enter_context(open_socket(server, log_in(operator)))
+    server.stop()
+
+
 def _opens(server: viser.ViserServer, login: Login) -> bool:
     with contextlib.suppress(InvalidStatus), open_socket(server, login):
         return True
