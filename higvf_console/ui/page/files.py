@@ -2,16 +2,15 @@
 
 import base64
 import binascii
-import logging
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import viser
 
 from higvf_console.ui.page import page
+from higvf_console.ui.page.message_filter import settings_of
 from higvf_console.ui.page.message_table import PIECE_BYTES
 
-_log = logging.getLogger(__name__)
 MOST_BYTES = 16_000_000
 
 Received = Callable[[int, str, bytes], None]  # client, name and content of a file
@@ -52,6 +51,7 @@ def install(
         choose(kind, client_id): opens the file chooser of a page that has just been clicked.
     """
     growing: dict[int, _Growing] = {}
+    refusals = settings_of(server).refusals
 
     def piece(client_id: int, body: page.Body) -> None:
         name, kind, content = body["name"][:200], body["kind"], body["content"]
@@ -78,7 +78,7 @@ def install(
             except ValueError as error:
                 refused(client_id, name, str(error))
             except Exception as error:  # a decoder of pictures raises whatever the content makes it raise
-                _log.exception("file %r", name)
+                refusals.tell("failed file", f"page {client_id}", f"file {name!r}", failure=error)
                 refused(client_id, name, f"it cannot be read ({type(error).__name__})")
 
     def forget(client_id: int) -> None:

@@ -23,6 +23,7 @@ from viser.infra import WebsockClientConnection, WebsockServer
 
 from higvf_console.ui.page.access import Role
 from higvf_console.ui.page.message_filter import FilteredConnection, settings_of
+from higvf_console.ui.page.refusals import Refusals
 
 Body: TypeAlias = dict[str, Any]
 WIDGET = "widget"  # topic under which `gate` asks about viser's own widgets, palette and scene
@@ -131,6 +132,11 @@ def gate(server: viser.ViserServer, allows: Callable[[int, str, Body], bool]) ->
             await handle(client_id, message)
 
     sockets._handle_incoming_message = handle_allowed  # pyright: ignore[reportPrivateUsage]
+
+
+def refusals_of(client: viser.ClientHandle | None) -> Refusals:
+    """Where it is told that a page did what cannot be done; None = the page has gone."""
+    return Refusals() if client is None else settings_of(client._viser_server).refusals  # pyright: ignore[reportPrivateUsage]
 
 
 def uuid_of(command: viser.CommandHandle) -> str:
