@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from higvf_console.runtime.worker import Worker
 from tests.attacks.raw_page import Login, RawPage, log_in
 from tests.attacks.watch import Watch, moves
 from tests.browser import wait_until
@@ -35,8 +36,10 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 @pytest.fixture(scope="module")
 def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     """The firefighting scenario, live, with patience for a busy machine."""
-    with console_at_work(patient_scenario(tmp_path_factory.mktemp("attacks"))) as running:
+    worker = Worker()
+    with console_at_work(patient_scenario(tmp_path_factory.mktemp("attacks")), worker=worker) as running:
         yield running
+    worker.close()
 
 
 @pytest.fixture(scope="module")
