@@ -5,13 +5,14 @@ import itertools
 import statistics
 import threading
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 
 import pytest
 
 from higvf_console.core.commands import Freeze, LoadScenario, Pick
 from higvf_console.ui.page.message_table import PIECE_BYTES
+from tests.attacks.conftest import HONEST
 from tests.attacks.raw_page import Login, RawPage, joined, said, strokes
 from tests.attacks.watch import Watch, memory_mb, moves
 from tests.browser import wait_until
@@ -59,17 +60,17 @@ def scenario(megabytes: int) -> bytes:
     )
 
 
-# Those that cost little come again and again; after the others the world is put back.
+# These come again and again; the heavy ones come once, after which the world is put back.
 FLOODS: dict[str, Callable[[], bytes]] = {
     "10 000 strokes a second": lambda: joined(strokes(10_000, number=number) for number in range(2)),
     "pick flood": lambda: keys(20_000, "pick_1", "pick_2", "pick_3"),
     "undo flood": lambda: keys(20_000, "undo", "redo"),
     "three strokes of 199 000 points": lambda: huge_strokes(3, 199_000),
-    "100 001 STOPs": lambda: joined(said("key", name="stop", number=number) for number in range(1, 100_002)),
 }
 HEAVY: dict[str, Callable[[], bytes]] = {
     "3 000 clicks that add a robot": lambda: clicks(3000),
     "a scenario of 15 MB": lambda: scenario(15),
+    "100 001 STOPs": lambda: joined(said("key", name="stop", number=number) for number in range(1, 100_002)),
 }
 
 
@@ -166,8 +167,14 @@ def test_stop_of_another_page_in_the_middle_of(
         attacker.send(said("control", act="take", page=""), frames[:half])
         measured.stop()
         attacker.send(frames[half:])
+    wait_until(lambda: list(identities(running)) == [HONEST])  # all that was sent has been read
     put_back(running)
     measured.judge(figure)
+
+
+def identities(running: Running) -> Iterable[str]:
+    """Of the pages that are connected."""
+    return running.console._roles._identities.values()  # pyright: ignore[reportPrivateUsage]
 
 
 def put_back(running: Running) -> None:

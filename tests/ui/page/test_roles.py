@@ -17,6 +17,10 @@ from higvf_console.ui.page.roles import Roles
 CLIENT = 1
 
 
+def nothing(*_: object) -> None:
+    """Does nothing."""
+
+
 class Pages:
     """One page of a role that has control; notes what it is told."""
 
@@ -24,20 +28,32 @@ class Pages:
         self.told: list[str] = []
         self.given: list[OperatorCommand] = []
         self.listeners: dict[str, Callable[[int, page.Body], None]] = {}
-        self.allows: Callable[[int, str, page.Body], bool] = lambda *_: False
-        monkeypatch.setattr(page, "listen", lambda _server, topic, hears: self.listeners.update({topic: hears}))
-        monkeypatch.setattr(page, "gate", lambda _server, allows: setattr(self, "allows", allows))
-        monkeypatch.setattr(page, "call", lambda _server, _script, method, _argument, _client: self.told.append(method))
-        monkeypatch.setattr(page, "role_of", lambda _server, _client: role)
+        self.allows: Callable[[int, str, page.Body], bool] | None = None
+        self._role = role
+        for name in ("listen", "gate", "call", "role_of"):
+            monkeypatch.setattr(page, name, getattr(self, name))
         for name in ("install", "on_leave"):
-            monkeypatch.setattr(page, name, lambda *_: None)
+            monkeypatch.setattr(page, name, nothing)
         sink = cast(PointerSink, SimpleNamespace(push=self.given.append, heartbeat=lambda: None))
         self.roles = Roles(cast(viser.ViserServer, object()), sink, 10.0)
-        self.roles.install(lambda _: None)
+        self.roles.install(nothing)
         self.listeners["hello"](CLIENT, {"identity": "the only page here"})
         self.told.clear()
 
+    def listen(self, _server: object, topic: str, hears: Callable[[int, page.Body], None]) -> None:
+        self.listeners[topic] = hears
+
+    def gate(self, _server: object, allows: Callable[[int, str, page.Body], bool]) -> None:
+        self.allows = allows
+
+    def call(self, _server: object, _script: str, method: str, _argument: object, _client: int) -> None:
+        self.told.append(method)
+
+    def role_of(self, _server: object, _client: int) -> Role:
+        return self._role
+
     def may(self, topic: str, **body: Any) -> bool:
+        assert self.allows is not None
         return self.allows(CLIENT, topic, body)
 
 
