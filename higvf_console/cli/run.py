@@ -215,6 +215,7 @@ def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace
             drafts = Drafts(session, state_folder())
             checkpoints = Checkpoints(session, state_folder())
             console = Console(session, server, drafts)
+        scheduling.keep_loaded()
         console.start()
         ends.callback(console.close)
         loop = Thread(target=session.run, args=(stopping,), name="session")

@@ -1,11 +1,13 @@
 """What all attacks share: a live console with an honest page, what is measured, and the table at the end."""
 
+import gc
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 
+from higvf_console.runtime import scheduling
 from higvf_console.runtime.worker import Worker
 from tests.attacks.raw_page import Login, RawPage, log_in
 from tests.attacks.watch import Watch, moves
@@ -38,7 +40,9 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     """The firefighting scenario, live, with patience for a busy machine."""
     worker = Worker()
     with console_at_work(patient_scenario(tmp_path_factory.mktemp("attacks")), worker=worker) as running:
+        scheduling.keep_loaded()  # as `higvf run` does
         yield running
+    gc.unfreeze()
     worker.close()
 
 
