@@ -22,7 +22,7 @@ MOST_TICKS = 2  # from STOP received to the team stopped
 LONGEST_TICK = 2.0  # work of a tick, in control periods
 MOST_MB = 60.0  # that an attack may leave behind
 ATTACKERS = 3  # pages that flood, and come again when they are cut off
-ROUNDS = 20  # STOPs while they do, at most
+ROUNDS = 12  # STOPs while they do, at most
 ENOUGH_S = 5.0  # after which no further round begins: a reset waits behind the flood
 numbers = itertools.count(1_000_000)
 
@@ -60,7 +60,7 @@ def scenario(megabytes: int) -> bytes:
     )
 
 
-# These come again and again; the heavy ones come once, after which the world is put back.
+# These come again and again; the heavy ones come once, after which a changed world is put back.
 FLOODS: dict[str, Callable[[], bytes]] = {
     "10 000 strokes a second": lambda: joined(strokes(10_000, number=number) for number in range(2)),
     "pick flood": lambda: keys(20_000, "pick_1", "pick_2", "pick_3"),
@@ -120,7 +120,9 @@ class Measured:
         """Notes the figures, and compares with the limits those that do not depend on the machine."""
         left = memory_mb() - self._before
         figure(f"{len(self._ticks)} STOPs: stand {max(self._ticks)} ticks after they came")
-        figure(f"{statistics.median(self._periods):.1f} periods after they were sent, p99 {max(self._periods):.1f}")
+        figure(
+            f"{statistics.median(self._periods):.1f} periods after they were sent, at worst {max(self._periods):.1f}"
+        )
         figure(f"longest tick {self._longest:.1f} periods")
         figure(f"{max(0.0, left):.0f} MB")
         assert max(self._ticks) <= MOST_TICKS
@@ -160,7 +162,7 @@ def test_stop_of_another_page_in_the_middle_of(
     flood: str, running: Running, honest: RawPage, watch: Watch, login: Login, figure: Callable[[str], None]
 ) -> None:
     frames, measured = HEAVY[flood](), Measured(running, honest, watch)
-    half = len(frames) // 2
+    half, setup = len(frames) // 2, running.session.setup
     set_in_motion(running)
     with RawPage(running.url, login) as attacker:
         attacker.hello("the attacker, a page that steers")
@@ -168,7 +170,8 @@ def test_stop_of_another_page_in_the_middle_of(
         measured.stop()
         attacker.send(frames[half:])
     wait_until(lambda: list(identities(running)) == [HONEST])  # all that was sent has been read
-    put_back(running)
+    if running.session.setup is not setup:
+        put_back(running)
     measured.judge(figure)
 
 
