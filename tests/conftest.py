@@ -13,6 +13,7 @@ from higvf_console.lab.bench.chromium import NAMES, find_chromium, launched
 from higvf_console.scenario.scenario import Scenario, parse_scenario
 from higvf_console.ui.interaction import keys
 from tests.browser import (
+    NO_NGINX,
     PATIENCE,
     Stage,
     open_console,
@@ -30,6 +31,8 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     skipped = [report for report in terminalreporter.stats.get("skipped", []) if NO_CHROMIUM in str(report.longrepr)]
     if skipped:
         terminalreporter.write_line(f"WARNING: {len(skipped)} browser tests were skipped: {NO_CHROMIUM}", yellow=True)
+    if any(NO_NGINX in str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])):
+        terminalreporter.write_line(f"WARNING: the tests behind nginx were skipped: {NO_NGINX}", yellow=True)
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,6 @@
 """The card of the run, and what the buttons of all cards do."""
 
 import json
-import logging
 import threading
 import time
 from collections.abc import Callable
@@ -25,8 +24,6 @@ if TYPE_CHECKING:
     from higvf_console.runtime.persistence.drafts import Drafts
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
-
-_log = logging.getLogger(__name__)
 
 
 class RunCard:

@@ -123,13 +123,13 @@ def install(
     """
 
     def choose(client_id: int, body: page.Body) -> None:
-        name = body.get("name")
+        name = body["name"]
         if name in ("undo", "redo"):
-            on_key(client_id, str(name))
+            on_key(client_id, name)
             return
         if name not in list(Tool):
             raise ValueError(f"no tool {name!r}; tools: {', '.join(Tool)}")
-        on_tool(client_id, Tool(str(name)))
+        on_tool(client_id, Tool(name))
 
     page.listen(server, "tool", choose)
     tools = [{"name": tool.value, **look._asdict()} for tool, look in TOOLS.items()]

@@ -1,6 +1,5 @@
 """Scenarios to and from the operator's computer, and an overhead image with the obstacles in it."""
 
-import logging
 from collections.abc import Callable
 from functools import partial
 from pathlib import PurePath
@@ -15,6 +14,7 @@ from higvf_console.core.interface import PointerSink
 from higvf_console.runtime.background.worker import submitted
 from higvf_console.scenario.writer import scenario_yaml
 from higvf_console.ui.page import files
+from higvf_console.ui.page.message_filter import settings_of
 from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reaction
 from higvf_console.ui.panels.widgets.html import block, text
 from higvf_console.ui.panels.widgets.notice import tell
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
 _DARK, _BRIGHT = "Dark", "Bright"
 _SCENARIO, _IMAGE = "scenario", "image"
-_log = logging.getLogger(__name__)
 
 
 class FilesPanel:
@@ -183,7 +182,7 @@ class FilesPanel:
         self._said = ""
 
     def _refuse(self, client_id: int, name: str, reason: str) -> None:
-        _log.warning("file %r: %s", name, reason)
+        settings_of(self._server).refusals.tell("file", f"page {client_id}", f"file {name!r}: {reason}")
         self._said = f"{name}: {reason}"
         tell(self._server.get_clients().get(client_id), self._said)
 

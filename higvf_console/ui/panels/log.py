@@ -45,7 +45,7 @@ class LogPanel:
 
     def _read(self, _client_id: int, body: page.Body) -> None:
         """A page has put an alarm away: it is acknowledged."""
-        self._ui.change(acknowledge_alarms(str(body.get("text"))))
+        self._ui.change(acknowledge_alarms(body["text"]))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Lists what is new, and withdraws the alarms whose cause has ended."""

@@ -4,16 +4,16 @@ viser keeps order for coroutines alone, calls them also when the console itself 
 raises starve those after it.
 """
 
-import logging
 import time
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeAlias
 
 import viser
 
+from higvf_console.ui.page import page
+
 Reaction: TypeAlias = Callable[[Any], Coroutine[None, None, None]]
 SETTLE_S = 0.6  # from a touch until the session must have answered it
-_log = logging.getLogger(__name__)
 
 
 def reaction(act: Callable[[Any], object]) -> Reaction:
@@ -29,9 +29,9 @@ def reaction(act: Callable[[Any], object]) -> Reaction:
         try:
             act(event.target.value)
         except (ValueError, TypeError) as error:
-            _log.warning("page %d: refused %r: %s", event.client_id, event.target.value, error)
-        except Exception:
-            _log.exception("a panel's callback failed")
+            page.refusals_of(event.client).tell("widget", f"page {event.client_id}", str(error))
+        except Exception as error:
+            page.refusals_of(event.client).tell("failed widget", f"page {event.client_id}", str(error), failure=error)
 
     return react
 
