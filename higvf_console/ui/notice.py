@@ -1,18 +1,21 @@
-"""A few words to the page that did something which cannot be done."""
+"""What a page is told when something that it did cannot be done; it stands in the message line of that page alone."""
 
 import logging
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Concatenate, ParamSpec
 
 import viser
 
+FAILED = "it failed, and nothing was done; the reason is in the server's log"
 _STAY_S = 8.0
 _COLOUR = (230, 159, 0)
+_Rest = ParamSpec("_Rest")
 _log = logging.getLogger(__name__)
 
 
-def refuse(event: viser.GuiEvent[Any], text: str) -> None:
-    """Tells the page of an event why nothing came of it."""
-    _log.info("page %s: refused: %s", event.client_id, text)
+def refuse(event: viser.GuiEvent[Any], text: str, level: int = logging.INFO) -> None:
+    """Tells the page of an event why nothing came of it, and logs it."""
+    _log.log(level, "page %s: refused: %s", event.client_id, text)
     tell(event.client, text)
 
 
@@ -20,3 +23,23 @@ def tell(client: viser.ClientHandle | None, text: str) -> None:
     """Shows a notice on a page, if it is still there."""
     if client is not None:
         client.add_notification("Not possible", text, auto_close_seconds=_STAY_S, color=_COLOUR)
+
+
+def telling(
+    server: viser.ViserServer, callback: Callable[Concatenate[int, _Rest], None]
+) -> Callable[Concatenate[int, _Rest], None]:
+    """The callback that also tells the page why its message was refused.
+
+    Args:
+        server: whose pages send messages.
+        callback: takes the page (client) and what it sent; a ValueError refuses that, and is raised again.
+    """
+
+    def heard(client_id: int, *sent: _Rest.args, **named: _Rest.kwargs) -> None:
+        try:
+            callback(client_id, *sent, **named)
+        except ValueError as error:
+            tell(server.get_clients().get(client_id), str(error))
+            raise
+
+    return heard

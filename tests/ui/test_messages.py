@@ -9,7 +9,7 @@ import pytest
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState
 from higvf_console.sim.simulation import advance
-from higvf_console.ui.panels.messages import STAY_S, LatestMessage, cause_lasts, newer
+from higvf_console.ui.messages import STAY_S, LatestMessage, cause_lasts, newer
 from tests.teams import team
 
 SETUP = team()

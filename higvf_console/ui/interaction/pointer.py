@@ -10,8 +10,10 @@ from typing import Literal, NamedTuple, Protocol, TypeAlias, cast, get_args
 
 import viser
 
+from higvf_console.core.arguments import one_of
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.viewport import Viewport
+from higvf_console.ui.notice import telling
 from higvf_console.ui.page import page
 
 Phase: TypeAlias = Literal["start", "update", "end", "cancel"]
@@ -95,8 +97,8 @@ def install(server: viser.ViserServer, events: PointerEvents, colour: str = "#f7
     def on_viewport(client_id: int, body: page.Body) -> None:
         events.viewport(client_id, _viewport(body))
 
-    page.listen(server, "stroke", on_stroke)
-    page.listen(server, "click", on_click)
+    page.listen(server, "stroke", telling(server, on_stroke))
+    page.listen(server, "click", telling(server, on_click))
     page.listen(server, "viewport", on_viewport)
     page.on_leave(server, cancel)
     page.install(server, "pointer", {"colour": colour})
@@ -109,8 +111,7 @@ def _packet(body: page.Body, known: _OpenStroke) -> tuple[Phase, Floats]:
         ValueError: a packet that is malformed, out of order, out of range or too long.
     """
     phase, place = body.get("phase"), (body.get("id"), body.get("sequence"))
-    if phase not in get_args(Phase):
-        raise ValueError(f"phase {_short(phase)}: expected one of {', '.join(get_args(Phase))}")
+    one_of("phase", phase, get_args(Phase))
     if place != (known.number, known.packets):
         raise ValueError(f"stroke and packet {_short(place)} came where {(known.number, known.packets)} was due")
     points = _numbers(body, "points", None, MAX_COORDINATE)

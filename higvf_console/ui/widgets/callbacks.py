@@ -6,10 +6,13 @@ raises starve those after it.
 
 import logging
 import time
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
 from typing import Any, TypeAlias
 
 import viser
+
+from higvf_console.core.arguments import not_one_of
+from higvf_console.ui.notice import FAILED, refuse, tell
 
 Reaction: TypeAlias = Callable[[Any], Coroutine[None, None, None]]
 SETTLE_S = 0.6  # from a touch until the session must have answered it
@@ -17,7 +20,9 @@ _log = logging.getLogger(__name__)
 
 
 def reaction(act: Callable[[Any], object]) -> Reaction:
-    """A callback that hands a page's value to `act`; a ValueError or TypeError refuses the value, and is logged.
+    """A callback that hands a page's value to `act`.
+
+    A ValueError or TypeError refuses the value: the page is told which field refused what, and why.
 
     Args:
         act: validates the value, which may be anything that a page can send, and returns at once.
@@ -29,11 +34,17 @@ def reaction(act: Callable[[Any], object]) -> Reaction:
         try:
             act(event.target.value)
         except (ValueError, TypeError) as error:
-            _log.warning("page %d: refused %r: %s", event.client_id, event.target.value, error)
+            refuse(event, f"{_name_of(event)}: {error}", logging.WARNING)
         except Exception:
             _log.exception("a panel's callback failed")
+            tell(event.client, f"{_name_of(event)}: {FAILED}.")
 
     return react
+
+
+def _name_of(event: viser.GuiEvent[Any]) -> str:
+    """The label of the widget that a page used."""
+    return str(getattr(event.target, "label", "")).strip() or "value"
 
 
 def mirror(widget: viser.GuiInputHandle[Any], value: Any, settle: float = SETTLE_S) -> None:
@@ -42,14 +53,14 @@ def mirror(widget: viser.GuiInputHandle[Any], value: Any, settle: float = SETTLE
         widget.value = value
 
 
-def one_of(value: object, choices: dict[str, Any]) -> Any:
+def chosen(value: object, choices: Mapping[str, Any]) -> Any:
     """The choice that a page named.
 
     Raises:
         ValueError: there is none of that name.
     """
     if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"{value!r} is not one of {', '.join(choices)}")
+        raise ValueError(not_one_of(value, choices))
     return choices[value]
 
 

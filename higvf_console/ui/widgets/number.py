@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import viser
 
 from higvf_console.core.numbers import SEPARATOR
-from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror
-from higvf_console.ui.panels.widgets.notice import refuse
+from higvf_console.ui.notice import FAILED, refuse, tell
+from higvf_console.ui.widgets.callbacks import SETTLE_S, mirror
 
 _MINUS = "\u2212"
 _NO_WORDS: Mapping[str, float] = MappingProxyType({})
@@ -76,6 +76,7 @@ class NumberField:
             refuse(event, f"{self._label}: {error}; {self._text} stays.")
         except Exception:
             _log.exception("a number field failed")
+            tell(event.client, f"{self._label}: {FAILED}.")
 
     def describe(self, label: str, limits: NumberRange, hint: str) -> None:
         """It is another number from now on."""

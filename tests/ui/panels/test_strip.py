@@ -15,8 +15,8 @@ from higvf_console.sim.simulation import advance
 from higvf_console.ui.page import page
 from higvf_console.ui.panels.run import RunControls
 from higvf_console.ui.panels.status import StatusStrip
-from higvf_console.ui.panels.widgets.html import TIMES
 from higvf_console.ui.ui_state import UiStore, add_alarms
+from higvf_console.ui.widgets.html import TIMES
 from tests.teams import team
 
 SETUP = team()
