@@ -8,11 +8,13 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.commands import (
     ContinueRun,
     Cursor,
+    Discard,
     EmergencyStop,
     LoadScenario,
     OperatorCommand,
     Pause,
     Pick,
+    ProposePick,
     Redo,
     ResetRun,
     ReversePath,
@@ -87,6 +89,11 @@ def test_what_the_operator_asks_of_the_team_can_be_undone_and_done_again(now: Ru
 )
 def test_what_changes_nothing_of_the_team_is_no_action_of_the_history(now: RunState, command: OperatorCommand) -> None:
     assert kinds(given(now, command)[1]) == []
+
+
+def test_a_proposal_that_is_discarded_is_no_action_either_though_it_is_reported(now: RunState) -> None:
+    _, history, (event,) = given(now, ProposePick(1), Discard())
+    assert (event.kind, kinds(history)) == ("discarded", [])
 
 
 def test_a_change_of_the_path_in_force_is_told_from_a_new_path(now: RunState) -> None:

@@ -113,7 +113,10 @@ def _packet(body: page.Body, known: _OpenStroke) -> tuple[Phase, Floats]:
     phase, place = body.get("phase"), (body.get("id"), body.get("sequence"))
     one_of("phase", phase, get_args(Phase))
     if place != (known.number, known.packets):
-        raise ValueError(f"stroke and packet {_short(place)} came where {(known.number, known.packets)} was due")
+        due = (known.number, known.packets)
+        raise ValueError(
+            f"a part of the stroke was lost, draw it again: packet {_short(place)} came where {due} was due"
+        )
     points = _numbers(body, "points", None, MAX_COORDINATE)
     if len(points) % 2 or len(points) > 2 * MAX_PACKET_POINTS:
         raise ValueError(f"points: {len(points)} numbers are not at most {MAX_PACKET_POINTS} pairs")

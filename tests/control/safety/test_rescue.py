@@ -40,6 +40,15 @@ def test_the_neighbour_of_a_stuck_robot_yields_so_that_nothing_is_violated() -> 
     assert not outcome.infeasible.any()
 
 
+def test_a_neighbour_yields_only_as_much_as_the_whole_of_their_constraint_asks_for() -> None:
+    distance = 1.05 * R_R
+    outcome = rescued([(TOUCHING, 0.0), (TOUCHING + distance, 0.0)])
+    h = (distance / R_R) ** 2 - 1.0
+    whole = 0.5 * SAFETY.pair_gain * R_R**2 * h**3 / distance  # [22], not split into halves
+    assert outcome.velocity[:, 0] == pytest.approx([PUSHED, PUSHED - whole])
+    assert 0.0 < whole < PUSHED
+
+
 def test_a_cluster_grows_along_a_chain_and_leaves_out_who_is_in_nobody_s_way() -> None:
     chain = [(TOUCHING + R_R * k, 0.0) for k in range(4)]
     outcome = rescued([*chain, (TOUCHING, 60.0)])

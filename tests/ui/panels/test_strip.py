@@ -22,7 +22,7 @@ from tests.teams import team
 SETUP = team()
 STATE, TRACE = advance(SETUP.start, SETUP.world, SETUP.params)
 STOP = Event(1.0, Severity.ALARM, "stop", "STOP: all robots stand still.")
-SERVER = cast(viser.ViserServer, None)
+SERVER = cast(viser.ViserServer, SimpleNamespace(get_clients=dict))
 
 
 def nothing(*_: object) -> None:
