@@ -31,8 +31,8 @@ def cause_lasts(alarm: Event, snapshot: "Snapshot") -> bool:
 
 
 def _in_trouble(alarm: Event, robots: list[bool]) -> bool:
-    known = alarm.robot is not None and alarm.robot < len(robots)
-    return robots[alarm.robot] if known else any(robots)
+    robot = alarm.robot
+    return any(robots) if robot is None or robot >= len(robots) else robots[robot]
 
 
 def _rank(event: Event) -> int:
