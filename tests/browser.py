@@ -21,7 +21,7 @@ from higvf_console.core.viewport import Arena, Viewport
 from higvf_console.ui.interaction import camera, keys, pointer
 from higvf_console.ui.page import guard
 from higvf_console.ui.page import page as scripts
-from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
+from higvf_console.ui.widgets.number import NumberField, NumberRange
 
 # Dispatches one pointer event at every point; `rate` 0 = all at once, one event with the others coalesced into it.
 _DRAW = """

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import viser
 
 from higvf_console.ui.interaction.tools import TOOLS
+from higvf_console.ui.notice import telling
 from higvf_console.ui.page import page
 
 
@@ -102,7 +103,7 @@ def install(server: viser.ViserServer, on_key: Callable[[int, str], None]) -> No
     def forget(client_id: int) -> None:
         last_stop.pop(client_id, None)
 
-    page.listen(server, "key", handle)
+    page.listen(server, "key", telling(server, handle))
     page.listen(server, "alive", answer)
     page.on_leave(server, forget)
     config = {

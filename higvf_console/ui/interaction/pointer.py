@@ -11,6 +11,7 @@ import viser
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.viewport import Viewport
+from higvf_console.ui.notice import telling
 from higvf_console.ui.page import page
 
 Phase: TypeAlias = Literal["start", "update", "end", "cancel"]
@@ -90,8 +91,8 @@ def install(server: viser.ViserServer, events: PointerEvents, colour: str = "#f7
     def on_viewport(client_id: int, body: page.Body) -> None:
         events.viewport(client_id, _viewport(body))
 
-    page.listen(server, "stroke", on_stroke)
-    page.listen(server, "click", on_click)
+    page.listen(server, "stroke", telling(server, on_stroke))
+    page.listen(server, "click", telling(server, on_click))
     page.listen(server, "viewport", on_viewport)
     page.on_leave(server, cancel)
     page.install(server, "pointer", {"colour": colour})
@@ -103,9 +104,9 @@ def _packet(body: page.Body, known: _OpenStroke) -> Floats:
     Raises:
         ValueError: a packet that is out of order or too long, or a point of one number.
     """
-    place, points = (body["id"], body["sequence"]), floats(body["points"])
-    if place != (known.number, known.packets):
-        raise ValueError(f"stroke and packet {place} came where {(known.number, known.packets)} was due")
+    place, due, points = (body["id"], body["sequence"]), (known.number, known.packets), floats(body["points"])
+    if place != due:
+        raise ValueError(f"a part of the stroke was lost, draw it again: packet {place} came where {due} was due")
     if len(points) % 2:
         raise ValueError(f"points: {len(points)} numbers are no pairs")
     if known.points + len(points) // 2 > MAX_STROKE_POINTS:

@@ -136,7 +136,8 @@ def gate(server: viser.ViserServer, allows: Callable[[int, str, Body], bool]) ->
 
 def refusals_of(client: viser.ClientHandle | None) -> Refusals:
     """Where it is told that a page did what cannot be done; None = the page has gone."""
-    return Refusals() if client is None else settings_of(client._viser_server).refusals  # pyright: ignore[reportPrivateUsage]
+    server = getattr(client, "_viser_server", None)
+    return Refusals() if server is None else settings_of(server).refusals
 
 
 def uuid_of(command: viser.CommandHandle) -> str:

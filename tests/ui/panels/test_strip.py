@@ -15,14 +15,14 @@ from higvf_console.sim.simulation import advance
 from higvf_console.ui.page import page
 from higvf_console.ui.panels.run import RunControls
 from higvf_console.ui.panels.status import StatusStrip
-from higvf_console.ui.panels.widgets.html import TIMES
 from higvf_console.ui.ui_state import UiStore, add_alarms
+from higvf_console.ui.widgets.html import TIMES
 from tests.teams import team
 
 SETUP = team()
 STATE, TRACE = advance(SETUP.start, SETUP.world, SETUP.params)
 STOP = Event(1.0, Severity.ALARM, "stop", "STOP: all robots stand still.")
-SERVER = cast(viser.ViserServer, None)
+SERVER = cast(viser.ViserServer, SimpleNamespace(get_clients=dict))
 
 
 def nothing(*_: object) -> None:

@@ -12,9 +12,8 @@ from typing import Any, NamedTuple
 import viser
 
 from higvf_console.core.numbers import SEPARATOR
-from higvf_console.ui.page import page
-from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror
-from higvf_console.ui.panels.widgets.notice import refuse
+from higvf_console.ui.notice import failed, refuse
+from higvf_console.ui.widgets.callbacks import SETTLE_S, mirror
 
 _MINUS = "\u2212"
 _NO_WORDS: Mapping[str, float] = MappingProxyType({})
@@ -74,7 +73,7 @@ class NumberField:
             self._widget.value = self._text
             refuse(event, f"{self._label}: {error}; {self._text} stays.")
         except Exception as error:
-            page.refusals_of(event.client).tell("failed field", f"page {event.client_id}", self._label, failure=error)
+            failed(event, self._label, error)
 
     def describe(self, label: str, limits: NumberRange, hint: str) -> None:
         """It is another number from now on."""
