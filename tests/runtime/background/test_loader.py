@@ -5,10 +5,10 @@ from concurrent.futures import Future
 from typing import Any
 
 import pytest
-from higvf_console.runtime.background.loader import Loader
 
 from higvf_console.core.commands import LoadScenario
 from higvf_console.core.errors import ScenarioError
+from higvf_console.runtime.background.loader import Loader
 
 
 class FakeWorker:
