@@ -191,7 +191,7 @@ def test_a_live_run_ends_after_its_duration() -> None:
 
 def test_a_file_of_tokens_gives_a_link_for_each_role(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "higvf_console", "run", "empty", "--port", "auto", "--no-browser"]
-    options = ["--duration", "0.1", "--token-file", str(tmp_path / "tokens")]
+    options = ["--start-at-once", "--duration", "0.1", "--token-file", str(tmp_path / "tokens")]
     done = subprocess.run([*command, *options], capture_output=True, text=True, check=True)
     for line in (tmp_path / "tokens").read_text(encoding="utf-8").splitlines():
         role, token = line.split()
