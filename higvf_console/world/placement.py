@@ -13,6 +13,7 @@ from higvf_console.control.safety.barriers.sampling import check_sampling, least
 from higvf_console.control.safety.hazards import worst_hazards
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.errors import FilterError, ScenarioError
+from higvf_console.core.numbers import metres
 from higvf_console.core.state import World
 from higvf_console.core.viewport import Arena
 from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
@@ -51,7 +52,7 @@ def check_start(
         if gap[robot] < least:
             x, y = position[robot]
             raise ScenarioError(
-                f"{place}: robot {robot + 1} at ({x:g}, {y:g}) is {gap[robot]:.2f} m from {what}; "
+                f"{place}: robot {robot + 1} at ({x:g}, {y:g}) is {metres(gap[robot])} from {what}; "
                 f"{_clearance('obstacle', body.obstacle_clearance, params)}"
             )
 
@@ -73,7 +74,7 @@ def _check_pairs(position: Floats, least: float, clearance: str, place: str) -> 
     if (gap < least - ROUNDING).any():
         nearest = int(np.argmin(gap))
         first, second = pairs[nearest] + 1
-        raise ScenarioError(f"{place}: robots {first} and {second} start {gap[nearest]:.2f} m apart; {clearance}")
+        raise ScenarioError(f"{place}: robots {first} and {second} start {metres(gap[nearest])} apart; {clearance}")
 
 
 def obstacle_gaps(points: Floats, obstacles: Obstacles) -> Iterator[tuple[str, Floats]]:
@@ -280,7 +281,7 @@ def check_stand_off(world: World, fire_radius: Floats, params: Parameters, sourc
         if stand_off < least:
             raise ScenarioError(
                 f"{source}: parameters.fires.stand_off: {stand_off:g} m is too near to fire {number} "
-                f"({radius:g} m, growing {growth:g} m/s), whose barrier holds robots {least:.2f} m off; raise it"
+                f"({radius:g} m, growing {growth:g} m/s), whose barrier holds robots {metres(least)} off; raise it"
             )
 
 
@@ -290,7 +291,7 @@ def late_stand_off(fire_radius: Floats, fire_growth: Floats, duration: float, pa
     safety = controlled(params).safety
     least = [least_stand_off(float(r), float(g), safety) for r, g in zip(grown, fire_growth, strict=True)]
     return tuple(
-        f"fire {number} can grow to {radius:.0f} m, where its barrier holds robots {far:.1f} m off; "
+        f"fire {number} can grow to {radius:.3g} m, where its barrier holds robots {metres(far)} off; "
         f"stand_off is {params.fires.stand_off:g} m"
         for number, (radius, far) in enumerate(zip(grown, least, strict=True), 1)
         if far > params.fires.stand_off

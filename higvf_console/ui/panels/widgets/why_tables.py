@@ -10,6 +10,7 @@ from higvf_console.analysis.active_constraints import ActiveConstraint
 from higvf_console.analysis.explain import Part
 from higvf_console.analysis.sight import Sight, hider_names
 from higvf_console.core.arrays import Floats
+from higvf_console.core.numbers import metres
 from higvf_console.sim.certificates import CONNECTED, Certificate
 from higvf_console.ui.panels.widgets.html import DASH, dot, text
 from higvf_console.ui.scene.reasons import part_colours
@@ -65,7 +66,7 @@ def rows_html(rows: Sequence[ActiveConstraint]) -> str:
     if not rows:
         return '<div class="held dim">No barrier holds it back.</div>'
     named = "<br>".join(
-        f'<b>{text(row.name)}</b>, {row.distance:.1f} m <span class="dim">({_LEAST} {row.least:.1f})</span>'
+        f'<b>{text(row.name)}</b>, {metres(row.distance)} <span class="dim">({_LEAST} {metres(row.least)})</span>'
         for row in rows[:MOST_ROWS]
     )
     more = f' <span class="dim">and {len(rows) - MOST_ROWS} more</span>' if len(rows) > MOST_ROWS else ""
