@@ -81,6 +81,7 @@ from higvf_console.world.placement import (
     convergent,
     intention_radius,
     late_stand_off,
+    misfits,
     robot_warnings,
     start_network,
     unavoidable,
@@ -307,7 +308,13 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         check_intention(intention_radius(robots.points, links, scenario.influenced, params), source)
     late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, params)
     buried = buried_fires(start.world.fire_position, fire_radius, scenario.obstacles)
-    warnings = (*late, *buried, *unavoidable(start.layout), *_end_warnings(scenario))
+    warnings = (
+        *late,
+        *buried,
+        *unavoidable(start.layout),
+        *misfits(start.layout, robots.points),
+        *_end_warnings(scenario),
+    )
     return replace(scenario, warnings=(*scenario.warnings, *warnings))
 
 

@@ -125,6 +125,45 @@ def unavoidable(layout: Layout) -> tuple[str, ...]:
     )
 
 
+def misfits(layout: Layout, position: Floats) -> tuple[str, ...]:
+    """A warning for each number that does not fit the arena, and for each fire that is held from the start.
+
+    Args:
+        layout: arena, fires and parameters.
+        position: (N, 2) of the robots at the start [m].
+    """
+    arena, params = layout.arena, layout.params
+    side = min(arena.width, arena.height)
+    size = f"the arena of {arena.width:g} m x {arena.height:g} m"
+    remedy = "give robots.radius_m and speed_limit_m_per_s, from which the defaults follow, or another value"
+    lengths = [
+        ("safety.robot_clearance", params.safety.robot_clearance, 1.0),
+        ("boundaries.reactive_margin", params.boundaries.reactive_margin, 0.5),
+        ("path.capture_distance", params.path.capture_distance, 1.0),
+    ]
+    if layout.fires:
+        lengths.append(("fires.stand_off", params.fires.stand_off, 0.5))
+    found = [
+        f"{name} is {value:g} m, more than {'half of ' * (share < 1.0)}the shorter side of {size}; {remedy}"
+        for name, value, share in lengths
+        if value > share * side
+    ]
+    if params.blending.cruise_speed * params.path.progress_timeout > 2.0 * max(arena.width, arena.height):
+        found.append(
+            f"blending.cruise_speed is {params.blending.cruise_speed:g} m/s: a robot crosses {size} within half of "
+            f"path.progress_timeout, {params.path.progress_timeout:g} s; {remedy}"
+        )
+    reach = layout.fire_radius + params.fires.stand_off
+    for number, fire in enumerate(layout.fires, 1):
+        near = int((np.hypot(*(position - fire.position).T) <= reach[number - 1]).sum())
+        if near >= fire.needs:
+            found.append(
+                f"fire {number} is held from the start: {near} robots stand within fires.stand_off, "
+                f"{params.fires.stand_off:g} m, of its edge"
+            )
+    return tuple(found)
+
+
 class Network(NamedTuple):
     """The communication graph at the start: the most links that one robot has, and the connected components."""
 
