@@ -43,6 +43,11 @@ class Scale(NamedTuple):
         """Decimals of a length [m] that no hand sets more exactly: millimetres at the usual scale."""
         return 3 + max(0, round(-math.log10(self.length)))
 
+    @property
+    def speed_decimals(self) -> int:
+        """Decimals of a speed [m/s] that people read: one at the usual scale."""
+        return 1 + max(0, round(-math.log10(self.speed)))
+
     def factor(self, unit: str) -> float:
         """By what a number of this unit is multiplied; 1 for what has no scale, such as an angle."""
         match unit:

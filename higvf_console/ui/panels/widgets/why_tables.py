@@ -36,28 +36,29 @@ MOST_HIDERS = 2  # obstacles that are named for one fire
 _MINUS, _LEAST, _MOST = "\u2212", "\u2265", "\u2264"
 
 
-def parts_html(robot: int, parts: Floats, velocity: Floats) -> str:
-    """The parts (8, 2) of a robot's velocity (2,) [m/s] and their sum."""
+def parts_html(robot: int, parts: Floats, velocity: Floats, digits: int = 1) -> str:
+    """The parts (8, 2) of a robot's velocity (2,) [m/s] and their sum, with so many decimals."""
+    least = 0.5 * 10.0**-digits  # a shorter one is shown as zero
     rows = "".join(
-        f'<tr class="{"" if np.hypot(*vector) >= 0.05 else "out"}" title="{text(PART_NAMES[part][1])}">'
-        f"<td>{dot(PART_COLOUR[part])}{PART_NAMES[part][0]}</td>{_components(vector)}</tr>"
+        f'<tr class="{"" if np.hypot(*vector) >= least else "out"}" title="{text(PART_NAMES[part][1])}">'
+        f"<td>{dot(PART_COLOUR[part])}{PART_NAMES[part][0]}</td>{_components(vector, digits)}</tr>"
         for part, vector in zip(Part, parts, strict=True)
     )
     head = "<tr><th>Part m/s</th><th>x</th><th>y</th><th>length</th></tr>"
     return (
         f'<div class="title">Why robot {robot + 1} moves</div><table class="numbers"><thead>{head}</thead>'
-        f"<tbody>{rows}</tbody><tfoot><tr><td>Velocity</td>{_components(velocity)}</tr></tfoot></table>"
+        f"<tbody>{rows}</tbody><tfoot><tr><td>Velocity</td>{_components(velocity, digits)}</tr></tfoot></table>"
     )
 
 
-def _components(vector: Floats) -> str:
+def _components(vector: Floats, digits: int) -> str:
     x, y = vector.tolist()
-    return f"<td>{signed(x)}</td><td>{signed(y)}</td><td>{math.hypot(x, y):.1f}</td>"
+    return f"<td>{signed(x, digits)}</td><td>{signed(y, digits)}</td><td>{math.hypot(x, y):.{digits}f}</td>"
 
 
-def signed(value: float) -> str:
-    """A number with one digit and a true minus; never minus zero."""
-    shown = f"{abs(value):.1f}"
+def signed(value: float, digits: int = 1) -> str:
+    """A number with so many decimals and a true minus; never minus zero."""
+    shown = f"{abs(value):.{digits}f}"
     return f"{_MINUS}{shown}" if value < 0.0 and float(shown) != 0.0 else shown
 
 
