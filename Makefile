@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run setup test check docs coverage lock licences sbom bench browser clean
+.PHONY: run setup test check safety docs coverage lock licences sbom bench browser clean
 
 run: setup
 	$(BIN)/higvf run firefighting
@@ -26,6 +26,10 @@ check: setup
 	$(BIN)/lint-imports
 	$(BIN)/pyright
 	$(BIN)/python docs/check_links.py
+
+# A search for broken guarantees; a nightly one has a million control periods: `higvf bench --suite safety`.
+safety: setup
+	$(BIN)/higvf bench --suite safety --ticks 100000
 
 # The site is written to docs/_build/html; a warning, such as a reference to nowhere, is an error.
 docs: setup

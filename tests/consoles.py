@@ -22,7 +22,7 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.interface import InputSpec, Interface
 from higvf_console.core.state import SimState
-from higvf_console.runtime.drafts import Drafts
+from higvf_console.runtime.persistence.drafts import Drafts
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.warm_up import warm_up

@@ -44,8 +44,9 @@ def parser() -> argparse.ArgumentParser:
 def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="run a benchmark")
     bench.add_argument(
-        "--suite", choices=("filter", "tick", "deadlock", "preview", "lsl", "ui"), required=True,
-        help="what to measure: safety filter, whole tick, deadlocks in random scenes, previews, live streams, console",
+        "--suite", choices=("filter", "tick", "deadlock", "safety", "preview", "lsl", "ui"), required=True,
+        help="what to measure: safety filter, whole tick, deadlocks in random scenes, broken guarantees in random runs,"
+        " previews, live streams, console",
     )  # fmt: skip
     bench.add_argument("--json", action="store_true", help="write JSON instead of a table")
     deadlock = bench.add_argument_group("suite deadlock")
@@ -55,6 +56,14 @@ def _add_bench(commands: Any) -> None:
     deadlock.add_argument("--scene", metavar="KIND:SEED", help="run one scene and report its events, e.g. crowded:17")
     deadlock.add_argument(
         "--save", type=Path, metavar="FILE", help="with --scene: save the scene as a scenario file and exit"
+    )
+    safety = bench.add_argument_group("suite safety")
+    safety.add_argument(
+        "--ticks", type=_count, metavar="N", help="control periods in random worlds, all together (default 1000000)"
+    )
+    safety.add_argument("--seed", type=_seed, metavar="N", help="random seed of the search (default 0)")
+    safety.add_argument(
+        "--recording", type=Path, metavar="FILE", help="no search: repeat one recording and check every control period"
     )
     bench.set_defaults(command="bench")
 
@@ -103,7 +112,7 @@ def _add_run(commands: Any) -> None:
     run.add_argument(
         "--speed", type=_positive, default=1.0, metavar="F", help="speed relative to real time, 0.25 to 8 (default 1)"
     )
-    run.add_argument("--record", type=Path, metavar="FILE", help="write a recording (JSON Lines)")
+    run.add_argument("--record", type=Path, metavar="FILE", help="write a recording (JSON Lines) to a new file")
     run.add_argument("--lsl-out", metavar="NAME", help="send events and commands as an LSL marker stream named NAME")
     inputs = run.add_argument_group("inputs")
     inputs.add_argument(

@@ -1,7 +1,8 @@
 """The command `higvf`: runs scenarios, replays and inspects recordings, reproduces the paper, runs benchmarks.
 
-Exit status: 0 on success; 1 if a replay differs or an interface violates its contract; 2 on invalid input, with a
-one-line reason on standard error; 130 on Ctrl-C; 141 if the reader of the output ended first, as in `higvf ... | head`.
+Exit status: 0 on success; 1 if a replay differs, an interface violates its contract or a guarantee is broken; 2 on
+invalid input, with a one-line reason on standard error; 130 on Ctrl-C; 141 if the reader of the output ended first, as
+in `higvf ... | head`.
 """
 # ruff: noqa: PLC0415 (each command imports its own modules, so that `--help` does not load the compiler)
 
@@ -82,16 +83,38 @@ def _inspect(given: argparse.Namespace) -> int:
 def _bench(given: argparse.Namespace) -> int:
     from higvf_console.lab.bench import bench
 
-    only = {"--scenes": given.scenes, "--scene": given.scene, "--save": given.save}
-    misplaced = [option for option, value in only.items() if value is not None]
-    if misplaced and given.suite != bench.DEADLOCK:
-        raise HigvfError(f"{misplaced[0]} is an option of --suite {bench.DEADLOCK}, not of --suite {given.suite}")
+    options = {
+        bench.DEADLOCK: {"--scenes": given.scenes, "--scene": given.scene, "--save": given.save},
+        bench.SAFETY: {"--ticks": given.ticks, "--seed": given.seed, "--recording": given.recording},
+    }
+    for suite, only in options.items():
+        misplaced = [option for option, value in only.items() if value is not None]
+        if misplaced and given.suite != suite:
+            raise HigvfError(f"{misplaced[0]} is an option of --suite {suite}, not of --suite {given.suite}")
     if given.save is not None and given.scene is None:
         raise HigvfError("--save needs a scene: add --scene KIND:SEED")
     if given.scene is not None:
         return _scene(given.scene, given.save)
+    if given.suite == bench.SAFETY:
+        return _safety(given)
     bench.main(given.suite, given.json, given.scenes)
     return 0
+
+
+def _safety(given: argparse.Namespace) -> int:
+    """Searches for broken guarantees, or checks one recording; status 1 where something is found."""
+    from higvf_console.lab.safety import report
+    from higvf_console.lab.safety.search import TICKS, check, search
+
+    if given.recording is not None:
+        if given.ticks is not None or given.seed is not None or given.json:
+            raise HigvfError("--recording checks one recording as it is: give it alone")
+        case, failure = check(given.recording)
+        print(report.as_verdict(given.recording, case, failure))
+        return 0 if failure is None else 1
+    searched = search(given.ticks or TICKS, given.seed or 0)
+    print(report.as_json(searched) if given.json else report.as_text(searched))
+    return 1 if searched.found else 0
 
 
 def _scene(name: str, file: Path | None) -> int:

@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any
 from higvf_console.cli.output import log, write
 from higvf_console.core.errors import HigvfError
 from higvf_console.core.optional import require
-from higvf_console.runtime import scheduling
+from higvf_console.runtime.background import scheduling
 
 if TYPE_CHECKING:
-    from higvf_console.runtime.checkpoints import Checkpoint
+    from higvf_console.runtime.persistence.checkpoints import Checkpoint
     from higvf_console.runtime.recording import Recorder
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
@@ -85,8 +85,8 @@ def _start_session(
     """Loads the engine and opens the session, which is closed with `closing`."""
     from higvf_console.channels.marker_outlet import MarkerOutlet
     from higvf_console.cli.engine import load_engine
+    from higvf_console.runtime.background.worker import Worker
     from higvf_console.runtime.session import Session
-    from higvf_console.runtime.worker import Worker
     from higvf_console.scenario.sections import FilterKind
 
     load_engine(setup, coupled=scenario.filter is FilterKind.CENTRALISED)
@@ -116,7 +116,7 @@ def _start_session(
 
 def _interrupted(given: argparse.Namespace, scenario: "Scenario") -> "Checkpoint | None":
     """The run of this scenario whose console was killed, if there is one that can be restored."""
-    from higvf_console.runtime.checkpoints import left_checkpoints, remove, restored
+    from higvf_console.runtime.persistence.checkpoints import left_checkpoints, remove, restored
     from higvf_console.scenario.kept import state_folder
 
     for file in left_checkpoints(state_folder()):
@@ -195,8 +195,8 @@ def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace
         if not given.no_browser and _has_display():
             webbrowser.open(login_url(server, token))
         with loading(server, "Loading the engine ..."):
-            from higvf_console.runtime.checkpoints import Checkpoints
-            from higvf_console.runtime.drafts import Drafts
+            from higvf_console.runtime.persistence.checkpoints import Checkpoints
+            from higvf_console.runtime.persistence.drafts import Drafts
             from higvf_console.scenario.kept import state_folder
             from higvf_console.ui.console import Console
 

@@ -27,7 +27,7 @@ from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.certificates import Worst
 from higvf_console.world.editing.carry import NEW, carried, inverse, led_on, same_rows, waiting_on
-from higvf_console.world.editing.safe_places import crowded, diagonal, nearest_fit, placed, robot_fits
+from higvf_console.world.editing.safe_places import diagonal, nearest_fit, newly_crowded, placed, robot_fits
 from higvf_console.world.layout import Layout
 from higvf_console.world.setup import Setup
 
@@ -220,8 +220,8 @@ def _with_difference(
     motion, intent = led_on(motion, now.state.intent, robots, fires, count)
     motion = _fires_back(motion, source, goal, fires)
     motion = _robots_back(motion, source, goal, robots, layout)
-    already = set(crowded(now.setup.layout, now.state.motion))
-    motion, aside = _moved_aside(motion, [robot for robot, row in enumerate(robots) if int(row) not in already], layout)
+    in_the_way = newly_crowded((now.setup.layout, now.state.motion), (layout, motion), robots)
+    motion, aside = _moved_aside(motion, in_the_way, layout)
     led_by = led_on(source.state.motion, source.state.intent, robots, fires, count)[1].influenced
     if led_by != goal.state.intent.influenced:
         intent = intent._replace(influenced=goal.state.intent.influenced)
@@ -246,11 +246,11 @@ def _robots_back(motion: Motion, source: RunState, goal: RunState, robots: Ints,
     return motion
 
 
-def _moved_aside(motion: Motion, movable: list[int], layout: Layout) -> tuple[Motion, str]:
+def _moved_aside(motion: Motion, in_the_way: list[int], layout: Layout) -> tuple[Motion, str]:
     """Moves robots that are in the way of what returns to the nearest safe position, and names them."""
     aside: list[int] = []
-    for robot in crowded(layout, motion):
-        if robot in movable and not robot_fits(robot, layout, motion)(motion.position[robot : robot + 1])[0]:
+    for robot in in_the_way:
+        if not robot_fits(robot, layout, motion)(motion.position[robot : robot + 1])[0]:
             motion = _held(motion, robot, layout)
             aside.append(robot + 1)
     if not aside:

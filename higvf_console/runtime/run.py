@@ -18,7 +18,7 @@ from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import Motion, SimState, Trace
 from higvf_console.runtime.dispatch import Prepared, dispatch
 from higvf_console.runtime.history import History, RunState, Tally
-from higvf_console.runtime.phase import END_TEXTS, FIRST, RunPhase, after_period
+from higvf_console.runtime.phase import END_TEXTS, FIRST, Phase, RunPhase, after_period
 from higvf_console.scenario.ends import Ends, EndWhen
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
@@ -77,7 +77,7 @@ class Run:
             filter_kind: which safety filter runs.
             scenario: where the run comes from.
             phase: where it begins.
-            timed: whether the scenario's duration ends it.
+            timed: whether a person watches it, so that the scenario's duration ends it.
         """
         self.state = setup.start
         self.ticks = 0
@@ -112,6 +112,12 @@ class Run:
     def run_state(self) -> RunState:
         """The run as it is now."""
         return RunState(self._setup, self.state, self.tally, self.filter, self.scenario, self.phase)
+
+    @property
+    def stands(self) -> bool:
+        """Whether the run has not begun, or has ended for who watches it: a session takes no step then."""
+        phase = self.phase.phase
+        return phase is Phase.READY or (phase is Phase.ENDED and self._timed)
 
     @property
     def trace(self) -> Trace:

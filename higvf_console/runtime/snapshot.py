@@ -1,6 +1,6 @@
 """All that a view needs of one moment of a session."""
 
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from higvf_console.analysis.explain import Moved
 from higvf_console.channels.input_reports import InputReports
@@ -8,10 +8,13 @@ from higvf_console.core.arrays import Floats
 from higvf_console.core.events import Event
 from higvf_console.core.interface import ChannelHealth
 from higvf_console.core.state import SimState, Trace
+from higvf_console.runtime.clock import Clock
 from higvf_console.runtime.history import History
 from higvf_console.runtime.phase import RunPhase
+from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.sim.certificates import Worst
+from higvf_console.sim.metrics import loss_area
 from higvf_console.world.setup import Setup
 
 
@@ -63,3 +66,48 @@ class Snapshot(NamedTuple):
     channels: tuple[tuple[str, ChannelHealth], ...]
     events: tuple[Event, ...]
     inputs: InputReports = InputReports()
+
+
+def snapshot_of(
+    run: Run,
+    clock: Clock,
+    channels: tuple[tuple[str, ChannelHealth], ...],
+    events: tuple[Event, ...],
+    inputs: InputReports,
+    *,
+    tick_ms: float,
+) -> Snapshot:
+    """A run of a scenario, as it is now.
+
+    Args:
+        run: what is shown.
+        clock: of its session.
+        channels: how each interface is.
+        events: what happened, oldest first.
+        inputs: what the interfaces report.
+        tick_ms: how long the tick took [ms].
+    """
+    tally = run.tally
+    return Snapshot(
+        scenario=cast(Scenario, run.scenario),
+        setup=run.setup,
+        state=run.state,
+        trace=run.trace,
+        last=run.last,
+        time=run.time,
+        phase=run.phase,
+        frozen=clock.frozen,
+        speed=clock.speed,
+        loss_area=loss_area(run.state.motion),
+        min_clearance=tally.min_clearance,
+        tick_ms=tick_ms,
+        lost_time=clock.lost,
+        infeasible_ticks=tally.infeasible_ticks,
+        deadlock_s=tally.deadlock_ticks * run.setup.params.safety.control_period,
+        worst=tally.worst,
+        extinguished=tally.extinguished,
+        history=run.history,
+        channels=channels,
+        events=events,
+        inputs=inputs,
+    )

@@ -19,8 +19,8 @@ import viser
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import NO_PATH, NOBODY, Path, PathKind
 from higvf_console.operator.path_commands import in_hand
+from higvf_console.runtime.background.previewer import Choice, Previewer
 from higvf_console.runtime.history import History
-from higvf_console.runtime.previewer import Choice, Previewer
 from higvf_console.ui import theme
 from higvf_console.ui.cards.run_card import RunCard
 from higvf_console.ui.frame_pace import FramePace
@@ -48,7 +48,7 @@ from higvf_console.ui.scene.scene import Scene
 from higvf_console.ui.ui_state import Change, UiState, UiStore, add_alarms, begin_scenario, follow_path, keep_choice
 
 if TYPE_CHECKING:
-    from higvf_console.runtime.drafts import Drafts
+    from higvf_console.runtime.persistence.drafts import Drafts
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
     from higvf_console.scenario.scenario import Scenario

@@ -21,7 +21,7 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import Capabilities, ChannelHealth, ChannelState, InputSpec, capabilities_of
-from higvf_console.runtime.previewer import Choice, Previewer
+from higvf_console.runtime.background.previewer import Choice, Previewer
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario, parse_scenario
 from tests.fake_interfaces import FakeConsole, FakeInterface

@@ -30,6 +30,8 @@ from higvf_console.core.commands import (
 from higvf_console.core.edits import AddEntity, ChangeEntity, DeleteEntity, MoveEntity, SetParameters
 from higvf_console.core.state import NOBODY, PathKind, PathStatus
 from higvf_console.runtime.history import KEPT
+from higvf_console.runtime.run import Run
+from higvf_console.scenario.scenario import parse_scenario
 from tests.teams import stroke
 from tests.world.editing.actions import GIVEN, HAIR, SCENE, assert_same, edited_run, give, go, refused, shortfalls
 
@@ -93,6 +95,20 @@ def test_robots_that_stand_where_a_body_comes_back_are_set_aside_and_that_is_sai
     assert shortfalls(run).max() < HAIR
     give(run, Redo(), Undo())
     assert len(run.setup.world.circles) == 2
+
+
+def test_robots_that_miss_the_margin_for_noise_are_set_aside_and_no_edit_takes_their_clearance() -> None:
+    scenario = parse_scenario(SCENE + "parameters: {robots: {position_noise: 1.0}}\n", "noisy.yaml")
+    run = Run(scenario.setup(3), scenario.filter, scenario)
+    give(run, DeleteEntity("circle", 1))
+    near = run.state.motion.position.copy()
+    near[0], near[1] = (650.0, 420.0), (650.0, 446.0)  # 26 m: above robot_clearance, below what noise enlarges it to
+    run.state = run.state._replace(motion=run.state.motion._replace(position=near))
+    assert refused(run.apply(SetParameters({"safety.robot_clearance": 26.5})))
+    give(run, SetParameters({"safety.robot_clearance": 25.5}), Undo())
+    (event,) = give(run, Undo())
+    assert event.text.endswith("Robots 1, 2 were in the way and are set aside.")
+    assert shortfalls(run).max() < HAIR
 
 
 def test_what_is_new_takes_the_place_of_what_was_undone() -> None:

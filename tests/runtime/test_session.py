@@ -35,8 +35,9 @@ from higvf_console.core.errors import InputError
 from higvf_console.core.interface import ChannelState, OperatorContext
 from higvf_console.core.state import PathStatus
 from higvf_console.core.viewport import Viewport
-from higvf_console.runtime.session import EVENTS_KEPT, Session
-from higvf_console.runtime.worker import Worker
+from higvf_console.runtime.background.worker import Worker
+from higvf_console.runtime.journal import EVENTS_KEPT
+from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario
 from higvf_console.sim.simulation import advance
 from tests.fake_interfaces import BrokenInterface, FakeConsole, FakeInterface

@@ -21,7 +21,7 @@ from higvf_console.core.path_terms import PathTerms, terms_of_stroke
 from higvf_console.core.state import NO_PATH, Path
 from higvf_console.core.viewport import Viewport
 from higvf_console.operator.path_commands import with_terms
-from higvf_console.runtime.previewer import Choice
+from higvf_console.runtime.background.previewer import Choice
 from higvf_console.runtime.session import Session
 from higvf_console.ui.console import Console
 from higvf_console.ui.interaction.arena import ArenaInteraction

@@ -23,6 +23,7 @@ from higvf_console.lab.bench.timing import Case, Suite
 
 _TIMINGS: dict[str, Callable[[], Suite]] = {"filter": bench_filter.run, "tick": bench_tick.run}
 DEADLOCK, PREVIEW, LSL, UI = "deadlock", "preview", "lsl", "ui"
+SAFETY = "safety"  # measures nothing, and has a command of its own: `lab.safety`
 SUITES = (*_TIMINGS, DEADLOCK, PREVIEW, LSL, UI)
 
 

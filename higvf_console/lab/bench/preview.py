@@ -22,7 +22,7 @@ from higvf_console.core.numbers import grouped
 from higvf_console.core.state import SimState
 from higvf_console.lab.bench.timing import take_turns
 from higvf_console.operator.reducer import apply_command
-from higvf_console.runtime.previewer import Previewer
+from higvf_console.runtime.background.previewer import Previewer
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import load_scenario, parse_scenario
 from higvf_console.sim.simulation import roll

@@ -20,7 +20,7 @@ from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
 from higvf_console.core.errors import HigvfError
-from higvf_console.runtime.scheduling import go_first, stand_back
+from higvf_console.runtime.background.scheduling import go_first, stand_back
 
 ROBOTS_NODE = "/team/robots"
 _ALIGNMENT, _HEADER = 8, 16  # [bytes]

@@ -22,7 +22,7 @@ from higvf_console.ui.page import cards
 from higvf_console.ui.panels.widgets.html import clock
 
 if TYPE_CHECKING:
-    from higvf_console.runtime.drafts import Drafts
+    from higvf_console.runtime.persistence.drafts import Drafts
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
 

@@ -27,6 +27,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from higvf_console.core.errors import ConsoleError
+from higvf_console.ui.page.buffers import use_safe_buffers
 from higvf_console.ui.page.door import Door, Handler, RequestHandler, own_origins
 from higvf_console.ui.page.message_filter import FilteredConnection
 
@@ -72,6 +73,7 @@ def open_server(
         )
     if not token:
         raise ConsoleError("token: '' would let anyone in; give a secret, e.g. from `guard.new_token()`")
+    use_safe_buffers()
     listener = _bind(host, port)
     bound_port: int = listener.getsockname()[1]
     door = Door(

@@ -12,7 +12,7 @@ from higvf_console.core.commands import LoadScenario
 from higvf_console.core.edits import AddOutlines
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.interface import PointerSink
-from higvf_console.runtime.worker import submitted
+from higvf_console.runtime.background.worker import submitted
 from higvf_console.scenario.writer import scenario_yaml
 from higvf_console.ui.page import files
 from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reaction

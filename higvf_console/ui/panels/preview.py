@@ -15,7 +15,7 @@ from higvf_console.ui.panels.widgets.callbacks import one_of, reaction
 from higvf_console.ui.panels.widgets.html import area, block, nearness
 
 if TYPE_CHECKING:
-    from higvf_console.runtime.previewer import Previewer
+    from higvf_console.runtime.background.previewer import Previewer
     from higvf_console.runtime.snapshot import Snapshot
 
 _COMMIT, _REDRAW, _DISCARD = "Commit", "Redraw", "Discard"

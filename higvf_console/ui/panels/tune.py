@@ -73,7 +73,7 @@ class TunePanel:
 
     def _ask(self, values: dict[str, float]) -> None:
         """Asks for values; the session may refuse them."""
-        self._wrong, self._asked_at, self._before = "", time.time(), self._latest
+        self._wrong, self._asked_at, self._before = "", time.monotonic(), self._latest
         self._sink.push(SetParameters(values))
 
     def _put_back(self, group: str) -> None:
@@ -83,7 +83,7 @@ class TunePanel:
     def _hear(self, events: tuple[Event, ...]) -> None:
         """Takes up why the session has just refused what was asked."""
         self._latest = events[-1] if events else None
-        if time.time() - self._asked_at <= SETTLE_S:
+        if time.monotonic() - self._asked_at <= SETTLE_S:
             refused = [event.text for event in newer(events, self._before) if event.kind == "refused"]
             self._wrong = refused[-1] if refused else self._wrong
 

@@ -8,7 +8,7 @@ from higvf_console.core.arrays import Floats, Ints
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.state import MOVER_SPEED, Motion, World
 from higvf_console.core.viewport import Arena
-from higvf_console.world.editing.safe_places import crowded
+from higvf_console.world.editing.safe_places import newly_crowded
 from higvf_console.world.layout import Layout
 from higvf_console.world.placement import (
     check_formation,
@@ -48,8 +48,7 @@ def check_edit(before: Stand, after: Stand, robots: Ints) -> None:
     """
     for check, groups in _CHECKS:
         _newly(check, groups, before, after)
-    already = set(crowded(before.layout, before.motion))
-    if any(int(robots[robot]) not in already for robot in crowded(after.layout, after.motion)):
+    if newly_crowded((before.layout, before.motion), (after.layout, after.motion), robots):
         layout, world, motion, _ = after
         obstacles = layout.obstacles_at(motion.tick)
         check_start(motion.position, *_burning(world, motion), obstacles, layout.params, _SOURCE)

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from higvf_console.control.parameters import controlled
-from higvf_console.core.arrays import Bools, Floats, floats
+from higvf_console.core.arrays import Bools, Floats, Ints, floats
 from higvf_console.core.numbers import metres
 from higvf_console.core.state import Motion
 from higvf_console.world.editing.room import obstacle_room
@@ -69,16 +69,21 @@ def robot_fits(robot: int, layout: Layout, motion: Motion) -> Fits:
 
 def clear_of(layout: Layout, motion: Motion, spare: float) -> Fits:
     """Which points keep clear of obstacles, burning fires and walls, with so much to spare [m]."""
+    gap = _gap(layout, motion)
+    least = controlled(layout.params).safety.obstacle_clearance + spare
+    return lambda points: np.asarray(gap(points) >= least, np.bool_)
+
+
+def _gap(layout: Layout, motion: Motion) -> Callable[[Floats], Floats]:
+    """Distance (K,) of points (K, 2) from the nearest obstacle, burning fire or wall [m], negative inside."""
     burning = np.column_stack([layout.fire_position, motion.fire_radius])[motion.fire_burning]
     obstacles = layout.obstacles_at(motion.tick)
     room = obstacle_room(obstacles._replace(circles=np.vstack([obstacles.circles, burning])))
-    least = controlled(layout.params).safety.obstacle_clearance + spare
 
-    def fits(points: Floats) -> Bools:
-        gaps = (room(points), *(wall_gaps(points, layout.arena) if layout.walls else ()))
-        return np.asarray(np.min(gaps, axis=0) >= least, np.bool_)
+    def gap(points: Floats) -> Floats:
+        return np.min((room(points), *(wall_gaps(points, layout.arena) if layout.walls else ())), axis=0)
 
-    return fits
+    return gap
 
 
 def body_fits(middle: Floats, gap: Callable[[Floats], Floats], extent: float, layout: Layout, motion: Motion) -> Fits:
@@ -122,6 +127,40 @@ def crowded(layout: Layout, motion: Motion) -> list[int]:
     near = ~clear_of(layout, motion, -_HAIR)(motion.position)
     near[pairs.ravel()] = True
     return np.flatnonzero(near).tolist()
+
+
+def newly_crowded(before: tuple[Layout, Motion], after: tuple[Layout, Motion], robots: Ints) -> list[int]:
+    """Robots that stand too near to something and did not before, or are now nearer than they may be.
+
+    With measurement errors a robot keeps its clearance, but not always the larger one that counts here. That, and a
+    clearance that was missed before, is no licence to put something nearer.
+
+    Args:
+        before: layout and motion.
+        after: likewise.
+        robots: (N,) row that each robot after had before, or a number below 0.
+    """
+    found = crowded(*after)
+    if not found:
+        return found
+    already = set(crowded(*before))
+    known = [robot for robot in found if int(robots[robot]) in already]
+    if not known:
+        return found
+    was, now = _missing(*before), _missing(*after)
+    excused = {robot for robot in known if now[robot] <= max(float(was[robots[robot]]), 0.0) + _HAIR}
+    return [robot for robot in found if robot not in excused]
+
+
+def _missing(layout: Layout, motion: Motion) -> Floats:
+    """(N,) by how much each robot misses a clearance, were positions measured exactly [m]; up to 0: it does not."""
+    params = layout.params
+    safety = controlled(params._replace(robots=params.robots._replace(position_noise=0.0))).safety
+    missing = safety.obstacle_clearance - _gap(layout, motion)(motion.position)
+    if len(motion.position) > 1:
+        nearest = kd_tree(motion.position).query(motion.position, k=2)[0][:, 1]
+        missing = np.maximum(missing, safety.robot_clearance - nearest)
+    return floats(missing)
 
 
 def held_words(place: Floats, wanted: Floats) -> str:

@@ -49,10 +49,11 @@ def whole_page(chromium: Browser, whole_console: Running) -> Iterator[Page]:
 def running(whole_console: Running) -> Running:
     """The console, frozen at the start of its scenario as shipped."""
     scenario = load_scenario("firefighting")
+    whole_console.session.commands.clear()
     whole_console.push(
         Freeze(True), AskReset(), ResetEmergencyStop(), LoadScenario(scenario.text, scenario.name), Pick(0)
     )
-    wait_until(lambda: whole_console.given(Pick) and not whole_console.state.intent.stopped)
+    wait_until(lambda: whole_console.given(LoadScenario) and whole_console.given(Pick))
     whole_console.session.commands.clear()
     return whole_console
 

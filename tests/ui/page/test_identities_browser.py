@@ -27,36 +27,6 @@ def page(chromium: Browser, running: Running) -> Iterator[Page]:
     page.context.close()
 
 
-# What a browser does to a tab that has been hidden for a minute, as far as its page can see.
-_HIDE = """
-() => {
-  Object.defineProperty(document, "hidden", { configurable: true, get: () => true });
-  window.setInterval = window.setTimeout = window.requestAnimationFrame = () => 0;
-  for (let timer = 0; timer < 10000; timer++) { clearInterval(timer); clearTimeout(timer); }
-}
-"""
-
-
-def test_a_page_whose_timers_are_held_back_while_it_is_hidden_goes_on_steering(
-    running: Running, chromium: Browser
-) -> None:
-    hidden = open_console(chromium, running.url)
-    roles = running.console._roles  # pyright: ignore[reportPrivateUsage]
-    hidden.wait_for_timeout(1500)
-    client = max(running.server.get_clients())
-    identity = roles._identities[client]  # pyright: ignore[reportPrivateUsage]
-    hidden.evaluate(_HIDE)
-
-    def last_seen() -> float:
-        page = roles._control.page(identity)  # pyright: ignore[reportPrivateUsage]
-        assert page is not None
-        return page.last_seen
-
-    seen: set[float] = set()
-    wait_until(lambda: seen.add(last_seen()) or len(seen) > 4)
-    hidden.context.close()
-
-
 def test_a_second_tab_is_a_page_of_its_own(page: Page, running: Running) -> None:
     wait_until(lambda: len(changes(running)) == 1)  # the page has come, and steers
     with page.context.expect_page() as opened:
@@ -95,3 +65,33 @@ def test_an_identity_that_is_none_is_refused(
     wait_until(lambda: "refused a 'control' message" in caplog.text)
     assert "refused a 'hello' message" in caplog.text
     assert changes(running) == before
+
+
+# What a browser does to a tab that has been hidden for a minute, as far as its page can see.
+_HIDE = """
+() => {
+  Object.defineProperty(document, "hidden", { configurable: true, get: () => true });
+  window.setInterval = window.setTimeout = window.requestAnimationFrame = () => 0;
+  for (let timer = 0; timer < 10000; timer++) { clearInterval(timer); clearTimeout(timer); }
+}
+"""
+
+
+def test_a_page_whose_timers_are_held_back_while_it_is_hidden_is_not_forgotten(
+    running: Running, chromium: Browser
+) -> None:
+    hidden = open_console(chromium, running.url)
+    roles = running.console._roles  # pyright: ignore[reportPrivateUsage]
+    hidden.wait_for_timeout(1500)
+    client = max(running.server.get_clients())
+    identity = roles._identities[client]  # pyright: ignore[reportPrivateUsage]
+    hidden.evaluate(_HIDE)
+
+    def last_seen() -> float:
+        page = roles._control.page(identity)  # pyright: ignore[reportPrivateUsage]
+        assert page is not None
+        return page.last_seen
+
+    seen: set[float] = set()
+    wait_until(lambda: seen.add(last_seen()) or len(seen) > 4)
+    hidden.context.close()

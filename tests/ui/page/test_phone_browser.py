@@ -7,8 +7,7 @@ from time import sleep
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from higvf_console.core.events import Event, Severity
-from higvf_console.ui.ui_state import acknowledge_alarms, add_alarms
+from higvf_console.core.commands import AskReset, EmergencyStop, ResetEmergencyStop
 from tests.browser import open_console, screenshot, told, wait_until
 from tests.consoles import Running, console_at_work
 
@@ -114,11 +113,11 @@ def test_the_alarms_open_the_log_also_where_the_panel_is_folded(
     handle = phone.locator("[data-dock-region-collapse]")
     (phone.get_by_text("Firefighting", exact=True) if height > width else handle).first.dispatch_event("click")
     wait_until(lambda: not phone.get_by_role("tab", name="Steer").first.is_visible(), 20.0)
-    running.console.ui.change(add_alarms([Event(1.0, Severity.ALARM, "view", "Something to be read.")]))
+    running.push(EmergencyStop())  # an alarm whose cause lasts
     phone.get_by_role("button", name="1 alarm", exact=True).dispatch_event("click")
     phone.get_by_role("button", name="Acknowledge 1 alarm").wait_for()
-    running.console.ui.change(acknowledge_alarms())
-    wait_until(lambda: not phone.locator(".alarms").inner_text(), 20.0)
+    running.push(AskReset(), ResetEmergencyStop())
+    wait_until(lambda: not phone.locator(".alarms").inner_text())
     phone.get_by_role("tab", name="Steer").first.click()
 
 
@@ -148,8 +147,7 @@ def test_without_the_server_the_strip_says_that_it_shows_the_last_known_state(ph
         "() => { const viewer = __viserMutable; [viewer.kept, viewer.sendMessage] = [viewer.sendMessage, () => {}]; }"
     )
     wait_until(told(phone, "Last known state"))
-    assert phone.locator(".status.gone").count() == 1
-    assert phone.locator(".status [data-act=pause]").is_disabled()
+    phone.locator(".status.gone [data-act=pause]:disabled").wait_for()
     phone.evaluate("() => { __viserMutable.sendMessage = __viserMutable.kept; }")
     wait_until(lambda: not phone.locator(".status.gone").count())
     assert not told(phone, "Last known state")()

@@ -202,9 +202,10 @@ def test_a_callback_that_fails_is_logged_and_does_not_raise(caplog: pytest.LogCa
 def test_a_widget_that_was_just_touched_is_left_alone_until_the_session_has_answered() -> None:
     touched = SimpleNamespace(value="8", update_timestamp=time.time())
     settled = SimpleNamespace(value="8", update_timestamp=time.time() - 2 * SETTLE_S)
-    for widget in (touched, settled):
+    put_back = SimpleNamespace(value="8", update_timestamp=time.time() + 3600.0)  # the machine's clock, since then
+    for widget in (touched, settled, put_back):
         mirror(widget, "1")  # pyright: ignore[reportArgumentType]
-    assert (touched.value, settled.value) == ("8", "1")
+    assert (touched.value, settled.value, put_back.value) == ("8", "1", "1")
 
 
 def test_the_speed_list_shows_the_nearest_offered_speed() -> None:

@@ -173,6 +173,14 @@ def test_theme_and_text_size_are_chosen_in_the_view_panel_and_hold_for_a_reload(
     assert ui.state.look.palette is LIGHT
 
 
+def stop_again(running: Running) -> None:
+    """Resets a STOP and stops anew: one after the other, for a STOP overtakes a reset that waits."""
+    running.push(AskReset(), ResetEmergencyStop())
+    wait_until(lambda: not running.state.intent.stopped)
+    running.push(EmergencyStop())
+    wait_until(lambda: running.state.intent.stopped)
+
+
 def test_an_alarm_stays_until_it_is_read_or_its_cause_ends(page: Page, running: Running, ui: UiStore) -> None:
     def counted() -> str:
         return page.locator(".status .alarms").inner_text()
@@ -183,14 +191,14 @@ def test_an_alarm_stays_until_it_is_read_or_its_cause_ends(page: Page, running: 
     page.get_by_role("button", name="Read", exact=True).click()
     wait_until(lambda: counted() == "")
     assert ui.state.alarms == ()
-    running.push(AskReset(), ResetEmergencyStop(), EmergencyStop())
+    stop_again(running)
     wait_until(lambda: counted() == "1 alarm")
     tab(page, "Log")
     assert page.locator(".hg .log .alarm:visible").count() == 1
     page.get_by_role("button", name="Acknowledge 1 alarm").click()
     wait_until(lambda: counted() == "")
     assert running.state.intent.stopped, "to acknowledge commands nothing"
-    running.push(AskReset(), ResetEmergencyStop(), EmergencyStop())
+    stop_again(running)
     wait_until(lambda: counted() == "1 alarm")
     running.push(AskReset(), ResetEmergencyStop())
     wait_until(lambda: counted() == "")

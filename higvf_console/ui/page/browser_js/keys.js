@@ -59,11 +59,13 @@
       dt { justify-self: end; min-width: 76px; text-align: right; }
       @media (min-width: 1200px) {
         .card { width: min(1220px, 95vw); padding: 18px 24px 16px; }
-        dl { grid-template-columns: repeat(3, max-content 1fr); gap: 7px 12px; }
-        h3 ~ dl { grid-template-columns: repeat(4, max-content 1fr); }
+        dl { grid-template-columns: repeat(3, max-content 1fr); gap: 5px 12px; }
+        .card h3 { margin: 12px 0 6px; }
+        .card p { display: inline-block; margin: 12px 18px 0 0; }
+        .card .again { margin-top: 12px; }
       }
       dd { margin: 0; }
-      kbd { display: inline-block; min-width: 26px; padding: 1px 8px; border-radius: 6px; text-align: center;
+      kbd { display: inline-block; white-space: nowrap; min-width: 26px; padding: 1px 8px; border-radius: 6px; text-align: center;
         font: 600 calc(13px * var(--hg-size, 1))/1.6 ui-monospace, "DejaVu Sans Mono", monospace; color: var(--hg-text, #f1f5f9);
         background: var(--hg-key, #2b323c); box-shadow: 0 0 0 1px var(--hg-card_rule, #343c46); }
       .stops kbd { color: #fff; background: #b91c1c; }

@@ -38,7 +38,8 @@ def reaction(act: Callable[[Any], object]) -> Reaction:
 
 def mirror(widget: viser.GuiInputHandle[Any], value: Any, settle: float = SETTLE_S) -> None:
     """Makes a widget show what holds, unless it was touched less than `settle` [s] ago: its command is on its way."""
-    if widget.value != value and time.time() - widget.update_timestamp > settle:
+    age = time.time() - widget.update_timestamp  # negative after the clock of the machine was put back
+    if widget.value != value and not 0.0 <= age <= settle:
         widget.value = value
 
 

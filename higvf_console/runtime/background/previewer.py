@@ -12,7 +12,7 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.commands import StrokeUse
 from higvf_console.core.path_terms import USUAL_TERMS, PathTerms, stroke_end
 from higvf_console.core.state import SimState
-from higvf_console.runtime.scheduling import stand_back
+from higvf_console.runtime.background.scheduling import stand_back
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.world.setup import Setup

@@ -8,7 +8,7 @@ from threading import Thread
 import pytest
 
 from higvf_console.lab.bench.console_page import console_of
-from higvf_console.runtime.scheduling import URGENT, USUAL, go_first, stand_back
+from higvf_console.runtime.background.scheduling import URGENT, USUAL, go_first, stand_back
 from tests.browser import wait_until
 
 pytestmark = pytest.mark.skipif(

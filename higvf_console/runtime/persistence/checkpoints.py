@@ -22,10 +22,10 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from higvf_console.core.errors import ScenarioError
+from higvf_console.runtime.background.scheduling import stand_back
 from higvf_console.runtime.failsafe import halted
 from higvf_console.runtime.history import RunState
 from higvf_console.runtime.phase import Phase
-from higvf_console.runtime.scheduling import stand_back
 from higvf_console.scenario.kept import process_runs, write_whole
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import pytest
 
 from higvf_console.core.commands import LoadScenario
 from higvf_console.core.errors import ScenarioError
+from higvf_console.runtime.background.worker import Worker
 from higvf_console.runtime.dispatch import prepare
-from higvf_console.runtime.worker import Worker
 from higvf_console.scenario.scenario import load_scenario
 
 

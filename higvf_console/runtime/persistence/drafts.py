@@ -15,8 +15,8 @@ from higvf_console.core.commands import OperatorCommand
 from higvf_console.core.edits import Edit
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.reading.document import read_text
+from higvf_console.runtime.background.scheduling import stand_back
 from higvf_console.runtime.history import Action, History
-from higvf_console.runtime.scheduling import stand_back
 from higvf_console.scenario.kept import Draft, Recent, draft_file, left_drafts, remember, write_whole
 from higvf_console.scenario.scenario import data_folder, scenario_names
 from higvf_console.scenario.writer import scenario_yaml

@@ -10,8 +10,8 @@ from typing import NamedTuple
 from higvf_console.channels.supervision import Said
 from higvf_console.core.commands import LoadScenario
 from higvf_console.core.errors import ScenarioError
+from higvf_console.runtime.background.worker import Worker
 from higvf_console.runtime.dispatch import Prepared, prepare
-from higvf_console.runtime.worker import Worker
 from higvf_console.scenario.scenario import load_scenario
 
 

@@ -4,7 +4,7 @@ from threading import Event as Signal
 from typing import TYPE_CHECKING
 
 from higvf_console.analysis.baseline import compute_baseline
-from higvf_console.runtime.scheduling import stand_back
+from higvf_console.runtime.background.scheduling import stand_back
 from higvf_console.scenario.sections import FilterKind
 
 if TYPE_CHECKING:

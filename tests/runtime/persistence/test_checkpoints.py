@@ -8,7 +8,7 @@ import pytest
 
 from higvf_console.core.commands import EmergencyStop, Pick, ResetRun
 from higvf_console.core.errors import ScenarioError
-from higvf_console.runtime.checkpoints import Checkpoints, left_checkpoints, restored
+from higvf_console.runtime.persistence.checkpoints import Checkpoints, left_checkpoints, restored
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import load_scenario
 from tests.fake_interfaces import FakeConsole
@@ -91,7 +91,7 @@ def test_one_of_another_version_is_refused(tmp_path: Path, monkeypatch: pytest.M
     def version(_: str) -> str:
         return "9.9"
 
-    monkeypatch.setattr("higvf_console.runtime.checkpoints.version", version)
+    monkeypatch.setattr("higvf_console.runtime.persistence.checkpoints.version", version)
     with pytest.raises(ScenarioError, match=r"of version .*; this is 9\.9$"):
         restored(file)
 

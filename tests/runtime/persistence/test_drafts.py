@@ -8,7 +8,7 @@ import pytest
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import LoadScenario, OperatorCommand, Pick, Redo, ResetRun, Undo
 from higvf_console.core.edits import AddEntity
-from higvf_console.runtime.drafts import Drafts
+from higvf_console.runtime.persistence.drafts import Drafts
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.kept import draft_file, left_drafts, recent_files
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario

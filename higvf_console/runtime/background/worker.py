@@ -78,7 +78,7 @@ class Worker:
         self._process.wait()
 
     def _start(self) -> "subprocess.Popen[bytes]":
-        command = [sys.executable, "-m", "higvf_console.runtime.worker", str(self._most_memory)]
+        command = [sys.executable, "-m", "higvf_console.runtime.background.worker", str(self._most_memory)]
         return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def _done(self, job: _Job) -> Any:

@@ -21,8 +21,8 @@ from higvf_console.core.commands import (
     StrokeUse,
 )
 from higvf_console.core.path_terms import PathTerms
-from higvf_console.runtime import previewer as module
-from higvf_console.runtime.previewer import Choice, Previewer
+from higvf_console.runtime.background import previewer as module
+from higvf_console.runtime.background.previewer import Choice, Previewer
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
