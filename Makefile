@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run setup test check safety docs coverage lock licences sbom bench browser clean
+.PHONY: run setup test check safety docs coverage lock licences sbom bench browser nginx clean
 
 run: setup
 	$(BIN)/higvf run firefighting
@@ -17,7 +17,7 @@ $(READY): pyproject.toml constraints.txt
 	$(BIN)/higvf compile
 	touch $@
 
-test: setup browser
+test: setup browser nginx
 	$(BIN)/pytest -n 2 --dist loadfile
 
 check: setup
@@ -79,6 +79,13 @@ browser:
 	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then \
 	  apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium; \
 	else echo "chromium is not installed: browser tests will be skipped (install the package 'chromium')" >&2; fi
+
+# Likewise for the shipped configuration of nginx, which one test module tries with the real one.
+nginx:
+	@command -v nginx >/dev/null 2>&1 || [ -x /usr/sbin/nginx ] && exit 0; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then \
+	  apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq nginx-light openssl; \
+	else echo "nginx is not installed: its tests will be skipped (install the package 'nginx-light')" >&2; fi
 
 clean:
 	rm -rf $(VENV) $(TOOLS) sbom.json .pytest_cache .ruff_cache .import_linter_cache .hypothesis docs/_build .coverage .coverage.*

@@ -21,7 +21,7 @@ from higvf_console.core.viewport import Arena, Viewport
 from higvf_console.ui.interaction import camera, keys, pointer
 from higvf_console.ui.page import guard
 from higvf_console.ui.page import page as scripts
-from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
+from higvf_console.ui.widgets.number import NumberField, NumberRange
 
 # Dispatches one pointer event at every point; `rate` 0 = all at once, one event with the others coalesced into it.
 _DRAW = """
@@ -89,6 +89,7 @@ _TO_PAGE = """
 
 ARENA = Arena(0.0, 0.0, 1200.0, 700.0)  # [m]
 PATIENCE = 120.0  # [s], for a machine that is busy with other things
+NO_NGINX = "no nginx or openssl: install the packages 'nginx-light' and 'openssl'"
 Value = TypeVar("Value")
 Points: TypeAlias = Sequence[Sequence[float]] | Floats
 

@@ -4,15 +4,18 @@ import os
 import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
 from playwright.sync_api import Browser, Page, expect
 
+from higvf_console.control.kernel import Kernel
 from higvf_console.lab.bench.chromium import NAMES, find_chromium, launched
 from higvf_console.scenario.scenario import Scenario, parse_scenario
 from higvf_console.ui.interaction import keys
 from tests.browser import (
+    NO_NGINX,
     PATIENCE,
     Stage,
     open_console,
@@ -30,6 +33,8 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     skipped = [report for report in terminalreporter.stats.get("skipped", []) if NO_CHROMIUM in str(report.longrepr)]
     if skipped:
         terminalreporter.write_line(f"WARNING: {len(skipped)} browser tests were skipped: {NO_CHROMIUM}", yellow=True)
+    if any(NO_NGINX in str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])):
+        terminalreporter.write_line(f"WARNING: the tests behind nginx were skipped: {NO_NGINX}", yellow=True)
 
 
 @pytest.fixture(scope="session")
@@ -93,6 +98,16 @@ def page(whole_page: Page, stage: Stage) -> Page:
         wait_for_stop(whole_page, shown)
     stage.pressed.clear()
     return whole_page
+
+
+@pytest.fixture
+def plain_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Kernels run as plain Python, so that a test of a few calls compiles nothing; the last bits may differ."""
+
+    def plain(self: Kernel, *arguments: Any, **named: Any) -> Any:
+        return self.py_func(*arguments, **named)
+
+    monkeypatch.setattr(Kernel, "__call__", plain)
 
 
 @pytest.fixture

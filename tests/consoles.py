@@ -22,12 +22,14 @@ from higvf_console.core.commands import (
 )
 from higvf_console.core.interface import InputSpec, Interface
 from higvf_console.core.state import SimState
+from higvf_console.runtime.background.worker import Worker
 from higvf_console.runtime.persistence.drafts import Drafts
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.warm_up import warm_up
 from higvf_console.ui.console import Console
 from higvf_console.ui.page import guard
+from higvf_console.ui.page.access import Role, access_by
 from tests.teams import stroke
 
 
@@ -63,7 +65,11 @@ class Running(NamedTuple):
 
 @contextmanager
 def console_at_work(
-    scenario: str, *interfaces: Interface, attended: bool = False, folder: Path | None = None
+    scenario: str,
+    *interfaces: Interface,
+    attended: bool = False,
+    folder: Path | None = None,
+    worker: Worker | None = None,
 ) -> Generator[Running]:
     """A scenario, live, with the console's channel and what else there is.
 
@@ -72,18 +78,21 @@ def console_at_work(
         interfaces: besides the console's channel.
         attended: whether the clock waits for its start and stands at the end; else it runs at once and never stands.
         folder: where drafts and files opened lately are kept; None = nowhere.
+        worker: reads what is loaded during the run; None = the session itself does.
     """
     console_channel = open_interface(InputSpec("console"))
-    session = Session(load_scenario(scenario), [console_channel, *interfaces], attended=attended, waits=attended)
+    session = Session(
+        load_scenario(scenario), [console_channel, *interfaces], attended=attended, waits=attended, worker=worker
+    )
     warm_up(session.setup.start, session.setup.world, session.setup.params)
-    token = guard.new_token()
-    server = guard.open_server("127.0.0.1", 0, token, "Console")
+    access = access_by(None)
+    server = guard.open_server("127.0.0.1", 0, access, "Console")
     console = Console(session, server, Drafts(session, folder) if folder is not None else None)
     stopping = threading.Event()
     loop = threading.Thread(target=session.run, args=(stopping,), daemon=True)
     loop.start()
     console.start()
-    yield Running(session, server, console, guard.login_url(server, token))
+    yield Running(session, server, console, guard.login_url(server, access.token(Role.EXPERIMENTER)))
     stopping.set()
     loop.join()
     console.close()

@@ -5,7 +5,6 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.analysis.explain import Moved
-from higvf_console.control.guidance.obstacles import spine_point
 from higvf_console.control.parameters import filter_parameters, packed
 from higvf_console.control.safety.barriers.surroundings import (
     NOBODY_ELSE,
@@ -14,7 +13,7 @@ from higvf_console.control.safety.barriers.surroundings import (
     most_constraints,
     survey,
 )
-from higvf_console.control.safety.hazards import AX, AY, BX, BY, FIRE, KIND, RADIUS, WALL
+from higvf_console.control.safety.hazards import hazard_gap, hazard_word
 from higvf_console.core.state import Motion
 from higvf_console.sim.disturbances import seen_positions
 from higvf_console.sim.simulation import hazards_now
@@ -64,15 +63,13 @@ def _named(robot: int, other: int, hazard: int, around: Surroundings, motion: Mo
     if other != NOBODY_ELSE:
         gap = float(np.hypot(*(around.position[other] - around.position[robot])))
         return ActiveConstraint(f"robot {other + 1}", gap, around.safety.robot_clearance)
-    row, least = around.hazards[hazard], around.safety.obstacle_clearance
-    if row[KIND] == WALL:
-        return ActiveConstraint("wall", float(row[AX] * x + row[AY] * y - row[RADIUS]), least)
-    near_x, near_y = spine_point(x, y, row[AX], row[AY], row[BX], row[BY])
-    distance = ((x - near_x) ** 2 + (y - near_y) ** 2) ** 0.5 - row[RADIUS]
-    if row[KIND] == FIRE:
+    word, distance = hazard_word(around.hazards[hazard]), hazard_gap(x, y, around.hazards[hazard])
+    if word == "fire":
         place = hazard - len(around.hazards) + int(motion.fire_burning.sum())
-        return ActiveConstraint(f"fire {int(np.flatnonzero(motion.fire_burning)[place]) + 1}", distance, least)
-    return ActiveConstraint(part_name(hazard, setup), distance, least)
+        name = f"fire {int(np.flatnonzero(motion.fire_burning)[place]) + 1}"
+    else:
+        name = word if word == "wall" else part_name(hazard, setup)
+    return ActiveConstraint(name, distance, around.safety.obstacle_clearance)
 
 
 def part_name(part: int, setup: Setup) -> str:

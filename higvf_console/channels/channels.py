@@ -180,7 +180,8 @@ class Channels:
     def fail(self, name: str, error: Exception, time: float) -> Event:
         """Sets an interface aside; the event says why."""
         self._failed[name] = f"{type(error).__name__}: {error}"
-        return Event(time, Severity.ALARM, "channel", f"Input '{name}' failed and is off: {self._failed[name]}")
+        text = f"Input '{name}' failed and is off: {self._failed[name]}"
+        return Event(time, Severity.ALARM, "channel", text, channel=name)
 
     def failed(self, name: str) -> bool:
         """Whether the interface of that name has been set aside."""

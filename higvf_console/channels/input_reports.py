@@ -121,7 +121,7 @@ def calibrations_of(interfaces: Iterable[Interface]) -> dict[str, CalibrationRep
 def calibration_event(channel: str, report: CalibrationReport, time: float) -> Event:
     """That an interface has a new calibration."""
     text = f"Input '{channel}' is calibrated anew: off by {report.residual_px:.0f} px, {report.residual_m:.1f} m."
-    return Event(time, Severity.INFO, "channel", text)
+    return Event(time, Severity.INFO, "channel", text, channel=channel)
 
 
 def _first(answers: tuple[tuple[str, _Answer], ...]) -> _Answer | None:

@@ -1,7 +1,8 @@
 """Run events and operator commands as a marker stream of the Lab Streaming Layer, beside what the devices send.
 
-Each marker is one JSON text: `{"label": "Pick", "source": "bci", "time": 12.34, ...}` for a command, with `"event"` in
-place of `"source"` for what happened. A LabRecorder that records this stream and the devices' has them on one clock.
+Each marker is one JSON text: `{"label": "Pick", "source": "bci", "time": 12.34, ...}` for a command. What happened has
+`"event"` in place of `"source"`, and `"robot"` (from 0), `"fire"` (from 0) or `"channel"` where it is about one. A
+LabRecorder that records this stream and the devices' has them on one clock.
 """
 
 import dataclasses
@@ -50,7 +51,9 @@ class MarkerOutlet:
 
     def event(self, event: Event) -> None:
         """Something happened."""
+        about = {"robot": event.robot, "fire": event.fire, "channel": event.channel or None}
         said = {"event": event.kind, "severity": event.severity.value, "text": event.text}
+        said |= {name: value for name, value in about.items() if value is not None}
         self._push({"label": event.kind, **said, "time": round(event.time, 9)})
 
     def close(self) -> None:

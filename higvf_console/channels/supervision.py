@@ -91,11 +91,11 @@ class Supervisor:
     def poll(self, context: OperatorContext) -> tuple[list[Said], tuple[Event, ...]]:
         """The commands that count now, and what there is to say of the rest."""
         given, events = self._channels.poll(context)
-        overslept, self._overslept = self._overslept, False
+        jumped, self._clock_jumped = self._clock_jumped, False
         said: list[Said] = []
         for name in self._channels.names:
             for command in self._lines[name].carry(given.get(name, ()), context.time):
-                if overslept and self._replays(name) and not isinstance(command, EmergencyStop):
+                if jumped and self._replays(name) and not isinstance(command, EmergencyStop):
                     continue  # it was given, and done, before the run was set back
                 if self._may(name, command):
                     said.append(Said(name, command))
@@ -117,7 +117,7 @@ class Supervisor:
         """
         channel, command = said
         self._attribution = attributed(self._attribution, channel, command, before, after, rows)
-        self._overslept |= after.motion.tick > before.motion.tick
+        self._clock_jumped |= after.motion.tick > before.motion.tick
         match command:
             case Acknowledge(channel=name):
                 return self._acknowledge(name, time)
@@ -162,7 +162,7 @@ class Supervisor:
         self._lines = {name: Line() for name in self._channels.names}
         self._withheld: dict[str, int] = {}
         self._attribution = Attribution()
-        self._overslept = False  # whether an undo has just put the clock forward
+        self._clock_jumped = False  # whether an undo has just put the clock forward
         self._deserted = ""  # the channel of which the page that had control is lost
 
     def _replays(self, name: str) -> bool:
@@ -206,7 +206,7 @@ class Supervisor:
         if events:
             return events
         waiting = f"Input '{name}' does not wait" if name else "No input waits"
-        return (Event(time, Severity.WARNING, "refused", f"{waiting} to be acknowledged."),)
+        return (Event(time, Severity.WARNING, "refused", f"{waiting} to be acknowledged.", channel=name),)
 
     def _take_back(self, names: list[str], time: float) -> tuple[Event, ...]:
         events: list[Event] = []
@@ -216,7 +216,7 @@ class Supervisor:
                 self._states[name] = acknowledged(was)
                 withheld = self._withheld.pop(name, 0)
                 text = f"Input '{name}' is used again; {withheld} of its commands were withheld."
-                events.append(Event(time, Severity.INFO, "channel", text))
+                events.append(Event(time, Severity.INFO, "channel", text, channel=name))
         return tuple(events)
 
     def _inject(self, fault: InjectFault, time: float) -> tuple[Event, ...]:
@@ -225,11 +225,12 @@ class Supervisor:
         if fault.channel not in self._lines:
             wrong = f"there is no input '{fault.channel}'; inputs: {', '.join(self._lines) or 'none'}"
         if wrong:
-            return (Event(time, Severity.WARNING, "refused", f"No fault injected: {wrong}."),)
+            text = f"No fault injected: {wrong}."
+            return (Event(time, Severity.WARNING, "refused", text, channel=fault.channel),)
         self._lines[fault.channel].inject(fault, time)
         text = f"Fault injected: {fault.kind} of input '{fault.channel}' for {fault.seconds:g} s."
         text += f" The {renamed}." if renamed else ""
-        return (Event(time, Severity.WARNING, "channel", text),)
+        return (Event(time, Severity.WARNING, "channel", text, channel=fault.channel),)
 
     def _detail(self, name: str, seen: ChannelHealth, now: float) -> str:
         quiet = f"last seen {max(0.0, now - seen.last_seen):.1f} s ago; " if seen.last_seen is not None else ""
@@ -254,4 +255,4 @@ class Supervisor:
                 severity, text = Severity.INFO, f"Input '{name}' is live again."
             case _:
                 return ()
-        return (Event(now, severity, "channel", text),)
+        return (Event(now, severity, "channel", text, channel=name),)

@@ -129,7 +129,17 @@ def _add_run(commands: Any) -> None:
     console = run.add_argument_group("console")
     console.add_argument("--host", default="127.0.0.1", help="address of the server (default 127.0.0.1)")
     console.add_argument("--port", type=_port, default=8080, help="port, or auto for a free port (default 8080)")
-    console.add_argument("--token", metavar="T", help="secret token of the login link (default: random)")
+    console.add_argument(
+        "--token-file", type=Path, metavar="FILE",
+        help="tokens of the login links, one line per role, 'ROLE TOKEN'; written with new ones if it does not exist",
+    )  # fmt: skip
+    console.add_argument("--token", metavar="T", help="deprecated: others can see it; use --token-file")
+    console.add_argument(
+        "--origin", action="append", default=[], metavar="ORIGIN",
+        help="further address of the console, e.g. https://lab.example of a proxy; repeat for further ones",
+    )  # fmt: skip
+    console.add_argument("--certfile", type=Path, metavar="FILE", help="certificate (PEM), for https; needs --keyfile")
+    console.add_argument("--keyfile", type=Path, metavar="FILE", help="private key (PEM) of the certificate")
     console.add_argument(
         "--start-at-once", action="store_true", help="start the clock at once (default: Start in the page starts it)"
     )

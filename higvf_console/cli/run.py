@@ -21,11 +21,14 @@ from higvf_console.core.optional import require
 from higvf_console.runtime.background import scheduling
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from higvf_console.runtime.persistence.checkpoints import Checkpoint
     from higvf_console.runtime.recording import Recorder
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
     from higvf_console.scenario.scenario import Scenario
+    from higvf_console.ui.page.access import Access
     from higvf_console.world.setup import Setup
 
 _REPORTED = ("refused", "clipped", "failure", "channel", "recording")  # kinds of events that a headless run prints
@@ -181,19 +184,25 @@ def _run_headless(start: "Callable[[], Session]", given: argparse.Namespace) -> 
 
 def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace) -> int:
     """Serves the console until Ctrl-C, a termination signal, or the end of the duration; the link comes first."""
-    from higvf_console.ui.page.guard import login_url, new_token, open_server
+    from higvf_console.ui.page.guard import login_url, open_server
     from higvf_console.ui.page.loading import loading
 
-    token, stopping = given.token or new_token(), Signal()
+    access, certificate, stopping = _access(given), _certificate(given), Signal()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with suppress(KeyboardInterrupt), ExitStack() as ends:  # callbacks run from last to first
         scheduling.go_first()
         ends.callback(scheduling.stand_back)
-        server = open_server(given.host, given.port, token, title)
+        server = open_server(
+            given.host, given.port, access, title, origins=tuple(given.origin), certificate=certificate
+        )
         ends.callback(server.stop)
-        print(f"Console: {login_url(server, token)}\nPress Ctrl-C to end it.", flush=True)
+        print(f"Console: {login_url(server, access.token(access.highest))}")
+        for role in access.roles if given.token_file is not None else ():
+            print(f"Link of an {role}: {login_url(server, access.token(role))}")
+        print("Press Ctrl-C to end it.", flush=True)
         if not given.no_browser and _has_display():
-            webbrowser.open(login_url(server, token))
+            # Others can see with what a browser is started: this link opens once.
+            webbrowser.open(login_url(server, access.ticket(access.highest)))
         with loading(server, "Loading the engine ..."):
             from higvf_console.runtime.persistence.checkpoints import Checkpoints
             from higvf_console.runtime.persistence.drafts import Drafts
@@ -206,6 +215,7 @@ def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace
             drafts = Drafts(session, state_folder())
             checkpoints = Checkpoints(session, state_folder())
             console = Console(session, server, drafts)
+        scheduling.keep_loaded()
         ends.callback(console.close)
         threads = [
             Thread(target=target, args=(stopping,), name=name)
@@ -229,6 +239,24 @@ def _join(threads: list[Thread], stopping: Signal) -> None:
     for thread in threads:
         if thread.is_alive():
             thread.join()
+
+
+def _access(given: argparse.Namespace) -> "Access":
+    """The tokens that were given, else new ones."""
+    from higvf_console.ui.page.access import Access, Role, access_by
+
+    if given.token is None:
+        return access_by(given.token_file)
+    if given.token_file is not None:
+        raise HigvfError("--token and --token-file exclude each other; --token is deprecated")
+    log("Warning: --token is deprecated: everybody on this machine can see it; use --token-file FILE")
+    return Access({Role.EXPERIMENTER: given.token})
+
+
+def _certificate(given: argparse.Namespace) -> "tuple[Path, Path] | None":
+    if (given.certfile is None) is not (given.keyfile is None):
+        raise HigvfError("--certfile and --keyfile need each other")
+    return None if given.certfile is None else (given.certfile, given.keyfile)
 
 
 def _over(snapshot: "Snapshot", duration: float) -> bool:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
+from higvf_console.core.arguments import one_of
 from higvf_console.core.errors import ScenarioError
 
 CORRECTED, PRINTED = 0.0, 1.0
@@ -59,9 +60,7 @@ def forms_named(name: str) -> Forms:
     Raises:
         ScenarioError: no such set; the message lists them.
     """
-    if name not in FORMS:
-        raise ScenarioError(f"forms {name!r}: choose {', '.join(FORMS)}")
-    return FORMS[name]
+    return FORMS[one_of("forms", name, FORMS, ScenarioError)]
 
 
 def name_of(forms: Forms) -> str:

@@ -7,10 +7,10 @@ argument, what was found and what is expected. Arrays: `core.arrays`.
 import math
 import operator
 import reprlib
-from collections.abc import Sequence
+from collections.abc import Collection
 from typing import Any, TypeVar
 
-from higvf_console.core.errors import ArgumentError, ArgumentTypeError
+from higvf_console.core.errors import ArgumentError, ArgumentTypeError, closest
 
 _Kind = TypeVar("_Kind")
 _BRIEF = reprlib.Repr()
@@ -89,15 +89,27 @@ def whole(name: str, value: object, low: int, high: int | None = None) -> int:
     return found
 
 
-def choice(name: str, value: object, known: Sequence[str]) -> str:
+def one_of(where: str, value: object, known: Collection[str], error: type[Exception] = ArgumentError) -> str:
     """`value`, one of the words `known`.
 
+    Args:
+        where: what it is given as: an argument, a field, a place in a file.
+        value: what was given.
+        known: the choices.
+        error: class of the error.
+
     Raises:
-        ArgumentError: it is none; the message lists them.
+        Exception: of class `error`: it is none; the message names place, value, choices, and the nearest choice.
     """
     if isinstance(value, str) and value in known:
         return str(value)
-    raise ArgumentError(f"{name} is {brief(value)}; expected one of {', '.join(known)}")
+    raise error(f"{where}: {not_one_of(value, known)}")
+
+
+def not_one_of(value: object, known: Collection[str]) -> str:
+    """That a value is none of the words `known`, which of them it may mean, for an error."""
+    hint = closest(value, tuple(known)) if isinstance(value, str) else ""
+    return f"{brief(value)} is not one of {', '.join(known)}{hint}"
 
 
 def sequence(name: str, value: object) -> tuple[Any, ...]:

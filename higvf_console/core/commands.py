@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias
 
-from higvf_console.core.arguments import choice
+from higvf_console.core.arguments import one_of
 from higvf_console.core.arrays import Floats
 from higvf_console.core.command import Command
 from higvf_console.core.edits import (
@@ -74,8 +74,8 @@ class StrokeEnd(Command):
 
     def __post_init__(self) -> None:
         """Checks the words."""
-        choice("StrokeEnd.use", self.use, tuple(StrokeUse))
-        choice("StrokeEnd.ending", self.ending, PATH_ENDINGS)
+        one_of("StrokeEnd.use", self.use, tuple(StrokeUse))
+        one_of("StrokeEnd.ending", self.ending, PATH_ENDINGS)
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ class ShapePath(Command):
     def __post_init__(self) -> None:
         """Checks the word."""
         if self.ending is not None:
-            choice("ShapePath.ending", self.ending, PATH_ENDINGS)
+            one_of("ShapePath.ending", self.ending, PATH_ENDINGS)
 
 
 @dataclass(frozen=True)
@@ -337,7 +337,7 @@ class InjectFault(Command):
 
     def __post_init__(self) -> None:
         """Checks the word."""
-        choice("InjectFault.kind", self.kind, tuple(FaultKind))
+        one_of("InjectFault.kind", self.kind, tuple(FaultKind))
 
 
 class ControlChange(StrEnum):
@@ -366,7 +366,7 @@ class HandOver(Command):
 
     def __post_init__(self) -> None:
         """Checks the word."""
-        choice("HandOver.how", self.how, tuple(ControlChange))
+        one_of("HandOver.how", self.how, tuple(ControlChange))
 
 
 OperatorCommand: TypeAlias = (

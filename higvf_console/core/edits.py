@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from higvf_console.core.arguments import choice
+from higvf_console.core.arguments import one_of
 from higvf_console.core.arrays import Floats
 from higvf_console.core.command import Command
 
@@ -115,4 +115,4 @@ class SetParameters(Edit):
 
 
 def _known_kind(edit: AddEntity | MoveEntity | ChangeEntity | DeleteEntity) -> None:
-    choice(f"{type(edit).__name__}.kind", edit.kind, tuple(EntityKind))
+    one_of(f"{type(edit).__name__}.kind", edit.kind, tuple(EntityKind))

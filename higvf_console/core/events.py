@@ -20,10 +20,16 @@ class Event(NamedTuple):
         time: session time [s].
         severity: how loud.
         kind: machine-readable word, e.g. "extinguished", "target", "path", "infeasible", "refused".
-        text: one sentence.
+        text: one sentence, which nobody needs to parse: whom it is about is told by the fields below.
+        robot: index from 0 of the robot that it is about; None = of none, or of the whole team.
+        fire: index from 0 of the fire, likewise.
+        channel: name of the operator channel; "" = of none.
     """
 
     time: float
     severity: Severity
     kind: str
     text: str
+    robot: int | None = None
+    fire: int | None = None
+    channel: str = ""

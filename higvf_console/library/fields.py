@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from higvf_console.control.guidance.field import FieldKind, field_at
-from higvf_console.core.arguments import choice
+from higvf_console.core.arguments import one_of
 from higvf_console.core.arrays import FARTHEST, Floats, given_floats
 from higvf_console.core.errors import ArgumentError
 from higvf_console.core.state import SimState
@@ -34,7 +34,7 @@ def vector_field(points: ArrayLike, setup: Setup, state: SimState | None = None,
     """
     place = given_setup(setup)
     now = place.start if state is None else given_state(state, place.world)
-    which = _KINDS[choice("kind", kind, tuple(_KINDS))]
+    which = _KINDS[one_of("kind", kind, tuple(_KINDS))]
     where = given_floats("points", points, ("G", 2), most=FARTHEST)
     if not len(now.motion.position):
         raise ArgumentError("setup has no robots; expected at least one, whose field this is")

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from higvf_console.control.guidance import paths
 from higvf_console.control.guidance.field import FieldKind, field_at
 from higvf_console.control.parameters import Parameters, PathParameters, defaults_at
-from higvf_console.core.arguments import choice, instance, number, positive
+from higvf_console.core.arguments import instance, number, one_of, positive
 from higvf_console.core.arrays import FARTHEST, Floats, floats, given_floats
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import ArgumentError
@@ -186,7 +186,7 @@ def _direction(direction: object) -> float:
 
 def _followed(path: Path, ending: object, pace: object, duration: object) -> Path:
     """The path with its terms, each of them checked."""
-    end = choice("ending", ending, tuple(ENDINGS))
+    end = one_of("ending", ending, tuple(ENDINGS))
     share, seconds = number("pace", pace, SLOWEST, FASTEST), number("duration", duration)
     if not seconds > 0.0:
         raise ArgumentError(f"duration is {seconds:g} s; expected a time above 0 s")

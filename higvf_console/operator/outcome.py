@@ -9,15 +9,16 @@ from higvf_console.core.state import NO_PATH, NOBODY, PointerState, SimState
 Outcome: TypeAlias = tuple[SimState, tuple[Event, ...]]
 
 
-def report(time: float, kind: str, text: str) -> tuple[Event, ...]:
+def report(time: float, kind: str, text: str, robot: int | None = None) -> tuple[Event, ...]:
     """One event of severity INFO.
 
     Args:
         time: session time [s].
         kind: machine-readable kind of the event.
         text: sentence for the operator.
+        robot: index of the robot that it is about; None = of none.
     """
-    return (Event(time, Severity.INFO, kind, text),)
+    return (Event(time, Severity.INFO, kind, text, robot=robot),)
 
 
 def refuse(time: float, text: str) -> tuple[Event, ...]:

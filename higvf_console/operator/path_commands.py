@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from higvf_console.control.guidance.paths import EVERYWHERE, nearest, path_points, start_parameter
+from higvf_console.core.arguments import one_of
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
@@ -50,8 +51,7 @@ def with_terms(path: Path, terms: PathTerms) -> Path:
     Raises:
         PathError: a value is outside its range.
     """
-    if terms.ending not in ENDINGS:
-        raise PathError(f"unknown path ending '{terms.ending}'; choose {', '.join(ENDINGS)}")
+    one_of("path ending", terms.ending, ENDINGS, PathError)
     if not SLOWEST <= terms.pace <= FASTEST:
         raise PathError(f"pace {terms.pace:g} is outside {SLOWEST:g} to {FASTEST:g}")
     if not terms.duration >= 0.0:

@@ -34,8 +34,8 @@ def prioritise(state: SimState, command: Prioritise, setup: Setup, time: float) 
     own = floats([[robot, fire, factor] for fire in command.fires], -1, 3)
     state = state._replace(intent=intent._replace(priority=floats(np.concatenate([others, own]))))
     if not command.fires:
-        return state, report(time, "priority", f"Robot {robot + 1} has no prioritised fires.")
+        return state, report(time, "priority", f"Robot {robot + 1} has no prioritised fires.", robot)
     names = ", ".join(str(fire + 1) for fire in command.fires)
     plural = "s" if len(command.fires) > 1 else ""
     text = f"Robot {robot + 1} prioritises fire{plural} {names} with factor {factor:g}."
-    return state, report(time, "priority", text)
+    return state, report(time, "priority", text, robot)

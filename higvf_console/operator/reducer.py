@@ -240,7 +240,8 @@ def _commit(state: SimState, path: Path, robot: int, time: float) -> Outcome:
     drawn = tuple(old for old in state.pointer_state.paths if old is not path)
     state = with_pointer_state(state, paths=(*drawn, path)[-PATHS_KEPT:])
     waits = state.intent.stopped or state.intent.paused
-    return follow(state, path), (*events, Event(time, Severity.WARNING if waits else Severity.INFO, "path", text))
+    severity = Severity.WARNING if waits else Severity.INFO
+    return follow(state, path), (*events, Event(time, severity, "path", text, robot=state.intent.influenced))
 
 
 def _propose(state: SimState, command: ProposePick, time: float) -> Outcome:
@@ -251,7 +252,7 @@ def _propose(state: SimState, command: ProposePick, time: float) -> Outcome:
         return proposal_dropped(state), ()
     trust = "" if command.confidence is None else f" (confidence {command.confidence:.2f})"
     text = f"Robot {robot + 1} is proposed{trust}: commit or discard it within {command.within:g} s."
-    events = report(time, "proposed", text)
+    events = report(time, "proposed", text, robot)
     return with_pointer_state(state, proposed=robot, proposed_until=time + float(command.within)), events
 
 
@@ -287,7 +288,7 @@ def _pick(state: SimState, robot: int, time: float) -> Outcome:
         return state, ()
     motion = state.motion._replace(path_idle=0.0, path_gap=math.inf)
     picked = state._replace(motion=motion, intent=state.intent._replace(influenced=robot))
-    return picked, report(time, "picked", f"Robot {robot + 1} is now the influenced robot.")
+    return picked, report(time, "picked", f"Robot {robot + 1} is now the influenced robot.", robot)
 
 
 def _append_points(state: SimState, source: str, points: Floats) -> SimState:

@@ -34,16 +34,17 @@ def events_between(
     time = now.tick * params.safety.control_period
     events: list[Event] = []
     if was.fire_burning.tobytes() != now.fire_burning.tobytes():
-        for fire in np.flatnonzero(was.fire_burning & ~now.fire_burning):
+        for fire in np.flatnonzero(was.fire_burning & ~now.fire_burning).tolist():
             area = np.pi * now.fire_radius[fire] ** 2
             text = f"Fire {fire + 1} is out; it burnt {measured(area)} m²."
-            events.append(Event(time, Severity.GOOD, "extinguished", text))
+            events.append(Event(time, Severity.GOOD, "extinguished", text, fire=fire))
     if was.path_status != now.path_status:
         events.extend(_path_event(was.path_status, now.path_status, after.intent.influenced, time))
     if was.target.tobytes() != now.target.tobytes():
         target = _common_target(now.target)
         if target not in (NOBODY, _common_target(was.target)):
-            events.append(Event(time, Severity.INFO, "target", f"The team's target is fire {target + 1}."))
+            text = f"The team's target is fire {target + 1}."
+            events.append(Event(time, Severity.INFO, "target", text, fire=target))
     if trace.infeasible.any():
         fresh = trace.infeasible if trace_before is None else trace.infeasible & ~trace_before.infeasible
         events.extend(_alarm(time, "infeasible", i, _INFEASIBLE) for i in np.flatnonzero(fresh).tolist())
@@ -75,28 +76,30 @@ _STAGES = {
 
 def _escalated(was: np.ndarray, now: np.ndarray, time: float) -> list[Event]:
     return [
-        Event(time, _STAGES[recovery_stage][0], "deadlock", f"Robot {i + 1} {_STAGES[recovery_stage][1]}.")
+        Event(time, _STAGES[recovery_stage][0], "deadlock", f"Robot {i + 1} {_STAGES[recovery_stage][1]}.", robot=i)
         for i, recovery_stage in enumerate(now.tolist())
         if recovery_stage > was[i] and recovery_stage in _STAGES
     ]
 
 
 def _alarm(time: float, kind: str, robot: int, trouble: str) -> Event:
-    return Event(time, Severity.ALARM, kind, f"Robot {robot + 1} {trouble}.")
+    return Event(time, Severity.ALARM, kind, f"Robot {robot + 1} {trouble}.", robot=robot)
 
 
 def _path_event(before: int, status: int, influenced: int, time: float) -> list[Event]:
     if before == PathStatus.BREAK_AWAY and status == PathStatus.FOLLOWING:
         return [Event(time, Severity.INFO, "break-away", "The team returns to its path.")]
     if status == PathStatus.FINISHED:
-        return [Event(time, Severity.GOOD, "path", f"Robot {influenced + 1} has finished its path.")]
+        text = f"Robot {influenced + 1} has finished its path."
+        return [Event(time, Severity.GOOD, "path", text, robot=influenced)]
     if status == PathStatus.HOLDING:
-        return [Event(time, Severity.GOOD, "path", f"Robot {influenced + 1} has finished its path; the team waits.")]
+        text = f"Robot {influenced + 1} has finished its path; the team waits."
+        return [Event(time, Severity.GOOD, "path", text, robot=influenced)]
     if status == PathStatus.BREAK_AWAY:
         return [Event(time, Severity.INFO, "break-away", "The team leaves its path for a fire that it has found.")]
     if status == PathStatus.BLOCKED:
         text = f"Robot {influenced + 1} made no progress on its path; the human intention is released."
-        return [Event(time, Severity.WARNING, "path", text)]
+        return [Event(time, Severity.WARNING, "path", text, robot=influenced)]
     return []
 
 

@@ -29,6 +29,7 @@ from higvf_console.ui.interaction.arena import ArenaInteraction, PageActions
 from higvf_console.ui.interaction.calibration import Calibration
 from higvf_console.ui.page import page
 from higvf_console.ui.page.roles import Roles
+from higvf_console.ui.panel import Panel
 from higvf_console.ui.panels.edit import EditPanel
 from higvf_console.ui.panels.files import FilesPanel
 from higvf_console.ui.panels.fires import FiresPanel
@@ -43,9 +44,9 @@ from higvf_console.ui.panels.steer import SteerPanel
 from higvf_console.ui.panels.tune import TunePanel
 from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.panels.why import WhyPanel
-from higvf_console.ui.panels.widgets.html import style_html
 from higvf_console.ui.scene.scene import Scene
 from higvf_console.ui.ui_state import Change, UiState, UiStore, add_alarms, begin_scenario, follow_path, keep_choice
+from higvf_console.ui.widgets.html import style_html
 
 if TYPE_CHECKING:
     from higvf_console.runtime.persistence.drafts import Drafts
@@ -162,7 +163,7 @@ class Console:
             view = ViewPanel(gui, ui)
         with tabs.add_tab("Log"):
             log = LogPanel(self._server, ui)
-        self._panels = (
+        self._panels: tuple[Panel, ...] = (
             card,
             status,
             run,

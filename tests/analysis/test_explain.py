@@ -137,7 +137,7 @@ def test_each_part_belongs_to_whom_it_is_named_after() -> None:
     assert not parts[Part.TARGET].any()
 
 
-def test_shares_of_say_sum_to_one_and_name_who_leads() -> None:
+def test_authority_shares_sum_to_one_and_name_who_leads() -> None:
     alone = [everybody(moved, CROWD).authority for moved in periods(crowded(0), ticks=60)]
     led = [everybody(moved, CROWD).authority for moved in periods(crowded(0), stroke(PATH, 4), 60)]
     for shares in (*alone, *led):

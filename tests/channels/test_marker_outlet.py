@@ -65,7 +65,9 @@ def test_commands_and_events_are_told_and_cursors_are_not(team: Scenario, outlet
     assert "Cursor" not in labels
     expected = {"label": "Pick", "robot": 1, "source": "bci", "confidence": 0.8, "sequence": 0, "time": 0.1}
     assert outlet.pushed[labels.index("Pick")] == expected
-    assert {"paused", "picked"} <= {marker.get("event") for marker in outlet.pushed}
+    events = {marker["event"]: marker for marker in outlet.pushed if "event" in marker}
+    assert events["picked"]["robot"] == 1
+    assert not {"robot", "fire", "channel"} & set(events["paused"]), "it is about the whole team"
 
 
 def test_the_source_id_is_the_same_in_every_run(outlets: list[Outlet]) -> None:

@@ -186,6 +186,31 @@ def test_a_live_run_ends_after_its_duration() -> None:
     command = [sys.executable, "-m", "higvf_console", "run", "empty", *options]
     done = subprocess.run([*command, "--duration", "0.1", "--token", "abc"], capture_output=True, text=True, check=True)
     assert "/?token=abc\n" in done.stdout
+    assert "Warning: --token is deprecated: everybody on this machine can see it; use --token-file FILE" in done.stderr
+
+
+def test_a_file_of_tokens_gives_a_link_for_each_role(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "higvf_console", "run", "empty", "--port", "auto", "--no-browser"]
+    options = ["--duration", "0.1", "--token-file", str(tmp_path / "tokens")]
+    done = subprocess.run([*command, *options], capture_output=True, text=True, check=True)
+    for line in (tmp_path / "tokens").read_text(encoding="utf-8").splitlines():
+        role, token = line.split()
+        assert re.search(rf"Link of an {role}: http://127\.0\.0\.1:\d+/\?token={token}\n", done.stdout)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--token", "abc", "--token-file", "tokens"], "--token and --token-file exclude each other"),
+        (["--certfile", "lab.pem"], "--certfile and --keyfile need each other"),
+        (["--origin", "lab.example"], "--origin lab.example: expected scheme and host"),
+    ],
+)
+def test_options_of_access_that_cannot_be_are_one_line(
+    options: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "empty", "--no-browser", *options]) == 2
+    assert message in capsys.readouterr().err
 
 
 def test_a_headless_run_that_is_told_to_start_at_once_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

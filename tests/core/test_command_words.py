@@ -15,19 +15,19 @@ HERE = floats([1.0, 2.0])
 @pytest.mark.parametrize(
     ("made", "message"),
     [
-        (lambda: StrokeEnd(use="scribble"), "StrokeEnd.use is 'scribble'; expected one of path, redraw, priority, obs"),
-        (lambda: StrokeEnd(ending="stop"), "StrokeEnd.ending is 'stop'; expected one of release, hold, loop"),
-        (lambda: ShapePath(ending="Hold"), "ShapePath.ending is 'Hold'; expected one of release, hold, loop"),
-        (lambda: InjectFault("emg", "melt"), "InjectFault.kind is 'melt'; expected one of freeze, drop, delay"),
-        (lambda: HandOver("a", "stolen"), "HandOver.how is 'stolen'; expected one of first, asked, refused"),
+        (lambda: StrokeEnd(use="scribble"), "StrokeEnd.use: 'scribble' is not one of path, redraw, priority, obs"),
+        (lambda: StrokeEnd(ending="stop"), "StrokeEnd.ending: 'stop' is not one of release, hold, loop"),
+        (lambda: ShapePath(ending="Hold"), "ShapePath.ending: 'Hold' is not one of release, hold, loop"),
+        (lambda: InjectFault("emg", "melt"), "InjectFault.kind: 'melt' is not one of freeze, drop, delay"),
+        (lambda: HandOver("a", "stolen"), "HandOver.how: 'stolen' is not one of first, asked, refused"),
         (
             lambda: AddEntity("lake", HERE),
-            "AddEntity.kind is 'lake'; expected one of robot, fire, circle, bar, polygon",
+            "AddEntity.kind: 'lake' is not one of robot, fire, circle, bar, polygon",
         ),
-        (lambda: MoveEntity("lake", 0, HERE), "MoveEntity.kind is 'lake'"),
-        (lambda: ChangeEntity("lake", 0, "x", 1.0), "ChangeEntity.kind is 'lake'"),
-        (lambda: DeleteEntity("", 0), "DeleteEntity.kind is ''"),
-        (lambda: StrokeEnd(use=3), "StrokeEnd.use is 3"),  # pyright: ignore[reportArgumentType]
+        (lambda: MoveEntity("lake", 0, HERE), "MoveEntity.kind: 'lake'"),
+        (lambda: ChangeEntity("lake", 0, "x", 1.0), "ChangeEntity.kind: 'lake'"),
+        (lambda: DeleteEntity("", 0), "DeleteEntity.kind: ''"),
+        (lambda: StrokeEnd(use=3), "StrokeEnd.use: 3"),  # pyright: ignore[reportArgumentType]
     ],
 )
 def test_an_unknown_word_is_refused_with_the_choices(made: Callable[[], object], message: str) -> None:

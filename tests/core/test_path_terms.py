@@ -61,7 +61,7 @@ def test_a_change_leaves_the_other_terms_as_they_are(terms: PathTerms, change: d
 @pytest.mark.parametrize(
     ("terms", "said"),
     [
-        (PathTerms(ending="stop"), "unknown path ending 'stop'; choose release, hold, loop"),
+        (PathTerms(ending="stop"), "path ending: 'stop' is not one of release, hold, loop"),
         (PathTerms(pace=0.1), "pace 0.1 is outside 0.2 to 1.5"),
         (PathTerms(duration=-1.0), "duration -1 s is not at least 0 s"),
         (PathTerms(duration=math.nan), "duration nan s is not at least 0 s"),

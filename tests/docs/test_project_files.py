@@ -53,6 +53,13 @@ def test_the_hooks_run_what_make_check_runs() -> None:
     assert {hook["entry"] for hook in local["hooks"]} == checks
 
 
+def test_the_public_workflow_runs_actions_by_commit_not_by_a_tag_that_may_move() -> None:
+    text = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
+    actions = re.findall(r"uses: (\S+)", text)
+    assert actions
+    assert all(re.fullmatch(r"[\w/-]+@[0-9a-f]{40}", action) for action in actions)
+
+
 def test_the_public_workflow_covers_the_versions_that_the_readme_names() -> None:
     flow = yaml.safe_load((ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8"))
     (job,) = flow["jobs"].values()

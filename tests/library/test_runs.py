@@ -125,7 +125,8 @@ def test_parameters_are_made_by_name() -> None:
     for wrong, line in (
         ({"safty": {}}, "unknown group"), ({"safety": {"speed": 5}}, "unknown key"),
         ({"safety": 5}, "expected Mapping"),
-        ({"safety": {"speed_limit": -5}}, "-5 is not a number from"), ({"forms": "old"}, "choose corrected"),
+        ({"safety": {"speed_limit": -5}}, "-5 is not a number from"),
+        ({"forms": "old"}, "forms: .old. is not one of corr"),
     ):  # fmt: skip
         with pytest.raises(hc.ArgumentError, match=line):
             hc.make_parameters(**wrong)  # pyright: ignore

@@ -38,13 +38,13 @@ from tests.world.editing.actions import GIVEN, HAIR, SCENE, assert_same, edited_
 WAY = stroke([(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)])
 
 
-def test_without_a_deed_there_is_nothing_to_undo_or_redo() -> None:
+def test_without_an_action_there_is_nothing_to_undo_or_redo() -> None:
     run = edited_run()
     assert run.apply(Undo())[0].text == "Not done: nothing to undo."
     assert run.apply(Redo())[0].text == "Not done: nothing to redo."
 
 
-def test_robots_that_a_deed_did_not_move_stay_where_they_have_come_to() -> None:
+def test_robots_that_an_action_did_not_move_stay_where_they_have_come_to() -> None:
     run = edited_run(ticks=10)
     started = run.state.motion.position[1].copy()
     give(run, MoveEntity("robot", 1, floats([200.0, 600.0])))
@@ -127,7 +127,7 @@ def test_the_history_says_what_was_done_and_when() -> None:
     ]
 
 
-def test_only_so_many_deeds_are_kept() -> None:
+def test_only_so_many_actions_are_kept() -> None:
     run = edited_run()
     for robot in range(KEPT + 5):
         run.apply(Pick(robot % 2 + 1))
@@ -247,7 +247,7 @@ def test_numbers_of_fires_that_are_out_follow_the_edits() -> None:
 
 
 @pytest.mark.parametrize("command", [SetParameters({"blending.cruise_speed": 40.0}), Pick(1), ShapePath(pace=0.5)])
-def test_a_second_undo_takes_out_the_deed_before(command: OperatorCommand) -> None:
+def test_a_second_undo_takes_out_the_action_before(command: OperatorCommand) -> None:
     run = edited_run()
     give(run, *WAY)
     go(run, 5)

@@ -47,12 +47,12 @@ def test_a_path_that_ends_in_a_pocket_is_followed_into_it() -> None:
     assert state.motion.position[0, 0] > 540.0
 
 
-def test_a_stall_climbs_once_each_stall_time() -> None:
+def test_a_stall_reaches_another_stage_once_each_stall_time() -> None:
     times = [0.02 * tick for tick in range(1, 200)]
     assert [time for time in times if passes(time, 1.0, 0.02)] == pytest.approx([1.0, 2.0, 3.0], abs=0.021)
 
 
-def test_a_held_team_tries_the_other_side_then_asks_and_forgets_when_it_is_free() -> None:
+def test_a_held_team_tries_the_other_direction_then_asks_and_forgets_when_it_is_free() -> None:
     walls = [(400, 300, 400, 400, 5), (430, 270, 500, 270, 5), (430, 430, 500, 430, 5)]
     setup = team(robots=[(374.0, 350.0)], bars=walls)
     state = follow(setup.start, sketch_path(floats([(370, 350), (500, 350), (700, 350)]), 4.0))

@@ -23,7 +23,7 @@ from higvf_console.core.commands import (
 from higvf_console.core.interface import ChannelState
 from higvf_console.core.state import PathKind
 from higvf_console.ui.panels.status import StatusStrip
-from higvf_console.ui.panels.widgets.html import TIMES
+from higvf_console.ui.widgets.html import TIMES
 from tests.browser import (
     console_page,
     draw,

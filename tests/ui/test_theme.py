@@ -5,7 +5,6 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from higvf_console.ui.panels.widgets.html import style_html
 from higvf_console.ui.theme import (
     CSS,
     DARK,
@@ -22,6 +21,7 @@ from higvf_console.ui.theme import (
     mesh_rgb,
     vertex_rgb,
 )
+from higvf_console.ui.widgets.html import style_html
 
 BOTH = pytest.mark.parametrize("palette", [DARK, LIGHT], ids=["dark", "light"])
 # WCAG 2.2, success criteria 1.4.3 and 1.4.11: https://www.w3.org/TR/WCAG22/

@@ -29,7 +29,6 @@ from higvf_console.ui.interaction.grips import Drag
 from higvf_console.ui.interaction.tools import Tool
 from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.panels.view import ViewPanel
-from higvf_console.ui.panels.widgets.terms import TermsWidgets
 from higvf_console.ui.theme import LIGHT
 from higvf_console.ui.ui_state import (
     MOST_ALARMS,
@@ -45,6 +44,7 @@ from higvf_console.ui.ui_state import (
     move_drag,
     withdraw_alarms,
 )
+from higvf_console.ui.widgets.terms import TermsWidgets
 from tests.page_actions import no_page
 from tests.teams import team
 

@@ -20,7 +20,7 @@ from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.speed_limit import clipped
 from higvf_console.control.safety.barriers.surroundings import Surroundings, survey
 from higvf_console.control.safety.coupled_constraints import constraint_list, listed_constraints
-from higvf_console.control.safety.hazards import AX, AY, BX, BY, FIRE, KIND, RADIUS, VX, VY, WALL
+from higvf_console.control.safety.hazards import AX, AY, BX, BY, FIRE, KIND, RADIUS, VX, VY, bounded
 from higvf_console.control.safety.nearest_point import OPTIMAL, Constraints, residual
 from higvf_console.control.safety.polish import polish
 from higvf_console.control.safety.safety_filter import filter_velocities
@@ -138,7 +138,7 @@ class _Program:
         if changed.any():
             return False
         shifted = np.hypot(now[:, AX] - then[:, AX], now[:, AY] - then[:, AY])
-        near = now[:, KIND] != WALL
+        near = bounded(now)
         nearer = shifted[near] + np.maximum(around.activation[near] - made.activation[near], 0.0)
         moved = np.hypot(*(around.position - made.position).T)
         return bool(nearer.max(initial=0.0) <= self._skin / 2 and moved.max(initial=0.0) <= self._skin / 2)

@@ -2,7 +2,11 @@
 
     table                       one row per hazard: obstacles, walls, burning fires, in this order
     hazard_constraint           the linear constraint a.v <= b of one row
-    hazard_activation_distance  from where on it cannot matter
+    hazard_outruns              whether it comes faster than a robot can retreat
+    hazard_activation_distance  from where on it cannot matter; infinite for a wall, of which `hazard_matters` decides
+    hazard_gap, hazard_word     how far its surface is, and what people call it
+
+What depends on the kind of a hazard is decided here alone; whoever reads the table calls these functions.
 
 A row is kind, ax, ay, bx, by, radius, vx, vy, growth: a capsule round the spine a-b [m] (of a circle or a fire a
 point), its velocity [m/s] and the growth of its radius [m/s] over the coming control period. A wall has its unit inward
@@ -145,6 +149,34 @@ def within_distance(x: float, y: float, hazards: Floats, k: int, distance: float
         return True
     near_x, near_y = spine_point(x, y, hazards[k, AX], hazards[k, AY], hazards[k, BX], hazards[k, BY])
     return (x - near_x) ** 2 + (y - near_y) ** 2 < distance * distance
+
+
+@kernel
+def hazard_matters(hazards: Floats, k: int, b: float, speed_limit: float) -> bool:
+    """Whether a.v <= b of hazard k can constrain a robot that is near; everybody is near a wall, so its b decides."""
+    return hazards[k, KIND] != WALL or b < speed_limit
+
+
+def bounded(hazards: Floats) -> Bools:
+    """(H,) which hazards have an activation distance; a wall has none."""
+    return hazards[:, KIND] != WALL
+
+
+def hazard_gap(x: float, y: float, hazard: Floats) -> float:
+    """Distance [m] from (x, y) to the surface of a hazard (9,); negative inside an obstacle, or beyond a wall."""
+    if hazard[KIND] == WALL:
+        return float(hazard[AX] * x + hazard[AY] * y - hazard[RADIUS])
+    near_x, near_y = spine_point(x, y, hazard[AX], hazard[AY], hazard[BX], hazard[BY])
+    return float(((x - near_x) ** 2 + (y - near_y) ** 2) ** 0.5 - hazard[RADIUS])
+
+
+def hazard_word(hazard: Floats) -> str:
+    """What people call a hazard (9,): "circle", "bar", "fire" or "wall"."""
+    if hazard[KIND] == WALL:
+        return "wall"
+    if hazard[KIND] == FIRE:
+        return "fire"
+    return "circle" if hazard[AX] == hazard[BX] and hazard[AY] == hazard[BY] else "bar"
 
 
 @kernel

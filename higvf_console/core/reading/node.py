@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, NoReturn, TypeGuard
 
+from higvf_console.core.arguments import one_of
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import HigvfError, ScenarioError, closest
 from higvf_console.core.quantity import COORDINATE, Quantity, checked, shown
@@ -144,9 +145,7 @@ class Node:
         if isinstance(value, str) and value in renamed:
             self.warnings.append(f"{self.where}: {value} is renamed; write {renamed[value]}")
             return renamed[value]
-        if value not in words:
-            raise self.wrong(f"one of {', '.join(words)}")
-        return str(value)
+        return one_of(self.where, value, words, self.raises)
 
     def point(self) -> tuple[float, float]:
         """A ground point [x, y] in m."""

@@ -11,6 +11,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from higvf_console.core.arguments import one_of
 from higvf_console.core.errors import HigvfError
 from higvf_console.core.optional import require
 from higvf_console.lab.bench import deadlock as bench_deadlock
@@ -58,8 +59,7 @@ def run_suite(name: str, as_json: bool, scenes: int | None = None) -> str:
 
         figures = bench_ui.run()
         return json.dumps(figures, indent=2) if as_json else bench_ui.table(figures)
-    if name not in _TIMINGS:
-        raise HigvfError(f"unknown benchmark suite {name!r}; choose {', '.join(SUITES)}")
+    one_of("benchmark suite", name, SUITES, HigvfError)
     suite = _TIMINGS[name]()
     return json.dumps(_plain(name, suite), indent=2) if as_json else _table(suite)
 

@@ -4,6 +4,7 @@ The wire format is that of viser 1.1.1, `viser.infra._infra`: two sizes, a compr
 arrays that the messages refer to, each aligned to 8 bytes.
 """
 
+import re
 import threading
 import time
 from http.client import HTTPConnection
@@ -58,14 +59,14 @@ class ViserClient:
         """
         self.received, self.messages = 0, 0
         self._frames: list[Frame] = []
-        place = urlsplit(url).netloc
+        place, (cookie, key) = urlsplit(url).netloc, _login(url)
         go_first()  # raises the priority of the reading thread, so that the measured load does not delay it
         try:
             self._socket = connect(
-                f"ws://{place}",
+                f"ws://{place}/?key={key}",
                 origin=Origin(f"http://{place}"),
                 subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
-                additional_headers={"Cookie": _cookie(url)},
+                additional_headers={"Cookie": cookie},
                 compression=None,
                 max_size=None,
             )
@@ -100,18 +101,19 @@ class ViserClient:
         self._thread.join()
 
 
-def _cookie(url: str) -> str:
-    """The session cookie that the login link sets."""
+def _login(url: str) -> tuple[str, str]:
+    """The cookie that the login link sets, and the key that its page keeps."""
     parts = urlsplit(url)
     link = HTTPConnection(parts.netloc, timeout=10.0)
     try:
         link.request("GET", f"{parts.path}?{parts.query}")
-        found = link.getresponse().headers.get("Set-Cookie")
+        answer = link.getresponse()
+        cookie, key = answer.headers.get("Set-Cookie"), re.search(r'setItem\(.*, "([\w-]+)"\)', answer.read().decode())
     finally:
         link.close()
-    if found is None:
+    if cookie is None or key is None:
         raise HigvfError(f"{url}: the server does not accept this login link")
-    return found.split(";")[0]
+    return cookie.split(";")[0], key[1]
 
 
 def robots_in(message: bytes) -> Positions | None:

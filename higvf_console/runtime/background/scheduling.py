@@ -4,6 +4,7 @@ Linux keeps this figure for each thread, and a new thread has that of the one th
 who may not ask for more, all stays as it is: control is then late when other programs take all cores.
 """
 
+import gc
 import os
 import sys
 from contextlib import suppress
@@ -19,6 +20,12 @@ def go_first() -> None:
 def stand_back() -> None:
     """Takes that back for this thread: it has no deadline."""
     _change(URGENT, USUAL)
+
+
+def keep_loaded() -> None:
+    """Keeps what is loaded by now out of garbage collections: a full one would hold up a control period by 0.15 s."""
+    gc.collect()
+    gc.freeze()
 
 
 def _change(before: int, after: int) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from higvf_console.analysis.sight import hider_names, sights
 from higvf_console.scenario.ends import EndWhen
 from higvf_console.scenario.scenario import Scenario
-from higvf_console.ui.panels.widgets.html import clock, text
+from higvf_console.ui.widgets.html import clock, text
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot

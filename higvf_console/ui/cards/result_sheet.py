@@ -5,7 +5,7 @@ import math
 from higvf_console.runtime.history import Entry
 from higvf_console.runtime.phase import END_TEXTS
 from higvf_console.runtime.result import RunResult, WithoutOperator
-from higvf_console.ui.panels.widgets.html import DASH, area, clock, nearness, text
+from higvf_console.ui.widgets.html import DASH, area, clock, nearness, text
 
 MOST_ACTIONS = 40  # that are listed
 _ARROW, _MINUS = " \u2192 ", "\u2212"

@@ -1,7 +1,6 @@
 """The card of the run, and what the buttons of all cards do."""
 
 import json
-import logging
 import threading
 import time
 from collections.abc import Callable
@@ -9,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
+from higvf_console.core.arguments import one_of
 from higvf_console.core.commands import ContinueRun, LoadScenario, ResetRun, StartRun
 from higvf_console.core.interface import PointerSink
 from higvf_console.runtime.phase import Phase
@@ -18,15 +18,14 @@ from higvf_console.scenario.kept import Draft, recent_files
 from higvf_console.ui.cards.briefing import ready_html
 from higvf_console.ui.cards.result_sheet import result_html
 from higvf_console.ui.cards.scenarios import LOADING_HTML, Choice, recent_choices, scenarios_html, shipped_choices
+from higvf_console.ui.notice import telling
 from higvf_console.ui.page import cards
-from higvf_console.ui.panels.widgets.html import clock
+from higvf_console.ui.widgets.html import clock
 
 if TYPE_CHECKING:
     from higvf_console.runtime.persistence.drafts import Drafts
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
-
-_log = logging.getLogger(__name__)
 
 
 class RunCard:
@@ -56,7 +55,7 @@ class RunCard:
         self._ready = ""
         self._shipped: tuple[Choice, ...] = ()
         self._recent: tuple[Choice, ...] = ()
-        cards.install(server, self._act)
+        cards.install(server, telling(server, self._act))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows the card of a snapshot's phase."""
@@ -100,9 +99,7 @@ class RunCard:
             "restore": self._restore,
             "dismiss": self._dismiss,
         }
-        if act not in acts:
-            raise ValueError(f"no act {act!r}; acts: {', '.join(acts)}")
-        acts[act]()
+        acts[one_of("button of a card", act, acts)]()
 
     def _again(self) -> None:
         self._decided()
@@ -125,9 +122,8 @@ class RunCard:
 
     def _load(self, value: str) -> None:
         choices = {choice.value: choice for choice in (*self._shipped, *self._recent) if choice.text}
-        if value not in choices:
-            raise ValueError(f"no scenario {value!r}")
-        self._sink.push(LoadScenario(choices[value].text, choices[value].name, waits=self._session.waits))
+        choice = choices[one_of("scenario", value, choices)]
+        self._sink.push(LoadScenario(choice.text, choice.name, waits=self._session.waits))
 
     def _restore(self) -> None:
         draft = self._drafts.take() if self._drafts is not None else None

@@ -7,7 +7,7 @@ from higvf_console.core.errors import HigvfError, ScenarioError
 from higvf_console.scenario.kept import Recent
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario, scenario_names
 from higvf_console.ui.cards.picture import scenario_svg
-from higvf_console.ui.panels.widgets.html import TIMES, text
+from higvf_console.ui.widgets.html import TIMES, text
 
 _NO_PICTURE = '<svg viewBox="0 0 190 110" aria-hidden="true"></svg>'
 

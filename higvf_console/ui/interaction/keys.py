@@ -12,6 +12,7 @@ from typing import NamedTuple
 import viser
 
 from higvf_console.ui.interaction.tools import TOOLS
+from higvf_console.ui.notice import telling
 from higvf_console.ui.page import page
 
 
@@ -84,10 +85,9 @@ def install(server: viser.ViserServer, on_key: Callable[[int, str], None]) -> No
     last_stop: dict[int, int] = {}
 
     def handle(client_id: int, body: page.Body) -> None:
-        name, number = body.get("name"), body.get("number")
-        if not is_key(name) or not isinstance(number, int):
-            raise ValueError(f"no key {str(name)[:60]!r}; keys: pick_1, {', '.join(sorted(NAMES))}")
-        assert isinstance(name, str)
+        name, number = body["name"], body["number"]
+        if not is_key(name):
+            raise ValueError(f"no key {name!r}; keys: pick_1, {', '.join(sorted(NAMES))}")
         if name != "stop":
             on_key(client_id, name)
             return
@@ -103,7 +103,7 @@ def install(server: viser.ViserServer, on_key: Callable[[int, str], None]) -> No
     def forget(client_id: int) -> None:
         last_stop.pop(client_id, None)
 
-    page.listen(server, "key", handle)
+    page.listen(server, "key", telling(server, handle))
     page.listen(server, "alive", answer)
     page.on_leave(server, forget)
     config = {
@@ -116,9 +116,9 @@ def install(server: viser.ViserServer, on_key: Callable[[int, str], None]) -> No
     show_stopped(server, False)
 
 
-def is_key(name: object) -> bool:
+def is_key(name: str) -> bool:
     """Whether `on_key` may be called with this."""
-    return isinstance(name, str) and (name in NAMES or _PICK.fullmatch(name) is not None)
+    return name in NAMES or _PICK.fullmatch(name) is not None
 
 
 def show_robots(server: viser.ViserServer, robots: int) -> None:

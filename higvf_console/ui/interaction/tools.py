@@ -6,8 +6,10 @@ from typing import NamedTuple
 
 import viser
 
+from higvf_console.core.arguments import one_of
 from higvf_console.core.commands import StrokeUse
 from higvf_console.core.edits import EntityKind
+from higvf_console.ui.notice import telling
 from higvf_console.ui.page import page
 
 
@@ -123,15 +125,13 @@ def install(
     """
 
     def choose(client_id: int, body: page.Body) -> None:
-        name = body.get("name")
+        name = body["name"]
         if name in ("undo", "redo"):
-            on_key(client_id, str(name))
+            on_key(client_id, name)
             return
-        if name not in list(Tool):
-            raise ValueError(f"no tool {name!r}; tools: {', '.join(Tool)}")
-        on_tool(client_id, Tool(str(name)))
+        on_tool(client_id, Tool(one_of("tool", name, tuple(Tool))))
 
-    page.listen(server, "tool", choose)
+    page.listen(server, "tool", telling(server, choose))
     tools = [{"name": tool.value, **look._asdict()} for tool, look in TOOLS.items()]
     page.install(server, "tools", {"tools": tools})
 

@@ -21,10 +21,7 @@ def install(server: viser.ViserServer, on_act: Callable[[int, str, str], None]) 
     """
 
     def act(client_id: int, body: page.Body) -> None:
-        name, value = body.get("act"), body.get("value")
-        if not isinstance(name, str) or not isinstance(value, str):
-            raise ValueError("an act has a name and a value, both text")
-        on_act(client_id, name, value)
+        on_act(client_id, body["act"], body["value"])
 
     page.listen(server, "card", act)
     page.install(server, "cards", {})

@@ -21,11 +21,13 @@ class Page(NamedTuple):
         identity: its own secret; the same after a reload.
         name: as people read it.
         last_seen: when it last gave a sign of life [s].
+        may_steer: whether it can be given control; an observer cannot.
     """
 
     identity: str
     name: str
     last_seen: float
+    may_steer: bool = True
 
 
 class Change(NamedTuple):
@@ -72,26 +74,42 @@ class Control(NamedTuple):
 Outcome = tuple[Control, Change | None]
 
 
-def heartbeat(control: Control, identity: str, now: float) -> Outcome:
+def heartbeat(control: Control, identity: str, now: float, *, may_steer: bool = True) -> Outcome:
     """A page gave a sign of life at `now` [s]; one that was not there has come.
 
+    Where there is no room, the page that was silent longest is forgotten: an observer, or else one that does not steer.
+
     Raises:
-        ValueError: there are too many pages already.
+        ValueError: an observer has come, and all pages may steer.
     """
     if control.page(identity) is not None:
         pages = tuple(page._replace(last_seen=now) if page.identity == identity else page for page in control.pages)
         control = control._replace(pages=pages)
-    elif len(control.pages) >= MOST_PAGES:
-        raise ValueError(f"{MOST_PAGES} pages are remembered already")
     else:
+        if len(control.pages) >= MOST_PAGES:
+            control = _with_room(control, may_steer)
         former = next((page for page in control.former if page.identity == identity), None)
         number = control.names_given + (former is None)
-        page = Page(identity, former.name if former else f"Browser {number}", now)
+        page = Page(identity, former.name if former else f"Browser {number}", now, may_steer)
         others = tuple(page for page in control.former if page is not former)
         control = control._replace(pages=(*control.pages, page), names_given=number, former=others)
-        if not control.holder:
+        if not control.holder and may_steer:
             return _given(control, identity, ControlChange.FIRST, identity)
     return control, None
+
+
+def _with_room(control: Control, may_steer: bool) -> Control:
+    """Without the page that can be spared most."""
+    spared = [page for page in control.pages if not page.may_steer]
+    if not spared and may_steer:
+        spared = [page for page in control.pages if page.identity != control.holder]
+    if not spared:
+        raise ValueError(f"{MOST_PAGES} pages that may steer are here already")
+    gone = min(spared, key=lambda page: page.last_seen)
+    return control._replace(
+        pages=tuple(page for page in control.pages if page is not gone),
+        waiting=tuple(identity for identity in control.waiting if identity != gone.identity),
+    )
 
 
 def forgotten(control: Control, now: float, timeout: float) -> Outcome:

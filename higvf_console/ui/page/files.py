@@ -2,17 +2,16 @@
 
 import base64
 import binascii
-import logging
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import viser
 
 from higvf_console.ui.page import page
+from higvf_console.ui.page.message_filter import settings_of
+from higvf_console.ui.page.message_table import PIECE_BYTES
 
-_log = logging.getLogger(__name__)
 MOST_BYTES = 16_000_000
-PIECE = 400_000  # bytes of one message
 
 Received = Callable[[int, str, bytes], None]  # client, name and content of a file
 
@@ -52,17 +51,18 @@ def install(
         choose(kind, client_id): opens the file chooser of a page that has just been clicked.
     """
     growing: dict[int, _Growing] = {}
+    refusals = settings_of(server).refusals
 
     def piece(client_id: int, body: page.Body) -> None:
-        name, kind, content = str(body.get("name"))[:200], body.get("kind"), body.get("content")
-        part, parts, size = (body.get(key) for key in ("part", "parts", "size"))
-        if kind not in kinds or not isinstance(content, str) or not all(type(n) is int for n in (part, parts, size)):
-            raise ValueError("not a piece of a file")
-        if int(size) > MOST_BYTES or not 0 < int(parts) <= MOST_BYTES // PIECE + 1:  # pyright: ignore[reportArgumentType]
+        name, kind, content = body["name"][:200], body["kind"], body["content"]
+        part, parts, size = body["part"], body["parts"], body["size"]
+        if kind not in kinds:
+            raise ValueError(f"no kind {kind!r} of files; kinds: {', '.join(kinds)}")
+        if size > MOST_BYTES or not 0 < parts <= MOST_BYTES // PIECE_BYTES + 1:
             growing.pop(client_id, None)
-            refused(client_id, name, f"{int(size) / 1e6:.1f} MB are too many; at most {MOST_BYTES / 1e6:g} MB")  # pyright: ignore[reportArgumentType]
+            refused(client_id, name, f"{size / 1e6:.1f} MB are too many; at most {MOST_BYTES / 1e6:g} MB")
             return
-        known = _Growing(name, str(kind), int(parts), ()) if part == 0 else growing.get(client_id)  # pyright: ignore[reportArgumentType]
+        known = _Growing(name, kind, parts, ()) if part == 0 else growing.get(client_id)
         if known is None or (known.name, known.kind, known.parts, len(known.content)) != (name, kind, parts, part):
             growing.pop(client_id, None)
             raise ValueError(f"piece {part} of {name!r} came where another was due")
@@ -78,7 +78,7 @@ def install(
             except ValueError as error:
                 refused(client_id, name, str(error))
             except Exception as error:  # a decoder of pictures raises whatever the content makes it raise
-                _log.exception("file %r", name)
+                refusals.tell("failed file", f"page {client_id}", f"file {name!r}", failure=error)
                 refused(client_id, name, f"it cannot be read ({type(error).__name__})")
 
     def forget(client_id: int) -> None:
@@ -89,5 +89,5 @@ def install(
 
     page.listen(server, "file", piece)
     page.on_leave(server, forget)
-    page.install(server, "files", {"most": MOST_BYTES, "piece": PIECE})
+    page.install(server, "files", {"most": MOST_BYTES, "piece": PIECE_BYTES})
     return choose

@@ -12,7 +12,6 @@ viser replays scripts whenever a page reconnects; `browser_js/page.js` keeps one
 
 import hashlib
 import json
-import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -22,15 +21,12 @@ import viser
 from viser import _messages
 from viser.infra import WebsockClientConnection, WebsockServer
 
+from higvf_console.ui.page.access import Role
+from higvf_console.ui.page.message_filter import FilteredConnection, settings_of
+from higvf_console.ui.page.refusals import Refusals
+
 Body: TypeAlias = dict[str, Any]
 WIDGET = "widget"  # topic under which `gate` asks about viser's own widgets, palette and scene
-# Of viser's messages, those that tell of the page itself and change nothing.
-_HARMLESS = (
-    _messages.GetRenderResponseMessage,
-    _messages.LocalStorageGetItemResponseMessage,
-    _messages.ViewerCameraMessage,
-)
-_log = logging.getLogger(__name__)
 
 
 @dataclass
@@ -90,8 +86,10 @@ def call(server: viser.ViserServer, name: str, method: str, argument: object, cl
 def listen(server: viser.ViserServer, topic: str, callback: Callable[[int, Body], None]) -> None:
     """Calls `callback(client_id, body)` for each message of a topic, in order, on viser's event loop.
 
-    A callback must return at once. A ValueError that it raises refuses the message: it is logged and dropped.
+    A callback must return at once. The body has the fields of `message_table.BODIES`. A ValueError that it raises
+    refuses the message: it is logged and dropped.
     """
+    refusals = settings_of(server).refusals
 
     def handle(client_id: int, message: PageMessage) -> None:
         if message.topic != topic:
@@ -99,20 +97,24 @@ def listen(server: viser.ViserServer, topic: str, callback: Callable[[int, Body]
         try:
             callback(client_id, message.body)
         except ValueError as error:
-            _log.warning("page %d: refused a %r message: %s", client_id, topic, error)
+            refusals.tell(topic, f"page {client_id}", f"{topic}: {error}")
+        except Exception as error:
+            refusals.tell(f"failed {topic}", f"page {client_id}", f"{topic}: {error}", failure=error)
 
     _sockets(server).register_handler(PageMessage, handle)
 
 
 def gate(server: viser.ViserServer, allows: Callable[[int, str, Body], bool]) -> None:
-    """Drops what a page may not do; a widget that it touched shows its true value there again.
+    """Drops what a page may not do, and values that a widget cannot have.
+
+    A widget that a page may not touch shows its true value there again.
 
     Args:
         server: whose pages are meant; their camera and the like are never asked about.
         allows: asked as `allows(client_id, topic, body)` on viser's event loop; for viser's own messages the topic is
             `WIDGET` and the body has the "uuid" of the widget or palette command, where there is one.
     """
-    sockets = _sockets(server)
+    sockets, refusals = _sockets(server), settings_of(server).refusals
     handle = sockets._handle_incoming_message  # pyright: ignore[reportPrivateUsage]
 
     async def handle_allowed(client_id: Any, message: Any) -> None:
@@ -120,12 +122,22 @@ def gate(server: viser.ViserServer, allows: Callable[[int, str, Body], bool]) ->
             topic, body = message.topic, message.body
         else:
             topic, body = WIDGET, {"uuid": getattr(message, "uuid", None)}
-        if isinstance(message, _HARMLESS) or allows(client_id, topic, body):
+        widget = isinstance(message, _messages.GuiUpdateMessage)
+        if not isinstance(message, _messages.ViewerCameraMessage) and not allows(client_id, topic, body):
+            if widget:
+                _show_true_value(server, message.uuid, client_id)
+        elif widget and (reason := _misfit(server, message)):
+            refusals.tell("widget", f"page {client_id}", reason)
+        else:
             await handle(client_id, message)
-        elif isinstance(message, _messages.GuiUpdateMessage):
-            _show_true_value(server, message.uuid, client_id)
 
     sockets._handle_incoming_message = handle_allowed  # pyright: ignore[reportPrivateUsage]
+
+
+def refusals_of(client: viser.ClientHandle | None) -> Refusals:
+    """Where it is told that a page did what cannot be done; None = the page has gone."""
+    server = getattr(client, "_viser_server", None)
+    return Refusals() if server is None else settings_of(server).refusals
 
 
 def uuid_of(command: viser.CommandHandle) -> str:
@@ -140,6 +152,41 @@ def on_leave(server: viser.ViserServer, callback: Callable[[int], None]) -> None
         callback(connection.client_id)
 
     _sockets(server).on_client_disconnect(left)
+
+
+def dropped(server: viser.ViserServer) -> dict[int, int]:
+    """By page, how many messages were dropped since the last call because the page sent too many; from any thread."""
+    counts: dict[int, int] = {}
+    for client_id, connection in list(_sockets(server)._live_connections.items()):  # pyright: ignore[reportPrivateUsage]
+        if isinstance(connection, FilteredConnection) and connection.pace.dropped:
+            counts[client_id], connection.pace.dropped = connection.pace.dropped, 0
+    return counts
+
+
+def role_of(server: viser.ViserServer, client_id: int) -> Role:
+    """The role of the login by which a page was opened; without a guard, everybody has the highest."""
+    connection = _sockets(server)._live_connections.get(client_id)  # pyright: ignore[reportArgumentType, reportPrivateUsage, reportCallIssue]
+    login = connection.login if isinstance(connection, FilteredConnection) else None
+    return Role.EXPERIMENTER if login is None else login.role
+
+
+def _misfit(server: viser.ViserServer, message: _messages.GuiUpdateMessage) -> str | None:
+    """Why a widget cannot have the value that a page gives it; None where it can, or is gone."""
+    widget: Any = server.gui._gui_input_handle_from_uuid.get(message.uuid)  # pyright: ignore[reportPrivateUsage]
+    if widget is None:
+        return None
+    given, true = message.updates.get("value"), widget._impl.value
+    kinds = {bool: bool, int: int, float: int | float, str: str}
+    if type(true) in kinds and not (
+        isinstance(given, kinds[type(true)]) and isinstance(given, bool) is (type(true) is bool)
+    ):
+        return f"a widget whose value is {true!r} was given {given!r}"
+    options, least, most = (getattr(widget, name, None) for name in ("options", "min", "max"))
+    if options is not None and given not in options:
+        return f"{given!r} is not among the choices {', '.join(map(str, options))}"
+    if (least is not None and given < least) or (most is not None and given > most):
+        return f"{given!r} is not within {least} to {most}"
+    return None
 
 
 def _show_true_value(server: viser.ViserServer, uuid: str, client_id: int) -> None:

@@ -13,13 +13,18 @@ from time import monotonic
 
 import viser
 
-from higvf_console.core.commands import Command, HandOver, OperatorCommand
+from higvf_console.core.commands import Command, HandOver, InjectFault, LoadScenario, OperatorCommand
+from higvf_console.core.edits import Edit
 from higvf_console.core.interface import PointerSink
 from higvf_console.ui.page import control_lease, page
+from higvf_console.ui.page.access import Role
 from higvf_console.ui.page.control_lease import Control, Outcome
+from higvf_console.ui.page.message_filter import settings_of
 
 FREE_TOPICS = frozenset({"alive", "control", "hello", "landscape", "viewport"})  # of what every page may send
-_IDENTITY_LENGTH = (16, 64)  # characters
+EXPERIMENTER_TOPICS = frozenset({"file"})
+EXPERIMENTER_ACTS = frozenset({"dismiss", "load", "own_file", "restore"})  # of the topic "card"
+NEEDS_EXPERIMENTER = (Edit, InjectFault, LoadScenario)  # commands; all others are an operator's
 
 
 class Roles:
@@ -60,15 +65,19 @@ class Roles:
         page.install(self._server, "roles", {})
 
     def allow(self, uuid: str) -> None:
-        """Lets every page use a widget or palette command."""
+        """Lets every page use a widget or palette command, a command at any pace: what stops the team."""
         self._free.add(uuid)
+        settings_of(self._server).stops.add(uuid)
 
     def steers(self, client_id: int) -> bool:
         """Whether a page has control."""
-        return self._identities.get(client_id, "-") == self._control.holder
+        return self._identities.get(client_id, "-") == self._control.holder and self._role(client_id).may(Role.OPERATOR)
 
     def push(self, command: OperatorCommand) -> None:
         """A command of the page that steers; callable from any thread."""
+        client = self._steering
+        if client is not None and isinstance(command, NEEDS_EXPERIMENTER) and not self._has(client, Role.EXPERIMENTER):
+            return
         self._push(command, self._control.name(self._control.holder))
 
     def push_of(self, client_id: int, command: OperatorCommand) -> None:
@@ -80,30 +89,50 @@ class Roles:
         self._sink.heartbeat()
 
     def update(self) -> None:
-        """Forgets pages that have fallen silent; to be called a few times a second, from any thread."""
+        """Forgets pages that have fallen silent, and tells those that send too much.
+
+        To be called a few times a second, from any thread.
+        """
         with self._lock:
             self._follow(control_lease.forgotten(self._control, monotonic(), self.timeout))
+        for client_id, count in page.dropped(self._server).items():
+            page.call(self._server, "roles", "slowed", count, client_id)
+        if (access := settings_of(self._server).access) is not None:
+            access.refresh()
 
     def _push(self, command: OperatorCommand, name: str) -> None:
         self._sink.push(replace(command, operator=name or Command.operator))
 
     def _may(self, client_id: int, topic: str, body: page.Body) -> bool:
-        if topic in FREE_TOPICS or (topic == "key" and body.get("name") == "stop"):
+        if topic in FREE_TOPICS or (topic == "key" and body["name"] == "stop"):
             return True
-        if (topic == page.WIDGET and body.get("uuid") in self._free) or self.steers(client_id):
+        if topic == page.WIDGET and body.get("uuid") in self._free:
             return True
+        if self.steers(client_id):
+            edits = topic in EXPERIMENTER_TOPICS or (topic == "card" and body["act"] in EXPERIMENTER_ACTS)
+            return not edits or self._has(client_id, Role.EXPERIMENTER)
         # Putting a notification away, or ending a stroke that was refused, is no try at steering.
-        if topic != "read" and (topic != "stroke" or body.get("phase") != "cancel"):
+        if topic != "read" and (topic != "stroke" or body["phase"] != "cancel"):
             page.call(self._server, "roles", "refused", None, client_id)
         return False
 
+    def _role(self, client_id: int) -> Role:
+        return page.role_of(self._server, client_id)
+
+    def _has(self, client_id: int, role: Role) -> bool:
+        """Whether a page's login has a role; the page is told where it has not."""
+        if self._role(client_id).may(role):
+            return True
+        page.call(self._server, "roles", "lacks", [role, self._role(client_id)], client_id)
+        return False
+
     def _hello(self, client_id: int, body: page.Body) -> None:
-        identity = body.get("identity")
-        shortest, longest = _IDENTITY_LENGTH
-        if not isinstance(identity, str) or not shortest <= len(identity) <= longest:
-            raise ValueError(f"an identity has {shortest} to {longest} characters")
+        identity = body["identity"]
         with self._lock:
-            outcome = control_lease.heartbeat(self._control, identity, monotonic())
+            if self._identities.get(client_id, identity) != identity:
+                raise ValueError("a page keeps its identity")
+            may_steer = self._role(client_id).may(Role.OPERATOR)
+            outcome = control_lease.heartbeat(self._control, identity, monotonic(), may_steer=may_steer)
             # The newest connection speaks for a page; an older one is cut off already, or of a copy of the page.
             for other in [other for other, known in self._identities.items() if known == identity]:
                 if other != client_id:
@@ -115,7 +144,9 @@ class Roles:
                 self.heartbeat()
 
     def _click(self, client_id: int, body: page.Body) -> None:
-        act, name = body.get("act"), body.get("page")
+        act, name = body["act"], body["page"]
+        if not self._has(client_id, Role.OPERATOR):
+            return
         with self._lock:
             control, identity = self._control, self._identities.get(client_id, "")
             match act:
@@ -125,10 +156,8 @@ class Roles:
                     self._follow(control_lease.taken(control, identity))
                 case "release":
                     self._follow(control_lease.released(control, identity))
-                case "grant" | "refuse":
-                    self._follow(control_lease.answered(control, identity, str(name), granted=act == "grant"))
                 case _:
-                    raise ValueError(f"{act!r}: expected ask, take, release, grant or refuse")
+                    self._follow(control_lease.answered(control, identity, name, granted=act == "grant"))
 
     def _leave(self, client_id: int) -> None:
         with self._lock:
@@ -149,7 +178,7 @@ class Roles:
         if change is not None:
             self._sink.push(HandOver(change.page, change.how, operator=change.by))
         for client_id, identity in self._identities.items():
-            view = role_of(self._control, identity)
+            view = role_of(self._control, identity) | {"role": self._role(client_id)}
             if self._shown.get(client_id) != view:
                 self._shown[client_id] = view
                 page.call(self._server, "roles", "show", view, client_id)

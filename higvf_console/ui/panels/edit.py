@@ -11,10 +11,10 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.edits import ChangeEntity, DeleteEntity, LinkByRange, SetArena
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.viewport import Arena
-from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, reaction, truth
-from higvf_console.ui.panels.widgets.html import block
-from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
 from higvf_console.ui.ui_state import UiStore
+from higvf_console.ui.widgets.callbacks import SETTLE_S, mirror, reaction, truth
+from higvf_console.ui.widgets.html import block
+from higvf_console.ui.widgets.number import NumberField, NumberRange
 from higvf_console.world.editing.entities import NUMBERS, EntityRef, exists, name_of, numbers_of
 from higvf_console.world.layout import Layout
 

@@ -1,6 +1,5 @@
 """Scenarios to and from the operator's computer, and an overhead image with the obstacles in it."""
 
-import logging
 from collections.abc import Callable
 from functools import partial
 from pathlib import PurePath
@@ -14,13 +13,14 @@ from higvf_console.core.errors import ScenarioError
 from higvf_console.core.interface import PointerSink
 from higvf_console.runtime.background.worker import submitted
 from higvf_console.scenario.writer import scenario_yaml
+from higvf_console.ui.notice import tell
 from higvf_console.ui.page import files
-from higvf_console.ui.panels.widgets.callbacks import number_in, one_of, reaction
-from higvf_console.ui.panels.widgets.html import block, text
-from higvf_console.ui.panels.widgets.notice import tell
-from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
+from higvf_console.ui.page.message_filter import settings_of
 from higvf_console.ui.scene.background import Background
 from higvf_console.ui.ui_state import UiStore, move_background
+from higvf_console.ui.widgets.callbacks import chosen, number_in, reaction
+from higvf_console.ui.widgets.html import block, text
+from higvf_console.ui.widgets.number import NumberField, NumberRange
 from higvf_console.world.editing.overhead import Pixels, outlines_in, read_picture
 from higvf_console.world.masks import MaskPlace
 from higvf_console.world.setup import Setup
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
 _DARK, _BRIGHT = "Dark", "Bright"
 _SCENARIO, _IMAGE = "scenario", "image"
-_log = logging.getLogger(__name__)
 
 
 class FilesPanel:
@@ -165,7 +164,7 @@ class FilesPanel:
 
     def _trace(self, shade: object) -> None:
         background = self._ui.state.background
-        bright = one_of(shade, {_DARK: False, _BRIGHT: True})
+        bright = chosen(shade, {_DARK: False, _BRIGHT: True})
         if background is None:
             return
         threshold = number_in(self._threshold.value, 0, 255)
@@ -183,7 +182,7 @@ class FilesPanel:
         self._said = ""
 
     def _refuse(self, client_id: int, name: str, reason: str) -> None:
-        _log.warning("file %r: %s", name, reason)
+        settings_of(self._server).refusals.tell("file", f"page {client_id}", f"file {name!r}: {reason}")
         self._said = f"{name}: {reason}"
         tell(self._server.get_clients().get(client_id), self._said)
 

@@ -6,10 +6,10 @@ import numpy as np
 import viser
 
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.ui.panels.widgets.chart import Curve, chart_svg
-from higvf_console.ui.panels.widgets.html import DASH, area, block, dot
-from higvf_console.ui.scene.fires import fire_look
 from higvf_console.ui.theme import CSS
+from higvf_console.ui.widgets.chart import Curve, chart_svg
+from higvf_console.ui.widgets.fire_table import fire_table_html
+from higvf_console.ui.widgets.html import area, block
 
 if TYPE_CHECKING:
     from higvf_console.analysis.baseline import Baseline
@@ -65,7 +65,7 @@ class FiresPanel:
         baseline = self._session.baseline
         chart = chart_html(*self._history.curve(), baseline)
         self._chart.content = chart + summary_html(snapshot.time, total, baseline)
-        self._table.content = table_html(snapshot)
+        self._table.content = fire_table_html(snapshot)
 
 
 def chart_html(time: Floats, loss: Floats, baseline: "Baseline | None") -> str:
@@ -83,24 +83,3 @@ def summary_html(time: float, total: float, baseline: "Baseline | None") -> str:
         other = float(np.interp(time, baseline.time, baseline.loss_area))
         line += f' <span class="dim">without operator {area(other)}</span>'
     return block(line)
-
-
-def table_html(snapshot: "Snapshot") -> str:
-    """Number, state, radius, loss and crew of each fire."""
-    look = fire_look(snapshot.state, snapshot.trace, snapshot.setup)
-    rows, digits = list[str](), snapshot.setup.params.scale.decimals - 2
-    for fire, radius in enumerate(snapshot.state.motion.fire_radius):
-        burning, fought = bool(look.burning[fire]), bool(look.fought[fire])
-        if not burning:
-            state = f"{dot(CSS.scorched_edge)}out"
-        elif fought or look.progress[fire] > 0.0:
-            state = f"{dot(CSS.progress if fought else CSS.fire_edge)}{look.progress[fire]:.0%} put out"
-        else:
-            state = f"{dot(CSS.fire_edge)}burning"
-        crew = f"{snapshot.trace.crew[fire]}/{snapshot.setup.world.fire_needs[fire]}" if burning else DASH
-        rows.append(
-            f'<tr class="{"" if burning else "out"}"><td>{fire + 1}</td><td>{state}</td><td>{radius:.{digits}f}</td>'
-            f"<td>{area(snapshot.loss_area[fire])}</td><td>{crew}</td></tr>"
-        )
-    head = "<tr><th>Fire</th><th>State</th><th>Radius m</th><th>Loss m²</th><th>Crew</th></tr>"
-    return block(f"<table><thead>{head}</thead><tbody>{''.join(rows)}</tbody></table>")

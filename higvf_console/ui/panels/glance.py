@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from higvf_console.ui.panels.fires import table_html
-from higvf_console.ui.panels.log import log_html
-from higvf_console.ui.panels.widgets.html import block
 from higvf_console.ui.ui_state import UiStore
+from higvf_console.ui.widgets.event_list import log_html
+from higvf_console.ui.widgets.fire_table import fire_table_html
+from higvf_console.ui.widgets.html import block
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
@@ -26,7 +26,7 @@ class GlancePanel:
     def update(self, snapshot: "Snapshot") -> None:
         """Shows a snapshot."""
         burns = len(snapshot.setup.world.fire_position) > 0
-        self._fires.content = _titled("Fires", table_html(snapshot)) if burns else ""
+        self._fires.content = _titled("Fires", fire_table_html(snapshot)) if burns else ""
         messages = log_html(snapshot.events, self._ui.state.alarms, MOST_MESSAGES)
         self._messages.content = _titled("Latest messages", messages) if snapshot.events else ""
 

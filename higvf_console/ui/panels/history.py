@@ -7,8 +7,8 @@ import viser
 from higvf_console.core.commands import Redo, Undo
 from higvf_console.core.interface import PointerSink
 from higvf_console.runtime.history import Entry, History
-from higvf_console.ui.panels.widgets.callbacks import one_of, reaction
-from higvf_console.ui.panels.widgets.html import block, clock, text
+from higvf_console.ui.widgets.callbacks import chosen, reaction
+from higvf_console.ui.widgets.html import block, clock, text
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
@@ -25,7 +25,7 @@ class HistoryPanel:
         self._shown: History | None = None
         with gui.add_folder("History"):
             self._buttons = gui.add_button_group("History", (_UNDO, _REDO), hint="Ctrl+Z, Ctrl+Y")
-            self._buttons.on_click(reaction(lambda value: sink.push(one_of(value, {_UNDO: Undo(), _REDO: Redo()}))))
+            self._buttons.on_click(reaction(lambda value: sink.push(chosen(value, {_UNDO: Undo(), _REDO: Redo()}))))
             self._list = gui.add_html("")
 
     def update(self, snapshot: "Snapshot") -> None:

@@ -7,10 +7,10 @@ import viser
 from higvf_console.core.commands import Acknowledge
 from higvf_console.core.interface import ChannelState, PointerSink
 from higvf_console.core.reports import Calibrated
-from higvf_console.ui.panels.widgets.callbacks import reaction
-from higvf_console.ui.panels.widgets.faults import FaultWidgets
-from higvf_console.ui.panels.widgets.html import block
-from higvf_console.ui.panels.widgets.inputs_tables import (
+from higvf_console.ui.widgets.callbacks import reaction
+from higvf_console.ui.widgets.faults import FaultWidgets
+from higvf_console.ui.widgets.html import block
+from higvf_console.ui.widgets.inputs_tables import (
     attention_html,
     calibration_html,
     channels_html,

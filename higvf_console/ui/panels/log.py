@@ -1,24 +1,22 @@
 """What happened, in a list, and which alarms wait to be read."""
 
 import time as clock
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import viser
 
 from higvf_console.core.events import Event, Severity
+from higvf_console.ui.messages import cause_lasts, newer
 from higvf_console.ui.page import page
-from higvf_console.ui.panels.messages import cause_lasts, newer
-from higvf_console.ui.panels.widgets.callbacks import reaction
-from higvf_console.ui.panels.widgets.html import block, severity_colour, text
-from higvf_console.ui.panels.widgets.html import clock as session_clock
 from higvf_console.ui.theme import hex_rgb
 from higvf_console.ui.ui_state import UiStore, acknowledge_alarms, add_alarms, withdraw_alarms
+from higvf_console.ui.widgets.callbacks import reaction
+from higvf_console.ui.widgets.event_list import alarms_text, log_html
+from higvf_console.ui.widgets.html import block, severity_colour
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
-MOST_SHOWN = 30
 ALARM_S = 5.0  # an alarm stands at least so long, however short its cause
 _NOTHING = block('<span class="dim">Nothing has happened yet.</span>')
 
@@ -45,7 +43,7 @@ class LogPanel:
 
     def _read(self, _client_id: int, body: page.Body) -> None:
         """A page has put an alarm away: it is acknowledged."""
-        self._ui.change(acknowledge_alarms(str(body.get("text"))))
+        self._ui.change(acknowledge_alarms(body["text"]))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Lists what is new, and withdraws the alarms whose cause has ended."""
@@ -70,20 +68,3 @@ class LogPanel:
         ]
         if ended:
             self._ui.change(withdraw_alarms(ended))
-
-
-def alarms_text(count: int) -> str:
-    """So many alarms, in words."""
-    return f"{count} alarm{'' if count == 1 else 's'}"
-
-
-def log_html(events: Sequence[Event], unread: Sequence[Event] = (), most: int = MOST_SHOWN) -> str:
-    """The last events, newest first, at most `most`; alarms that nobody has acknowledged stand out."""
-    waiting = {id(alarm) for alarm in unread}
-    lines = "".join(
-        f'<div style="border-color:{severity_colour(event.severity)}">'
-        f'<span class="dim">{session_clock(event.time)}</span>'
-        f"<span{' class=alarm' if id(event) in waiting else ''}>{text(event.text)}</span></div>"
-        for event in reversed(events[-most:])
-    )
-    return block(f'<div class="log">{lines}</div>')

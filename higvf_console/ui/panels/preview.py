@@ -11,8 +11,8 @@ from higvf_console.core.interface import PointerSink
 from higvf_console.core.numbers import measured
 from higvf_console.core.state import NOBODY
 from higvf_console.operator.reducer import proposal, waiting
-from higvf_console.ui.panels.widgets.callbacks import one_of, reaction
-from higvf_console.ui.panels.widgets.html import area, block, nearness
+from higvf_console.ui.widgets.callbacks import chosen, reaction
+from higvf_console.ui.widgets.html import area, block, nearness
 
 if TYPE_CHECKING:
     from higvf_console.runtime.background.previewer import Previewer
@@ -45,7 +45,7 @@ class PreviewPanel:
 
     def _act(self, value: object) -> None:
         actions: dict[str, Any] = {_COMMIT: Confirm(), _REDRAW: Discard(proposal=False), _DISCARD: Discard()}
-        self._sink.push(one_of(value, actions))
+        self._sink.push(chosen(value, actions))
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows what waits and what is foreseen."""

@@ -4,23 +4,22 @@ The buttons stand in the strip over the arena (`browser_js/strip.js`); this modu
 """
 
 import time as clock
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import viser
 
+from higvf_console.core.arguments import one_of
 from higvf_console.core.commands import Acknowledge, Freeze, Pause, ResetRun, Resume, SetSpeed, Step
 from higvf_console.core.interface import PointerSink
+from higvf_console.ui.notice import telling
 from higvf_console.ui.page import page
-from higvf_console.ui.panels.widgets.callbacks import one_of
-from higvf_console.ui.panels.widgets.html import TIMES
 from higvf_console.ui.run_state import FROZEN, PAUSED
+from higvf_console.ui.widgets.speeds import SPEEDS
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
-SPEEDS: dict[str, Any] = {f"{factor:g}{TIMES}": factor for factor in (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)}
 CONFIRM_S = 4.0  # within which a reset must be confirmed
-ACTS = ("pause", "freeze", "step", "speed", "reset", "acknowledge")
 
 
 class RunControls:
@@ -32,7 +31,7 @@ class RunControls:
         self._paused, self._frozen = False, False
         self._asked = -CONFIRM_S
         self._shown: bool | None = None
-        page.listen(server, "run", self._act)
+        page.listen(server, "run", telling(server, self._act))
         hints = {
             "pause": f"Pause or resume (P). Paused: {PAUSED.text}",
             "freeze": f"Freeze or run the clock (Z). Frozen: {FROZEN.text}",
@@ -46,9 +45,9 @@ class RunControls:
         """A button of the strip was pressed.
 
         Raises:
-            ValueError: there is no such button or value.
+            ValueError: there is no such speed.
         """
-        match body.get("act"):
+        match body["act"]:
             case "pause":
                 self._sink.push(Resume() if self._paused else Pause())
             case "freeze":
@@ -58,13 +57,11 @@ class RunControls:
                     self._sink.push(Freeze(True))
                 self._sink.push(Step())
             case "speed":
-                self._sink.push(SetSpeed(one_of(body.get("value"), SPEEDS)))
+                self._sink.push(SetSpeed(SPEEDS[one_of("speed", body["value"], SPEEDS)]))
             case "reset":
                 self._reset()
-            case "acknowledge":
+            case _:
                 self._sink.push(Acknowledge())
-            case act:
-                raise ValueError(f"{act!r} is none of {', '.join(ACTS)}")
 
     def _reset(self) -> None:
         now = clock.monotonic()
@@ -80,8 +77,3 @@ class RunControls:
         if asked != self._shown:
             self._shown = asked
             page.call(self._server, "strip", "asked", asked)
-
-
-def nearest_speed(factor: float) -> str:
-    """The name of the offered speed that is nearest to a factor."""
-    return min(SPEEDS, key=lambda name: abs(SPEEDS[name] - factor))

@@ -9,31 +9,21 @@ import viser
 
 from higvf_console.control.guidance.paths import point_at
 from higvf_console.core.events import Event
-from higvf_console.core.interface import ChannelHealth, ChannelState
+from higvf_console.core.interface import ChannelState
 from higvf_console.core.state import Motion, Path, PathKind, PathStatus, SimState
 from higvf_console.sim.events import too_near
+from higvf_console.ui.messages import LatestMessage, newer
 from higvf_console.ui.page import page
-from higvf_console.ui.panels.log import alarms_text
-from higvf_console.ui.panels.messages import LatestMessage, newer
-from higvf_console.ui.panels.run import nearest_speed
-from higvf_console.ui.panels.standing import standing_text
-from higvf_console.ui.panels.widgets.html import clock, nearness, severity_colour, text
 from higvf_console.ui.run_state import run_states
-from higvf_console.ui.theme import CSS
+from higvf_console.ui.standing import standing_text
 from higvf_console.ui.ui_state import UiStore
+from higvf_console.ui.widgets.channel_mark import channel_html
+from higvf_console.ui.widgets.event_list import alarms_text
+from higvf_console.ui.widgets.html import clock, nearness, severity_colour, text
+from higvf_console.ui.widgets.speeds import nearest_speed
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
-
-# Shape and word tell the state; the colour only repeats it.
-CHANNEL_MARK = {
-    ChannelState.NEVER_SEEN: ("\u25cb", CSS.scorched_text),  # circle
-    ChannelState.LIVE: ("\u25cf", CSS.fighting),  # disc
-    ChannelState.STALE: ("\u25d0", CSS.warning),  # half a disc
-    ChannelState.LOST: ("\u2715", CSS.alarm),  # cross
-    ChannelState.RECOVERED: ("\u25b2", CSS.warning),  # triangle
-    ChannelState.ENDED: ("\u25a0", CSS.scorched_text),  # square
-}
 
 
 class StatusStrip:
@@ -165,14 +155,3 @@ def filter_line(snapshot: "Snapshot") -> str:
     if snapshot.deadlock_s > 0.0:
         past.append(f"robots held for {snapshot.deadlock_s:.1f} s")
     return now + (f' <span class="dim">({", ".join(past)})</span>' if past else "")
-
-
-def channel_html(name: str, health: ChannelHealth) -> str:
-    """One input: a mark whose shape and colour tell its state, its name, and the state in words unless it is live."""
-    mark, colour = CHANNEL_MARK[health.state]
-    grave = health.state in (ChannelState.LOST, ChannelState.RECOVERED)
-    word = f' <span class="{"alarm" if grave else "dim"}">{text(health.state.value)}</span>'
-    return (
-        f'<span class="channel" title="{text(health.detail)}"><span class="mark" style="color:{colour}">{mark}</span>'
-        f"{text(name)}{'' if health.state is ChannelState.LIVE else word}</span>"
-    )

@@ -20,11 +20,11 @@ from higvf_console.core.commands import (
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.state import NO_PATH, Path
 from higvf_console.operator.path_commands import in_hand, path_words
-from higvf_console.ui.panels.widgets.callbacks import one_of, reaction
-from higvf_console.ui.panels.widgets.html import TIMES, block
-from higvf_console.ui.panels.widgets.picker import RobotPicker
-from higvf_console.ui.panels.widgets.terms import TermsWidgets
 from higvf_console.ui.ui_state import UiStore, end_of_stroke
+from higvf_console.ui.widgets.callbacks import chosen, reaction
+from higvf_console.ui.widgets.html import TIMES, block
+from higvf_console.ui.widgets.picker import RobotPicker
+from higvf_console.ui.widgets.terms import TermsWidgets
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
@@ -87,13 +87,13 @@ class SteerPanel:
             _OPEN: ShapePath(closed=False),
             _NEXT: NextTask(),
         }
-        self._sink.push(one_of(value, actions))
+        self._sink.push(chosen(value, actions))
 
     def _take_up(self, value: object) -> None:
         names = {name: number for number, name in enumerate(self._names())}
-        number = one_of(self._drawn.value, names)
+        number = chosen(self._drawn.value, names)
         if number < len(self._paths):
-            self._sink.push(one_of(value, {_FOLLOW: TakeUpPath(number), _FORGET: ForgetPath(number)}))
+            self._sink.push(chosen(value, {_FOLLOW: TakeUpPath(number), _FORGET: ForgetPath(number)}))
 
     def _names(self) -> tuple[str, ...]:
         names = tuple(f"{number}: {path_words(path)}" for number, path in enumerate(self._paths, 1))

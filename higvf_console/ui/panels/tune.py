@@ -11,10 +11,10 @@ from higvf_console.core.edits import SetParameters
 from higvf_console.core.events import Event
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.scale import USUAL_SCALE, Scale
-from higvf_console.ui.panels.log import newer
-from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, one_of, reaction
-from higvf_console.ui.panels.widgets.html import block, text
-from higvf_console.ui.panels.widgets.number import NumberField, NumberRange, labelled, typed_form
+from higvf_console.ui.messages import newer
+from higvf_console.ui.widgets.callbacks import SETTLE_S, chosen, mirror, reaction
+from higvf_console.ui.widgets.html import block, text
+from higvf_console.ui.widgets.number import NumberField, NumberRange, labelled, typed_form
 from higvf_console.world.editing.parameters import FIXED, parameter, parameter_names, quantity_of
 from higvf_console.world.editing.presets import AS_IN_THE_SCENARIO, PRESETS, preset_name, preset_values
 
@@ -44,11 +44,11 @@ class TunePanel:
             tuple(names),
             hint="Multiplies values of the scenario; values that the preset does not name stay unchanged",
         )
-        self._preset.on_update(reaction(lambda value: self._take(value) if one_of(value, names) is None else None))
+        self._preset.on_update(reaction(lambda value: self._take(value) if chosen(value, names) is None else None))
         groups = {title_of(name.split(".")[0]): name.split(".")[0] for name in parameter_names()}
         self._group = next(iter(groups.values()))
         self._choice = gui.add_dropdown("Group", tuple(groups), hint="Part of the controller that uses them")
-        self._choice.on_update(reaction(lambda value: self._choose(one_of(value, groups))))
+        self._choice.on_update(reaction(lambda value: self._choose(chosen(value, groups))))
         self._head = gui.add_html("")
         self._fields = {name: self._make_field(gui, name) for name in parameter_names()}
         self._note = gui.add_html("")

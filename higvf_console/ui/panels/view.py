@@ -6,11 +6,11 @@ import viser
 
 from higvf_console.control.guidance.field import FieldKind
 from higvf_console.ui.interaction.tools import TOOLS
-from higvf_console.ui.panels.widgets.callbacks import mirror, one_of, reaction, truth
-from higvf_console.ui.panels.widgets.html import block
 from higvf_console.ui.run_state import FROZEN, PAUSED, STOPPED
 from higvf_console.ui.theme import CSS, TEXT_SIZES, THEMES
 from higvf_console.ui.ui_state import MOST_LINKED, UiStore, change_look
+from higvf_console.ui.widgets.callbacks import chosen, mirror, reaction, truth
+from higvf_console.ui.widgets.html import block
 
 if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
@@ -48,15 +48,15 @@ class ViewPanel:
         self._field.on_update(reaction(self._choose))
         self._switches = {name: self._make_switch(gui, name, *words) for name, words in SWITCHES.items()}
         self._theme = gui.add_dropdown("Theme", tuple(THEMES), hint="Applies to every page")
-        self._theme.on_update(reaction(lambda value: self._wear(palette=one_of(value, THEMES))))
+        self._theme.on_update(reaction(lambda value: self._wear(palette=chosen(value, THEMES))))
         self._text = gui.add_dropdown(
             "Text size", tuple(TEXT_SIZES), initial_value="Normal", hint="Applies to every page"
         )
-        self._text.on_update(reaction(lambda value: self._wear(text=one_of(value, TEXT_SIZES))))
+        self._text.on_update(reaction(lambda value: self._wear(text=chosen(value, TEXT_SIZES))))
         gui.add_html(block(key_html()))
 
     def _choose(self, value: object) -> None:
-        self._ui.update(field=one_of(value, FIELDS))
+        self._ui.update(field=chosen(value, FIELDS))
 
     def _wear(self, **changes: Any) -> None:
         self._ui.change(change_look(**changes))

@@ -10,12 +10,12 @@ from higvf_console.analysis.explain import explain
 from higvf_console.analysis.sight import sights
 from higvf_console.core.arrays import ints
 from higvf_console.sim.certificates import certificates
-from higvf_console.ui.panels.widgets.authority import AuthorityHistory, bands_svg, legend_html
-from higvf_console.ui.panels.widgets.callbacks import mirror, reaction, truth
-from higvf_console.ui.panels.widgets.html import block
-from higvf_console.ui.panels.widgets.picker import RobotPicker
-from higvf_console.ui.panels.widgets.why_tables import certificate_html, parts_html, rows_html, sight_html
 from higvf_console.ui.ui_state import UiStore, robot_explained
+from higvf_console.ui.widgets.authority import AuthorityHistory, bands_svg, legend_html
+from higvf_console.ui.widgets.callbacks import mirror, reaction, truth
+from higvf_console.ui.widgets.html import block
+from higvf_console.ui.widgets.picker import RobotPicker
+from higvf_console.ui.widgets.why_tables import certificate_html, parts_html, rows_html, sight_html
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session

@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
+from higvf_console.core.arguments import one_of
 from higvf_console.core.arrays import Floats, bools, floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import LONGEST_STEP, DeviceClock
@@ -203,7 +204,7 @@ def choose_format(file: TextFile, name: str | None, formats: Sequence[_Known]) -
         if known.name == name or (name is None and known.matches(file)):
             return known
     if name is not None:
-        raise InputError(f"format: {name!r} is not one of {', '.join(known.name for known in formats)}")
+        one_of("format", name, [known.name for known in formats], InputError)
     raise unknown_format(file, [(known.name, known.title) for known in formats])
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from higvf_console.core.arguments import one_of
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
 from higvf_interfaces.decisions import interface as decisions
@@ -78,9 +79,7 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
             return kind.describe(request)
     sought = [(known.name, known.title) for known in (*GAZE_FORMATS, *SIGNAL_FORMATS, *DECISION_FORMATS)]
     if request.options.has("format"):
-        raise InputError(
-            f"format: {request.options.text('format')!r} is not one of {', '.join(name for name, _ in sought)}"
-        )
+        one_of("format", request.options.text("format"), [name for name, _ in sought], InputError)
     raise unknown_format(request.file, sought)
 
 

@@ -1,4 +1,4 @@
-"""The guiding and the composite vector field: limits, level sets, circulation on one side."""
+"""The guiding and the composite vector field: limits, level sets, circulation in one direction."""
 
 import math
 
@@ -81,23 +81,23 @@ def composite(vx: float, vy: float, x: float, y: float, circulation: int, own: i
     return composite_velocity(vx, vy, x, y, 0, ints([[circulation]]), own, *NOWHERE, DISC, WORLD, BOUNDARIES, Forms())
 
 
-def test_outside_every_ring_the_velocity_passes_bit_for_bit() -> None:
+def test_outside_every_boundary_the_velocity_passes_bit_for_bit() -> None:
     assert composite(3.1, -0.7, 200.0, 10.0, 1) == (3.1, -0.7)
 
 
-def test_a_robot_that_heads_out_of_a_ring_is_left_alone() -> None:
+def test_a_robot_that_heads_out_of_a_boundary_is_left_alone() -> None:
     assert composite(5.0, 1.0, 66.0, 0.0, 1) == (5.0, 1.0)
 
 
 @pytest.mark.parametrize("circulation", [1, -1, 2, -2])
-def test_at_the_repulsive_boundary_the_robot_circulates_on_the_agreed_side_at_full_speed(circulation: int) -> None:
+def test_at_the_repulsive_boundary_the_robot_circulates_in_the_agreed_direction_at_full_speed(circulation: int) -> None:
     vx, vy = composite(-9.0, 0.5, 64.0, 0.0, circulation)
     assert vx == pytest.approx(0.0)
     assert vy == pytest.approx(math.copysign(math.hypot(9.0, 0.5), circulation))
 
 
 @pytest.mark.parametrize("bearing", [0.3, 1.7, 3.0, -2.0])
-def test_the_side_is_counter_clockwise_for_plus_from_every_bearing(bearing: float) -> None:
+def test_the_circulation_is_counter_clockwise_for_plus_from_every_bearing(bearing: float) -> None:
     cos, sin = math.cos(bearing), math.sin(bearing)
     assert composite(-9.0 * cos, -9.0 * sin, 64.0 * cos, 64.0 * sin, 1) == pytest.approx((-9.0 * sin, 9.0 * cos))
 
@@ -106,26 +106,26 @@ def test_a_robots_own_fire_is_no_obstacle_to_it() -> None:
     assert composite(-9.0, 0.5, 64.0, 0.0, 1, own=0) == (-9.0, 0.5)
 
 
-def sides(
+def agreed_directions(
     positions: list[tuple[float, float]], velocities: list[tuple[float, float]], influenced: int, before: Ints
 ) -> Ints:
     one, nobody = np.zeros(len(positions), np.int64), np.zeros(len(positions), np.bool_)
     return agree_circulation(floats(velocities), floats(positions), before, one, influenced, nobody, DISC, BOUNDARIES)
 
 
-def test_the_first_robot_that_heads_inward_sets_the_side_for_its_whole_component() -> None:
-    agreed = sides([(70, 0), (70, 10)], [(-5, 1), (-5, -9)], NOBODY, ints([[0], [0]]))
+def test_the_first_robot_that_heads_inward_sets_the_direction_for_its_whole_component() -> None:
+    agreed = agreed_directions([(70, 0), (70, 10)], [(-5, 1), (-5, -9)], NOBODY, ints([[0], [0]]))
     assert agreed.tolist() == [[1], [1]]
 
 
-def test_the_influenced_robot_sets_the_side_anew_once() -> None:
-    agreed = sides([(70, 0), (70, 10)], [(-5, 1), (-5, -9)], 1, ints([[1], [1]]))
+def test_the_influenced_robot_sets_the_direction_anew_once() -> None:
+    agreed = agreed_directions([(70, 0), (70, 10)], [(-5, 1), (-5, -9)], 1, ints([[1], [1]]))
     assert agreed.tolist() == [[-2], [-2]]
-    assert sides([(70, 0), (70, 10)], [(-5, 1), (-5, 9)], 1, agreed).tolist() == [[-2], [-2]]
+    assert agreed_directions([(70, 0), (70, 10)], [(-5, 1), (-5, 9)], 1, agreed).tolist() == [[-2], [-2]]
 
 
-def test_the_side_is_cleared_when_the_ring_is_empty() -> None:
-    assert sides([(90, 0), (90, 10)], [(-5, 1), (-5, 1)], 1, ints([[2], [2]])).tolist() == [[0], [0]]
+def test_the_direction_is_cleared_when_nobody_is_inside_the_boundary() -> None:
+    assert agreed_directions([(90, 0), (90, 10)], [(-5, 1), (-5, 1)], 1, ints([[2], [2]])).tolist() == [[0], [0]]
 
 
 def test_components_agree_apart() -> None:

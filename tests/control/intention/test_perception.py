@@ -106,7 +106,7 @@ def test_without_a_target_the_largest_visible_fire_is_chosen_or_none() -> None:
     assert choose_target(floats([0.0, 0.0]), NOBODY, 0.0, 1.05) == (NOBODY, 0.0)
 
 
-def test_the_robot_intention_points_at_the_fire_and_fades_at_the_hold_ring() -> None:
+def test_the_robot_intention_points_at_the_fire_and_fades_at_the_hold_distance() -> None:
     hold = 30.0 + 0.5 * (SAFETY.obstacle_clearance + FIRES.stand_off)
     far = robot_intention(0, 0, 0.4, 300, 400, 30, PERCEPTION, SAFETY, FIRES, Forms())
     assert far == pytest.approx((0.24, 0.32))

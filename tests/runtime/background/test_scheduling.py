@@ -1,5 +1,6 @@
 """Control goes first where the system allows it, and what has no deadline does not."""
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -8,7 +9,7 @@ from threading import Thread
 import pytest
 
 from higvf_console.lab.bench.console_page import console_of
-from higvf_console.runtime.background.scheduling import URGENT, USUAL, go_first, stand_back
+from higvf_console.runtime.background.scheduling import URGENT, USUAL, go_first, keep_loaded, stand_back
 from tests.browser import wait_until
 
 pytestmark = pytest.mark.skipif(
@@ -60,3 +61,13 @@ def test_a_live_console_controls_and_shows_first_and_waits_and_looks_ahead_as_ot
 
         wait_until(lambda: count(USUAL) >= 3)  # main, previews, the run without an operator
         assert count(URGENT) >= 3  # control, view, server
+
+
+def test_what_is_loaded_is_kept_out_of_collections() -> None:
+    before = gc.get_freeze_count()
+    try:
+        keep_loaded()
+        assert gc.get_freeze_count() > before + 10_000
+        assert len(gc.get_objects()) < 10_000
+    finally:
+        gc.unfreeze()

@@ -154,11 +154,27 @@ def test_no_two_pages_ever_have_the_same_name() -> None:
     assert heartbeat(control, "b", 9.0)[0].name("b") == "Browser 2"
 
 
-def test_more_pages_than_can_be_remembered_are_refused() -> None:
+def test_where_there_is_no_room_the_page_that_was_silent_longest_goes_and_never_the_one_that_steers() -> None:
     full = with_pages(*(str(number) for number in range(MOST_PAGES)))
-    with pytest.raises(ValueError, match=str(MOST_PAGES)):
-        heartbeat(full, "one more", 0.0)
-    assert heartbeat(full, "3", 1.0)[1] is None
+    full, _ = done(full, lambda c: heartbeat(c, "1", 1.0), lambda c: asked(c, "2"))
+    later, change = heartbeat(full, "one more", 2.0)
+    assert change is None
+    assert len(later.pages) == MOST_PAGES
+    assert (later.holder, later.page("2"), later.waiting) == ("0", None, ())
+    assert later.page("1") and later.page("one more")
+
+
+def test_observers_get_no_control_and_leave_room_for_those_who_may_steer() -> None:
+    control = Control()
+    for number in range(MOST_PAGES):
+        control, change = heartbeat(control, f"observer {number}", float(number), may_steer=False)
+        assert change is None
+    control, change = heartbeat(control, "operator", 0.0)
+    assert change == Change(ControlChange.FIRST, f"Browser {MOST_PAGES + 1}", f"Browser {MOST_PAGES + 1}")
+    assert control.page("observer 0") is None
+    full = with_pages(*(str(number) for number in range(MOST_PAGES)))
+    with pytest.raises(ValueError, match=f"{MOST_PAGES} pages that may steer"):
+        heartbeat(full, "observer", 1.0, may_steer=False)
 
 
 IDENTITIES = st.sampled_from(["a", "b", "c", ""])

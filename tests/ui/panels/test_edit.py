@@ -5,13 +5,13 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import viser
+from tests.ui.panels.test_number import Widget
 
 from higvf_console.core.edits import ChangeEntity, EntityKind
 from higvf_console.ui.panels.edit import EditPanel
 from higvf_console.ui.ui_state import UiStore
 from higvf_console.world.editing.entities import EntityRef
 from tests.teams import team
-from tests.ui.panels.test_number import Widget
 
 
 class Gui:

@@ -6,7 +6,7 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.interface import ChannelHealth, ChannelState
 from higvf_console.core.reports import AttentionReport, CalibrationReport, CaptureReport, DecisionReport
 from higvf_console.core.viewport import Arena
-from higvf_console.ui.panels.widgets.inputs_tables import (
+from higvf_console.ui.widgets.inputs_tables import (
     MOST_ROBOTS,
     STAGE_WORDS,
     attention_html,

@@ -1,8 +1,6 @@
 """What the panels say, and what they take from a page; pure, without a browser."""
 
-import logging
 import math
-import time
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,20 +15,19 @@ from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState
 from higvf_console.core.state import PathStatus, SimState
 from higvf_console.sim.simulation import advance
-from higvf_console.ui.panels.fires import MOST_SAMPLES, LossHistory, summary_html, table_html
-from higvf_console.ui.panels.log import MOST_SHOWN, log_html
+from higvf_console.ui.panels.fires import MOST_SAMPLES, LossHistory, summary_html
 from higvf_console.ui.panels.preview import preview_html
-from higvf_console.ui.panels.run import nearest_speed
 from higvf_console.ui.panels.status import (
-    CHANNEL_MARK,
-    channel_html,
     filter_line,
     margin_line,
     steering_line,
 )
-from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror, number_in, one_of, reaction, truth
-from higvf_console.ui.panels.widgets.chart import Curve, chart_svg
-from higvf_console.ui.panels.widgets.html import area, clock
+from higvf_console.ui.widgets.channel_mark import CHANNEL_MARK, channel_html
+from higvf_console.ui.widgets.chart import Curve, chart_svg
+from higvf_console.ui.widgets.event_list import MOST_SHOWN, log_html
+from higvf_console.ui.widgets.fire_table import fire_table_html
+from higvf_console.ui.widgets.html import area, clock
+from higvf_console.ui.widgets.speeds import nearest_speed
 from tests.teams import team
 
 SETUP = team(fires=[(500.0, 250.0, 20.0), (300.0, 450.0, 30.0)])
@@ -157,55 +154,11 @@ def test_the_fire_table_tells_burning_fought_and_out_apart() -> None:
     motion = STATE.motion._replace(fire_burning=np.array([False, True]), fire_progress=floats([1.0, 0.75]))
     burnt = floats([1256.6, 2827.4])
     shown = SimpleNamespace(setup=SETUP, state=STATE._replace(motion=motion), trace=TRACE, loss_area=burnt)
-    html = table_html(shown)  # pyright: ignore[reportArgumentType]
+    html = fire_table_html(shown)  # pyright: ignore[reportArgumentType]
     assert ">out<" in html
     assert "50% put out" in html
     assert "0/2" in html
     assert "1\u202f257" in html
-
-
-def test_values_that_no_widget_offers_are_refused() -> None:
-    for value in ("nothing", 3, None, ["Off"]):
-        with pytest.raises(ValueError, match="is not one of Off"):
-            one_of(value, {"Off": None})
-    for value in (math.nan, math.inf, -1, 10.5, "5", True, None):
-        with pytest.raises(ValueError, match="from 0 to 10"):
-            number_in(value, 0, 10)
-    with pytest.raises(ValueError, match="neither True nor False"):
-        truth("True")
-    assert one_of("Off", {"Off": 7}) == 7
-    assert number_in(10, 0, 10) == 10.0
-    assert truth(False) is False
-
-
-def fire(reacts: Any, value: object, client_id: int | None = 1) -> None:
-    target = SimpleNamespace(value=value)
-    with pytest.raises(StopIteration):  # it waits for nothing, so one step runs it to its end
-        reacts(SimpleNamespace(client_id=client_id, client=None, target=target)).send(None)
-
-
-def test_a_callback_takes_a_page_s_value_but_not_the_console_s_own(caplog: pytest.LogCaptureFixture) -> None:
-    taken: list[object] = []
-    reacts = reaction(taken.append)
-    fire(reacts, "from a page")
-    fire(reacts, "from the console", client_id=None)
-    assert taken == ["from a page"]
-    assert caplog.records == []
-
-
-def test_a_callback_that_fails_is_logged_and_does_not_raise(caplog: pytest.LogCaptureFixture) -> None:
-    fire(reaction(lambda value: one_of(value, {"Off": None})), "evil")
-    fire(reaction({}.__delitem__), "anything")
-    assert [record.levelno for record in caplog.records] == [logging.WARNING, logging.ERROR]
-
-
-def test_a_widget_that_was_just_touched_is_left_alone_until_the_session_has_answered() -> None:
-    touched = SimpleNamespace(value="8", update_timestamp=time.time())
-    settled = SimpleNamespace(value="8", update_timestamp=time.time() - 2 * SETTLE_S)
-    put_back = SimpleNamespace(value="8", update_timestamp=time.time() + 3600.0)  # the machine's clock, since then
-    for widget in (touched, settled, put_back):
-        mirror(widget, "1")  # pyright: ignore[reportArgumentType]
-    assert (touched.value, settled.value, put_back.value) == ("8", "1", "1")
 
 
 def test_the_speed_list_shows_the_nearest_offered_speed() -> None:

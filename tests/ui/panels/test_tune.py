@@ -17,7 +17,7 @@ from higvf_console.ui.panels.tune import (
     note_html,
     shown,
 )
-from higvf_console.ui.panels.widgets.number import number_typed
+from higvf_console.ui.widgets.number import number_typed
 from higvf_console.world.editing.parameters import FIXED, parameter_names, quantity_of
 
 PARAMETERS = Parameters()

@@ -1,6 +1,7 @@
 """The panel of tunables in a real browser: typed, refused, preset, put back, undone."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Locator, Page
@@ -12,6 +13,7 @@ from higvf_console.ui.theme import LIGHT, USUAL_LOOK
 from higvf_console.world.editing.presets import preset_name
 from tests.browser import console_page, screenshot, told, wait_until
 from tests.consoles import Running, console_at_work
+from tests.roles import send
 
 pytestmark = pytest.mark.browser
 
@@ -118,6 +120,20 @@ def test_a_preset_is_one_step_and_its_name_is_known(page: Page, running: Running
     page.get_by_role("tab", name="Tune", exact=True).press("Control+z")
     wait_until(lambda: params_of(running) == scenario)
     wait_until(lambda: page.get_by_label("Preset", exact=True).first.input_value() == "As in the scenario")
+
+
+def test_a_value_and_a_message_that_no_page_sends_are_refused_in_its_line(page: Page, running: Running) -> None:
+    presets = page.get_by_label("Preset", exact=True).first
+    gui: Any = running.server.gui
+    (uuid,) = [uuid for uuid, widget in gui._gui_input_handle_from_uuid.items() if widget.label == "Preset"]
+    before = params_of(running)
+    send(page, type="GuiUpdateMessage", uuid=uuid, updates={"value": "Cautius"})
+    wait_until(told(page, "Preset: 'Cautius' is not one of As in the scenario, "))
+    screenshot(page, "refused-value")
+    send(page, type="PageMessage", topic="run", body={"act": "fly"})
+    wait_until(told(page, "button of the strip: 'fly' is not one of pause, freeze, step, speed, reset, acknowledge"))
+    assert params_of(running) is before
+    wait_until(lambda: presets.input_value() == "As in the scenario")
 
 
 def test_what_is_fixed_for_a_run_cannot_be_typed_and_says_so(page: Page) -> None:

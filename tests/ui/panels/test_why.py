@@ -19,15 +19,6 @@ from higvf_console.runtime.snapshot import Snapshot
 from higvf_console.sim.certificates import Certificate
 from higvf_console.ui.interaction.arena import ArenaInteraction
 from higvf_console.ui.page.roles import Roles
-from higvf_console.ui.panels.widgets.authority import SPAN, AuthorityHistory, bands_svg, legend_html
-from higvf_console.ui.panels.widgets.why_tables import (
-    MOST_ROWS,
-    certificate_html,
-    parts_html,
-    rows_html,
-    sight_html,
-    signed,
-)
 from higvf_console.ui.scene.reasons import (
     LONGEST,
     READABLE,
@@ -40,6 +31,15 @@ from higvf_console.ui.scene.reasons import (
 )
 from higvf_console.ui.theme import DARK, LIGHT, Palette, vertex_rgb
 from higvf_console.ui.ui_state import UiState, UiStore
+from higvf_console.ui.widgets.authority import SPAN, AuthorityHistory, bands_svg, legend_html
+from higvf_console.ui.widgets.why_tables import (
+    MOST_ROWS,
+    certificate_html,
+    parts_html,
+    rows_html,
+    sight_html,
+    signed,
+)
 from tests.page_actions import no_page
 from tests.teams import team
 

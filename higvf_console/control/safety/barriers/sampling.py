@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.control.parameters import SafetyParameters
-from higvf_console.control.safety.hazards import AX, AY, BX, BY, FIRE, GROWTH, KIND, RADIUS, VX, VY, WALL
+from higvf_console.control.safety.hazards import GROWTH, RADIUS, VX, VY, hazard_word
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import FilterError
 
@@ -49,7 +49,7 @@ def sampling_conditions(hazards: Floats, safety: SafetyParameters) -> tuple[Samp
     """
     limit, margin, rate = safety.speed_limit, safety.obstacle_clearance, safety.obstacle_gain
     found = [_round("pair", safety.robot_clearance, 2.0 * limit, safety.pair_gain, safety.control_period)]
-    kinds = np.array([_kind(hazard) for hazard in hazards])
+    kinds = np.array([hazard_word(hazard) for hazard in hazards])
     for kind in _KINDS:
         of_kind = hazards[kinds == kind]
         if not len(of_kind):
@@ -93,14 +93,6 @@ def least_stand_off(fire_radius: float, growth: float, safety: SafetyParameters)
     clearance = fire_radius + safety.obstacle_clearance
     h = (2.0 * growth / (safety.obstacle_gain * clearance)) ** (1.0 / 3.0)
     return safety.obstacle_clearance + clearance * (math.sqrt(1.0 + h) - 1.0)
-
-
-def _kind(hazard: Floats) -> str:
-    if hazard[KIND] == WALL:
-        return "wall"
-    if hazard[KIND] == FIRE:
-        return "fire"
-    return "circle" if hazard[AX] == hazard[BX] and hazard[AY] == hazard[BY] else "bar"
 
 
 def _round(kind: str, clearance: float, closing: float, rate: float, period: float) -> SamplingCondition:

@@ -15,9 +15,9 @@ from higvf_console.control.safety.hazards import (
     RADIUS,
     VX,
     VY,
-    WALL,
     hazard_activation_distance,
     hazard_constraint,
+    hazard_matters,
     hazard_outruns,
     within_distance,
 )
@@ -35,7 +35,7 @@ class Surroundings(NamedTuple):
         start: (N + 1,) sensed neighbours in compressed rows, see `neighbours`.
         to: (E,) sensed neighbours.
         hazards: (H, 9) see `control.safety.hazards`.
-        activation: (H,) activation distance of each hazard [m].
+        activation: (H,) activation distance of each hazard [m]; infinite for a wall.
         safety: clearances, rates, speed limit and control period.
     """
 
@@ -108,7 +108,7 @@ def constraints_of(i: int, around: Surroundings, constraints: Floats, cause: Int
         if not within_distance(x, y, around.hazards, k, around.activation[k]):
             continue
         ax, ay, b = hazard_constraint(x, y, around.hazards, k, around.safety)
-        if around.hazards[k, KIND] == WALL and not b < limit:
+        if not hazard_matters(around.hazards, k, b, limit):
             continue
         constraints[count, 0], constraints[count, 1], constraints[count, 2] = ax, ay, attainable(b, limit)
         cause[count, ROBOT], cause[count, HAZARD] = NOBODY_ELSE, k

@@ -56,7 +56,7 @@
   function onKey(event) {
     if (event.key !== "Escape" || !target) return;
     event.stopImmediatePropagation(); // it discards nothing else
-    page.send("calibration", { cancel: true });
+    page.send("calibration", {});
   }
 
   const forget = page.listen({ keydown: onKey });

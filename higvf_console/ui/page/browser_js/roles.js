@@ -62,13 +62,15 @@
       const watch = role.others === 1 ? "watches" : "watch";
       return [`You steer, ${role.others} ${watch}`, "steers", [["Release", "release"]]];
     }
+    if (role.role === "observer") return [`${who(role)}, you observe`, "", []];
     if (!role.holder) return ["Nobody steers", "", [["Take control", "take"]]];
     const ask = role.asked ? [] : [["Request", "ask"]];
     const rest = role.asked ? "you asked" : role.waiting.length ? `${role.waiting[0]} asked` : "you watch";
     return [`${who(role)}, ${rest}`, "", [...ask, ["Take over", "take"]]];
   }
 
-  const alone = () => role.steers && role.others === 0;
+  const noted = () => now() < note.until;
+  const alone = () => role.steers && role.others === 0 && !noted();
 
   let shown = "";
   function show() {
@@ -77,13 +79,12 @@
     if (!role) return;
     page.part("strip")?.watches(!role.steers);
     const [says, look, buttons] = face();
-    const noted = now() < note.until;
-    const key = JSON.stringify([says, look, buttons, noted && note.text]);
+    const key = JSON.stringify([says, look, buttons, noted() && note.text]);
     if (key === shown) return;
     shown = key;
-    strip.className = `roles ${alone() ? "" : "open"} ${look} ${noted ? "note" : ""}`;
+    strip.className = `roles ${alone() ? "" : "open"} ${look} ${noted() ? "note" : ""}`;
     strip.title = `This page is ${role.you}`;
-    text.textContent = noted ? note.text : says;
+    text.textContent = noted() ? note.text : says;
     acts.replaceChildren(
       ...buttons.map(([label, act, asker]) => {
         const button = document.createElement("button");
@@ -147,6 +148,16 @@
       if (role) say(`${who(role)}: you cannot do that here`);
       page.part("pointer")?.cancel();
       page.part("keys")?.refused();
+    },
+
+    lacks([wanted, has]) {
+      say(`This needs the role ${wanted}; this page has the role ${has}`);
+      page.part("pointer")?.cancel();
+      page.part("keys")?.refused();
+    },
+
+    slowed(count) {
+      if (role) say(`This page sends too much: ${count} messages were dropped`);
     },
 
     // Another page goes by this identity.

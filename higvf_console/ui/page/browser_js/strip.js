@@ -118,7 +118,7 @@
   const $ = (selector) => overlay.shadowRoot.querySelector(selector);
   const [strip, states, message, speed] = [$(".status"), $(".states"), $(".message"), $("select")];
   const acts = Object.fromEntries([...strip.querySelectorAll("[data-act]")].map((found) => [found.dataset.act, found]));
-  const send = (act, more = {}) => page.send("run", { act, ...more });
+  const send = (act, value = "") => page.send("run", { act, value });
 
   speed.append(...config.speeds.map((name) => new Option(name)));
   speed.title = config.hints.speed;
@@ -127,7 +127,7 @@
     found.addEventListener("click", () => send(act));
   }
   speed.addEventListener("change", () => {
-    send("speed", { value: speed.value });
+    send("speed", speed.value);
     speed.blur();
   });
   $(".returned").addEventListener("click", () => send("acknowledge"));

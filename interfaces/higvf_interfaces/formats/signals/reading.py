@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Generic, NamedTuple, TypeVar
 
+from higvf_console.core.arguments import one_of
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats import command_log
 from higvf_interfaces.formats.records import CommandLog
@@ -119,8 +120,8 @@ def _chosen(
     file: TextFile, name: str | None, formats: Sequence[SignalFormat[_Record]], what: str
 ) -> SignalFormat[_Record]:
     named = [known for known in formats if known.name == name]
-    if name is not None and not named:
-        raise InputError(f"format: {name!r} is not one of {', '.join(known.name for known in formats)}")
+    if name is not None:
+        one_of("format", name, [known.name for known in formats], InputError)
     found = named or [known for known in formats if known.matches(file)]
     if not found:
         raise InputError(

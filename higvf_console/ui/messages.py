@@ -1,6 +1,5 @@
 """The one line that tells the latest message, and how long an alarm stands: until it is read or its cause has ended."""
 
-import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -12,8 +11,6 @@ if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
 STAY_S = {Severity.INFO: 4.0, Severity.GOOD: 6.0, Severity.WARNING: 8.0, Severity.ALARM: 8.0}  # ahead of older alarms
-_ROBOT = re.compile(r"Robot (\d+)\b")
-_INPUT = re.compile(r"Input '(.*?)'")
 _OFF = frozenset({ChannelState.LOST, ChannelState.RECOVERED})
 
 
@@ -27,17 +24,15 @@ def cause_lasts(alarm: Event, snapshot: "Snapshot") -> bool:
         case "clearance":
             return _in_trouble(alarm, too_near(snapshot.trace).tolist())
         case "channel":
-            name = _INPUT.search(alarm.text)
-            states = {health.state for channel, health in snapshot.channels if name is None or channel == name[1]}
+            states = {health.state for channel, health in snapshot.channels if alarm.channel in ("", channel)}
             return bool(states & _OFF)
         case _:
             return True
 
 
 def _in_trouble(alarm: Event, robots: list[bool]) -> bool:
-    number = _ROBOT.search(alarm.text)
-    index = int(number[1]) - 1 if number else -1
-    return robots[index] if 0 <= index < len(robots) else any(robots)
+    robot = alarm.robot
+    return any(robots) if robot is None or robot >= len(robots) else robots[robot]
 
 
 def _rank(event: Event) -> int:

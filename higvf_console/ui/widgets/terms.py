@@ -12,9 +12,9 @@ from higvf_console.core.path_terms import FASTEST, SLOWEST
 from higvf_console.core.quantity import quantities
 from higvf_console.core.scale import USUAL_SCALE, Scale
 from higvf_console.core.state import NO_PATH, Path, PathKind
-from higvf_console.ui.panels.widgets.callbacks import mirror, number_in, one_of, reaction, truth
-from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
 from higvf_console.ui.ui_state import UiStore, change_terms
+from higvf_console.ui.widgets.callbacks import chosen, mirror, number_in, reaction, truth
+from higvf_console.ui.widgets.number import NumberField, NumberRange
 
 LONGEST_DURATION = 3600.0  # [s]
 _ENDINGS = {"Go on by itself": "release", "Wait there": "hold", "Start again": "loop"}
@@ -35,7 +35,7 @@ class TermsWidgets:
         )
         self._at_once.on_update(reaction(lambda value: ui.update(commit_at_once=truth(value))))
         self._end = gui.add_dropdown("At its end", tuple(_ENDINGS), hint="What the team does when the path is finished")
-        self._end.on_update(reaction(lambda value: self._shape(ending=one_of(value, _ENDINGS))))
+        self._end.on_update(reaction(lambda value: self._shape(ending=chosen(value, _ENDINGS))))
         self._speed = gui.add_slider(
             "Pace", SLOWEST, FASTEST, 0.05, 1.0, hint="Speed along the path, as a share of the usual speed"
         )

@@ -10,7 +10,7 @@ import pytest
 import viser
 
 from higvf_console.core.numbers import grouped
-from higvf_console.ui.panels.widgets.number import NumberField, NumberRange, labelled, number_typed, typed_form
+from higvf_console.ui.widgets.number import NumberField, NumberRange, labelled, number_typed, typed_form
 
 LENGTH = NumberRange("m", 0.0, 5000.0)
 RANGE = NumberRange("m", words={"unlimited": math.inf})

@@ -12,9 +12,9 @@ from higvf_console.analysis.sight import Sight, hider_names
 from higvf_console.core.arrays import Floats
 from higvf_console.core.numbers import metres
 from higvf_console.sim.certificates import CONNECTED, Certificate
-from higvf_console.ui.panels.widgets.html import DASH, dot, text
 from higvf_console.ui.scene.reasons import part_colours
 from higvf_console.ui.theme import CSS
+from higvf_console.ui.widgets.html import DASH, dot, text
 from higvf_console.world.setup import Setup
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import viser
 
 from higvf_console.core.commands import FaultKind, InjectFault
 from higvf_console.core.interface import PointerSink
-from higvf_console.ui.panels.widgets.callbacks import one_of, reaction
-from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
+from higvf_console.ui.widgets.callbacks import chosen, reaction
+from higvf_console.ui.widgets.number import NumberField, NumberRange
 
 LONGEST_S, SHORTEST_S = 60.0, 0.1
 _KINDS: dict[str, Any] = {
@@ -43,8 +43,8 @@ class FaultWidgets:
             hint="For a delay only",
         )  # fmt: skip
         self._inject = gui.add_button("Inject", icon=viser.Icon.PLUG_CONNECTED_X, color="gray")
-        self._channel.on_update(reaction(lambda value: self._choose(channel=one_of(value, names))))
-        self._kind.on_update(reaction(lambda value: self._choose(kind=one_of(value, _KINDS))))
+        self._channel.on_update(reaction(lambda value: self._choose(channel=chosen(value, names))))
+        self._kind.on_update(reaction(lambda value: self._choose(kind=chosen(value, _KINDS))))
         self._inject.on_click(reaction(lambda _: sink.push(self._fault)))
 
     def _choose(self, **changes: Any) -> None:

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 from higvf_console.core.interface import ChannelHealth
 from higvf_console.core.reports import AttentionReport, CalibrationReport, CaptureReport, DecisionReport
-from higvf_console.ui.panels.status import CHANNEL_MARK
-from higvf_console.ui.panels.widgets.html import DASH, text
+from higvf_console.ui.widgets.channel_mark import CHANNEL_MARK
+from higvf_console.ui.widgets.html import DASH, text
 
 MOST_ROBOTS = 12  # that have a line of their own
 STAGE_WORDS = {

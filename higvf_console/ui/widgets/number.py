@@ -4,7 +4,6 @@ viser's own number field drops characters that it does not expect (`1e-1` became
 the field holds text; `browser_js/fields.js` sends it on Enter, or when the field is left, and Esc takes it back.
 """
 
-import logging
 import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -13,12 +12,11 @@ from typing import Any, NamedTuple
 import viser
 
 from higvf_console.core.numbers import SEPARATOR
-from higvf_console.ui.panels.widgets.callbacks import SETTLE_S, mirror
-from higvf_console.ui.panels.widgets.notice import refuse
+from higvf_console.ui.notice import failed, refuse
+from higvf_console.ui.widgets.callbacks import SETTLE_S, mirror
 
 _MINUS = "\u2212"
 _NO_WORDS: Mapping[str, float] = MappingProxyType({})
-_log = logging.getLogger(__name__)
 
 
 class NumberRange(NamedTuple):
@@ -74,8 +72,8 @@ class NumberField:
         except ValueError as error:
             self._widget.value = self._text
             refuse(event, f"{self._label}: {error}; {self._text} stays.")
-        except Exception:
-            _log.exception("a number field failed")
+        except Exception as error:
+            failed(event, self._label, error)
 
     def describe(self, label: str, limits: NumberRange, hint: str) -> None:
         """It is another number from now on."""

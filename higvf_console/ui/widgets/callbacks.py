@@ -4,20 +4,23 @@ viser keeps order for coroutines alone, calls them also when the console itself 
 raises starve those after it.
 """
 
-import logging
 import time
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
 from typing import Any, TypeAlias
 
 import viser
 
+from higvf_console.core.arguments import not_one_of
+from higvf_console.ui.notice import failed, refuse
+
 Reaction: TypeAlias = Callable[[Any], Coroutine[None, None, None]]
 SETTLE_S = 0.6  # from a touch until the session must have answered it
-_log = logging.getLogger(__name__)
 
 
 def reaction(act: Callable[[Any], object]) -> Reaction:
-    """A callback that hands a page's value to `act`; a ValueError or TypeError refuses the value, and is logged.
+    """A callback that hands a page's value to `act`.
+
+    A ValueError or TypeError refuses the value: the page is told which field refused what, and why.
 
     Args:
         act: validates the value, which may be anything that a page can send, and returns at once.
@@ -29,11 +32,16 @@ def reaction(act: Callable[[Any], object]) -> Reaction:
         try:
             act(event.target.value)
         except (ValueError, TypeError) as error:
-            _log.warning("page %d: refused %r: %s", event.client_id, event.target.value, error)
-        except Exception:
-            _log.exception("a panel's callback failed")
+            refuse(event, f"{_name_of(event)}: {error}")
+        except Exception as error:
+            failed(event, _name_of(event), error)
 
     return react
+
+
+def _name_of(event: viser.GuiEvent[Any]) -> str:
+    """The label of the widget that a page used."""
+    return str(getattr(event.target, "label", "")).strip() or "value"
 
 
 def mirror(widget: viser.GuiInputHandle[Any], value: Any, settle: float = SETTLE_S) -> None:
@@ -43,14 +51,14 @@ def mirror(widget: viser.GuiInputHandle[Any], value: Any, settle: float = SETTLE
         widget.value = value
 
 
-def one_of(value: object, choices: dict[str, Any]) -> Any:
+def chosen(value: object, choices: Mapping[str, Any]) -> Any:
     """The choice that a page named.
 
     Raises:
         ValueError: there is none of that name.
     """
     if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"{value!r} is not one of {', '.join(choices)}")
+        raise ValueError(not_one_of(value, choices))
     return choices[value]
 
 

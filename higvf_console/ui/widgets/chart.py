@@ -7,8 +7,8 @@ import numpy as np
 
 from higvf_console.core.arrays import Floats
 from higvf_console.core.numbers import grouped
-from higvf_console.ui.panels.widgets.html import text
 from higvf_console.ui.scene.shapes import tick_spacing, ticks
+from higvf_console.ui.widgets.html import text
 
 WIDTH, HEIGHT = 316, 152  # [CSS px]
 _LEFT, _RIGHT, _TOP, _BOTTOM = 48, 8, 26, 20

@@ -11,7 +11,7 @@ from higvf_console.core.state import NOBODY, PathStatus
 from higvf_console.runtime.phase import Phase, RunPhase
 from higvf_console.runtime.run import Run
 from higvf_console.runtime.snapshot import Snapshot
-from higvf_console.ui.panels.standing import standing_text
+from higvf_console.ui.standing import standing_text
 from tests.teams import team
 
 SETUP = team(fires=[(300, 350, 20), (300, 600, 20)])

@@ -7,9 +7,9 @@ import numpy as np
 
 from higvf_console.analysis.explain import Authority
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.ui.panels.widgets.chart import WIDTH
-from higvf_console.ui.panels.widgets.html import text
 from higvf_console.ui.theme import CSS
+from higvf_console.ui.widgets.chart import WIDTH
+from higvf_console.ui.widgets.html import text
 
 SPAN = 30.0  # of session time that is shown [s]
 PERIOD = 0.2  # between two samples [s]

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import viser
 
-from higvf_console.ui.panels.widgets.callbacks import mirror, one_of, reaction
-from higvf_console.ui.panels.widgets.number import NumberField, NumberRange
+from higvf_console.ui.widgets.callbacks import chosen, mirror, reaction
+from higvf_console.ui.widgets.number import NumberField, NumberRange
 
 MOST_LISTED = 50  # robots
 
@@ -47,7 +47,7 @@ class RobotPicker:
         return (self._nobody, *robots) if self._nobody else robots
 
     def _named(self, value: object) -> None:
-        number = one_of(value, {name: number for number, name in enumerate(self._names(), self._least)})
+        number = chosen(value, {name: number for number, name in enumerate(self._names(), self._least)})
         self._choose(number - 1 if number else None)
 
     def _limits(self) -> NumberRange:

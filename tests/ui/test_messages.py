@@ -9,15 +9,15 @@ import pytest
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState
 from higvf_console.sim.simulation import advance
-from higvf_console.ui.panels.messages import STAY_S, LatestMessage, cause_lasts, newer
+from higvf_console.ui.messages import STAY_S, LatestMessage, cause_lasts, newer
 from tests.teams import team
 
 SETUP = team()
 STATE, TRACE = advance(SETUP.start, SETUP.world, SETUP.params)
 
 
-def event(kind: str, severity: Severity = Severity.INFO, text: str = "It happened.") -> Event:
-    return Event(1.0, severity, kind, text)
+def event(kind: str, severity: Severity = Severity.INFO, text: str = "It happened.", **about: Any) -> Event:
+    return Event(1.0, severity, kind, text, **about)
 
 
 def snapshot(*, stopped: bool = False, gaze: ChannelState = ChannelState.LIVE, **trace: Any) -> Any:
@@ -28,10 +28,10 @@ def snapshot(*, stopped: bool = False, gaze: ChannelState = ChannelState.LIVE, *
     )
 
 
-STOP = event("stop", Severity.ALARM, "STOP: all robots stand still.")
-NO_VELOCITY = event("infeasible", Severity.ALARM, "Robot 2 has no safe velocity: it takes the least violation.")
-NEAR = event("clearance", Severity.ALARM, "Robot 2 violates its clearance.")
-LOST = event("channel", Severity.ALARM, "Input 'gaze' is lost: nothing for 2.0 s.")
+STOP = event("stop", Severity.ALARM)
+NO_VELOCITY = event("infeasible", Severity.ALARM, robot=1)
+NEAR = event("clearance", Severity.ALARM, robot=1)
+LOST = event("channel", Severity.ALARM, channel="gaze")
 
 
 @pytest.mark.parametrize(
@@ -51,6 +51,13 @@ def test_an_alarm_stands_as_long_as_its_cause(alarm: Event, cause: dict[str, Any
 
 def test_the_trouble_of_another_robot_is_another_alarm() -> None:
     assert not cause_lasts(NO_VELOCITY, snapshot(infeasible=np.array([True, False, True])))
+    assert not cause_lasts(LOST._replace(channel="emg"), snapshot(gaze=ChannelState.LOST))
+
+
+def test_an_alarm_that_is_about_no_robot_or_one_that_is_gone_stands_while_any_is_in_trouble() -> None:
+    trouble = snapshot(infeasible=np.array([True, False, True]))
+    assert cause_lasts(NO_VELOCITY._replace(robot=None), trouble)
+    assert cause_lasts(NO_VELOCITY._replace(robot=7), trouble)
 
 
 def test_an_alarm_whose_cause_cannot_be_seen_to_end_stands_until_it_is_read() -> None:
