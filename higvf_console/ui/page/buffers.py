@@ -37,4 +37,4 @@ class SafeBuffer(AsyncMessageBuffer):
 
 def use_safe_buffers() -> None:
     """Lets servers and their connections use `SafeBuffer` from now on."""
-    _infra.AsyncMessageBuffer = SafeBuffer
+    _infra.AsyncMessageBuffer = SafeBuffer  # pyright: ignore[reportPrivateImportUsage]

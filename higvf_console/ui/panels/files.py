@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from higvf_console.core.arrays import Floats
-    from higvf_console.runtime.session import Session, Snapshot
+    from higvf_console.runtime.session import Session
+    from higvf_console.runtime.snapshot import Snapshot
 
 _DARK, _BRIGHT = "Dark", "Bright"
 _SCENARIO, _IMAGE = "scenario", "image"

@@ -19,7 +19,8 @@ from higvf_console.world.editing.parameters import FIXED, parameter, parameter_n
 from higvf_console.world.editing.presets import AS_IN_THE_SCENARIO, PRESETS, preset_name, preset_values
 
 if TYPE_CHECKING:
-    from higvf_console.runtime.session import Session, Snapshot
+    from higvf_console.runtime.session import Session
+    from higvf_console.runtime.snapshot import Snapshot
 
 UNLIMITED, OWN = "unlimited", "Own values"
 _WORDS = {UNLIMITED: math.inf}
