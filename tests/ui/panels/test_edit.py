@@ -5,13 +5,17 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import viser
-from tests.ui.panels.test_number import Widget
 
 from higvf_console.core.edits import ChangeEntity, EntityKind
 from higvf_console.ui.panels.edit import EditPanel
 from higvf_console.ui.ui_state import UiStore
 from higvf_console.world.editing.entities import EntityRef
 from tests.teams import team
+from tests.ui.widgets.test_number import Widget
+
+
+def ignored(_: object) -> None:
+    """A callback that is never called."""
 
 
 class Gui:
@@ -34,10 +38,10 @@ class Gui:
         return nullcontext()
 
     def add_button(self, *_: Any, **__: Any) -> Any:
-        return SimpleNamespace(on_click=lambda _: None, visible=False, disabled=False)
+        return SimpleNamespace(on_click=ignored, visible=False, disabled=False)
 
     def add_checkbox(self, *_: Any, **__: Any) -> Any:
-        return SimpleNamespace(on_update=lambda _: None, value=True, update_timestamp=0.0)
+        return SimpleNamespace(on_update=ignored, value=True, update_timestamp=0.0)
 
 
 def test_a_number_that_arrives_after_the_next_click_is_of_the_entity_that_it_was_typed_for() -> None:
