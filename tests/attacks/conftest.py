@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from higvf_console.runtime import scheduling
+from higvf_console.runtime.background import scheduling
 from higvf_console.runtime.background.worker import Worker
 from tests.attacks.raw_page import Login, RawPage, log_in
 from tests.attacks.watch import Watch, moves

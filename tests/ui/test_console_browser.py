@@ -277,7 +277,7 @@ def test_a_value_that_no_widget_offers_is_refused_and_the_widget_heals(page: Pag
 
 
 def test_a_fire_that_goes_out_is_told_logged_and_tabled(page: Page, running: Running) -> None:
-    running.push(SetSpeed(8.0), Freeze(False))
+    running.push(SetSpeed(2.0), Freeze(False))
     wait_until(lambda: running.session.snapshot.extinguished, 120.0)
     running.push(Freeze(True))
     first = running.session.snapshot.extinguished[0] + 1

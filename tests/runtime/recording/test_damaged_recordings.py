@@ -136,7 +136,7 @@ def test_hundreds_of_damaged_recordings_are_read_or_refused_in_one_line(lines: l
         ('"factor": 3.0', '"factor": "3.0"', "factor is '3.0'; expected a number"),
         ('"fires": [0]', '"fires": [0.5]', r"fires is \[0.5\]; expected a list of whole numbers"),
         ('"point": [250.0, 60.0]', '"point": [250.0]', r"point is \[250.0\]; expected an array of numbers"),
-        ('"use": "path"', '"use": "pth"', r"line \d+: not a command .*: StrokeEnd.use is 'pth'; expected one of path"),
+        ('"use": "path"', '"use": "pth"', r"line \d+: not a command .*: StrokeEnd.use: 'pth' is not one of path"),
         ('"pace": 0.7', '"speed": 0.7', "ShapePath has no field 'speed'; it has time, source"),
     ],
 )
