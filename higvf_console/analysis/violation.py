@@ -5,7 +5,6 @@ from itertools import chain
 import numpy as np
 
 from higvf_console.core.arrays import floats
-from higvf_console.core.numbers import metres
 from higvf_console.core.state import Motion
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.world.placement import obstacle_gaps, other_gaps
@@ -34,4 +33,13 @@ def violation_text(robot: int, motion: Motion, setup: Setup) -> str:
         if other != robot
     ]
     depth, name = max(missing)
-    return f"is inside {name}'s safety distance by {metres(depth) if depth >= 5e-4 else 'less than 1 mm'}"
+    return f"is inside {name}'s safety distance by {_metres(depth)}"
+
+
+def _metres(depth: float) -> str:
+    """At the tick in which a clearance is first violated, little is missing."""
+    if depth >= 0.1:
+        return f"{depth:.1f} m"
+    if depth >= 0.01:
+        return f"{100.0 * depth:.0f} cm"
+    return f"{1000.0 * depth:.0f} mm" if depth >= 5e-4 else "less than 1 mm"

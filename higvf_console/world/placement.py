@@ -52,7 +52,7 @@ def check_start(
         if gap[robot] < least:
             x, y = position[robot]
             raise ScenarioError(
-                f"{place}: robot {robot + 1} at ({x:g}, {y:g}) is {metres(gap[robot])} from {what}; "
+                f"{place}: robot {robot + 1} at ({x:g}, {y:g}) is {_gap(gap[robot])} from {what}; "
                 f"{_clearance('obstacle', body.obstacle_clearance, params)}"
             )
 
@@ -68,13 +68,17 @@ def _clearance(kind: str, clearance: float, params: Parameters) -> str:
     return f"{said}, enlarged to {enlarged:g} m by {' and '.join(causes)}"
 
 
+def _gap(gap: float) -> str:
+    return f"{gap:.{3 if abs(gap) < 1.0 else 2}f} m"
+
+
 def _check_pairs(position: Floats, least: float, clearance: str, place: str) -> None:
     pairs = kd_tree(position).query_pairs(least, output_type="ndarray")
     gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
     if (gap < least - ROUNDING).any():
         nearest = int(np.argmin(gap))
         first, second = pairs[nearest] + 1
-        raise ScenarioError(f"{place}: robots {first} and {second} start {metres(gap[nearest])} apart; {clearance}")
+        raise ScenarioError(f"{place}: robots {first} and {second} start {_gap(gap[nearest])} apart; {clearance}")
 
 
 def obstacle_gaps(points: Floats, obstacles: Obstacles) -> Iterator[tuple[str, Floats]]:
