@@ -1,6 +1,7 @@
 """On a phone and in small windows nothing of the console lies outside the page, or on what else it has."""
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from itertools import combinations
 from time import sleep
 
@@ -52,10 +53,11 @@ def box(found: Locator) -> Box:
 
 
 def settled(wrong: Callable[[], list[object]], tries: int = 60) -> None:
-    """Waits until nothing is wrong any more: the page lays itself out a few frames later."""
+    """Waits until nothing is wrong or missing any more: the page lays itself out a few frames later."""
     for _ in range(tries):
-        if not wrong():
-            return
+        with suppress(AssertionError):
+            if not wrong():
+                return
         sleep(0.25)
     assert wrong() == []
 
