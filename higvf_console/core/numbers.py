@@ -15,6 +15,11 @@ def measured(value: float) -> str:
     return grouped(value) if not math.isfinite(value) or abs(value) >= 9.5 else f"{float(f'{value:.2g}') + 0.0:g}"
 
 
+def legible(value: float) -> float:
+    """A number to 6 digits: what follows from the scale of a team may have more than people read."""
+    return float(f"{value:.6g}")
+
+
 def metres(value: float) -> str:
     """A gap with its unit, with two digits that count: decimetres from a metre on, millimetres below a decimetre."""
     size = abs(value)

@@ -10,6 +10,7 @@ from higvf_console.control.parameters import Parameters
 from higvf_console.core.edits import SetParameters
 from higvf_console.core.events import Event
 from higvf_console.core.interface import PointerSink
+from higvf_console.core.numbers import legible
 from higvf_console.core.scale import USUAL_SCALE, Scale
 from higvf_console.ui.messages import newer
 from higvf_console.ui.widgets.callbacks import SETTLE_S, chosen, mirror, reaction
@@ -94,7 +95,7 @@ class TunePanel:
         self._hear(snapshot.events)
         mirror(self._preset, preset_name(self._params, self._scenario) or OWN)
         for name, field in self._fields.items():
-            field.show(parameter(self._params, name))
+            field.show(legible(parameter(self._params, name)))
         self._note.content = block(note_html(self._group, self._wrong))
         described = (self._params, self._scenario, self._group)
         if self._described != described:
@@ -117,7 +118,7 @@ class TunePanel:
 
 def shown(value: float) -> str:
     """A value as it is typed."""
-    return typed_form(value, _WORDS)
+    return typed_form(legible(value), _WORDS)
 
 
 def limits_of(name: str, scale: Scale = USUAL_SCALE) -> NumberRange:

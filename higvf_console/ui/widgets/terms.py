@@ -8,6 +8,7 @@ from higvf_console.analysis.preview import LONGEST, SHORTEST
 from higvf_console.control.parameters import PathParameters
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.interface import PointerSink
+from higvf_console.core.numbers import legible
 from higvf_console.core.path_terms import FASTEST, SLOWEST
 from higvf_console.core.quantity import quantities
 from higvf_console.core.scale import USUAL_SCALE, Scale
@@ -78,7 +79,7 @@ class TermsWidgets:
             mirror(widget, value)
         self._time.show(state.terms.duration)
         self._smoothing.describe("Smoothing", _range_at(scale), _SMOOTHING.text)
-        self._smoothing.show(self._chosen_smoothing())
+        self._smoothing.show(legible(self._chosen_smoothing()))
 
 
 def _range_at(scale: Scale) -> NumberRange:
