@@ -40,4 +40,6 @@ def _metres(depth: float) -> str:
     """At the tick in which a clearance is first violated, little is missing."""
     if depth >= 0.1:
         return f"{depth:.1f} m"
-    return f"{100.0 * depth:.0f} cm" if depth >= 0.01 else "less than 1 cm"
+    if depth >= 0.01:
+        return f"{100.0 * depth:.0f} cm"
+    return f"{1000.0 * depth:.0f} mm" if depth >= 5e-4 else "less than 1 mm"

@@ -198,7 +198,9 @@ def guide(leader: int, w: float, motion: Motion, intent: Intent, params: Paramet
     human = np.zeros(motion.position.shape)
     if leader != NOBODY:
         x, y = motion.position[leader, 0], motion.position[leader, 1]
-        human[leader, 0], human[leader, 1] = guiding_vector(intent.path, w, WINDOW, x, y, params.path)
+        human[leader, 0], human[leader, 1] = guiding_vector(
+            intent.path, w, WINDOW * params.scale.body_radius, x, y, params.path
+        )
     return human
 
 

@@ -13,6 +13,8 @@ import numpy as np
 
 from higvf_console.control.forms import CORRECTED, Forms
 from higvf_console.core.quantity import Quantity as Q  # noqa: N817
+from higvf_console.core.quantity import quantities
+from higvf_console.core.scale import USUAL_SCALE, Scale
 
 INFINITE = float("inf")
 
@@ -91,7 +93,7 @@ class SafetyParameters(NamedTuple):
     pair_gain: A[float, Q("1/s", 0.01, 1000.0, "alpha", "Rate at which robots may close in on each other.")] = 20.0
     obstacle_gain: A[float, Q("1/s", 0.01, 1000.0, "beta", "Rate at which a robot may close in on an obstacle.")] = 20.0
     speed_limit: A[float, Q("m/s", 0.1, 600.0, "v_max", "No robot is ever faster.")] = 90.0
-    control_period: A[float, Q("s", 0.001, 0.1, "dt", "Time between two control steps.")] = 0.02
+    control_period: A[float, Q("s", 0.001, 0.1, "dt", "Time between two control steps.", scales=False)] = 0.02
     h_index: float = CORRECTED  # set by `Parameters.forms`: which margin an obstacle's constraint takes
 
 
@@ -126,7 +128,7 @@ class RobotParameters(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    """All tunables, and the forms of the equations."""
+    """All tunables, the forms of the equations, and the scale at which the ranges of the tunables are meant."""
 
     path: PathParameters = PathParameters()
     boundaries: BoundaryParameters = BoundaryParameters()
@@ -139,6 +141,27 @@ class Parameters(NamedTuple):
     stall: StallParameters = StallParameters()
     robots: RobotParameters = RobotParameters()
     forms: Forms = Forms()
+    scale: Scale = USUAL_SCALE
+
+
+GROUPS = tuple(name for name in Parameters._fields if name not in ("forms", "scale"))  # of tunables
+
+
+def defaults_at(scale: Scale) -> Parameters:
+    """The defaults at a scale.
+
+    The control period is that of the clock, unless the barriers of a small, fast robot need a shorter one.
+    """
+    if scale == USUAL_SCALE:
+        return Parameters()
+    params = Parameters(scale=scale)
+    for group in GROUPS:
+        part = getattr(params, group)
+        factors = {name: scale.factor(meaning.unit) for name, meaning in quantities(type(part)).items()}
+        changed = {name: factor * getattr(part, name) for name, factor in factors.items()}
+        params = params._replace(**{group: part._replace(**changed)})
+    period = Parameters().safety.control_period
+    return params._replace(safety=params.safety._replace(control_period=period * min(1.0, scale.time)))
 
 
 RENAMED = {

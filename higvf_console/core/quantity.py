@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 from higvf_console.core.errors import HigvfError, ScenarioError
+from higvf_console.core.scale import USUAL_SCALE, Scale
 
 _BRIEF = reprlib.Repr()
 _BRIEF.maxlevel = 2
@@ -21,13 +22,21 @@ _BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 120
 
 
 class Quantity(NamedTuple):
-    """What a number means: unit, closed range [low, high], the paper's symbol, one sentence."""
+    """What a number means: unit, closed range [low, high], the paper's symbol, one sentence, whether it has a scale."""
 
     unit: str
     low: float
     high: float
     symbol: str
     text: str
+    scales: bool = True
+
+    def at(self, scale: Scale) -> "Quantity":
+        """The same quantity with the range that it has at a scale, to 6 digits."""
+        factor = scale.factor(self.unit) if self.scales else 1.0
+        if factor == 1.0:
+            return self
+        return self._replace(low=float(f"{self.low * factor:.6g}"), high=float(f"{self.high * factor:.6g}"))
 
 
 COORDINATE = Quantity("m", -1e6, 1e6, "", "A coordinate.")
@@ -66,8 +75,8 @@ def checked(name: str, value: object, quantity: Quantity, raises: type[HigvfErro
     return number
 
 
-def with_values(parameters: Any, values: Mapping[str, object], place: str) -> Any:
-    """A copy of a parameter NamedTuple with checked `values`.
+def with_values(parameters: Any, values: Mapping[str, object], place: str, scale: Scale = USUAL_SCALE) -> Any:
+    """A copy of a parameter NamedTuple with `values` that are checked against the ranges at a scale.
 
     Raises:
         ScenarioError: an unknown name (the message lists the known ones) or a value out of range.
@@ -77,5 +86,5 @@ def with_values(parameters: Any, values: Mapping[str, object], place: str) -> An
         if name not in known:
             raise ScenarioError(f"{place}.{name}: unknown key; known keys: {', '.join(known)}")
     return parameters._replace(
-        **{name: checked(f"{place}.{name}", value, known[name]) for name, value in values.items()}
+        **{name: checked(f"{place}.{name}", value, known[name].at(scale)) for name, value in values.items()}
     )

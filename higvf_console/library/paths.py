@@ -7,18 +7,18 @@ from numpy.typing import ArrayLike
 
 from higvf_console.control.guidance import paths
 from higvf_console.control.guidance.field import FieldKind, field_at
-from higvf_console.control.parameters import Parameters
+from higvf_console.control.parameters import Parameters, PathParameters, defaults_at
 from higvf_console.core.arguments import instance, number, one_of, positive
 from higvf_console.core.arrays import FARTHEST, Floats, floats, given_floats
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import ArgumentError
+from higvf_console.core.quantity import quantities
+from higvf_console.core.scale import BODY_RADIUS, Scale
 from higvf_console.core.state import Path, PathKind
 from higvf_console.library.records import given_parameters, given_path
 from higvf_console.library.setups import make_setup
 from higvf_console.operator.path_commands import ENDINGS, FASTEST, SLOWEST, shaped
 from higvf_console.runtime.compiling import announce
-
-_SMOOTHEST = 100.0  # [m]
 
 
 def line_path(
@@ -88,20 +88,21 @@ def ellipse_path(
 
 
 def sketch_path(
-    points: ArrayLike, smoothing: float = Parameters().path.stroke_smoothing, *, closed: bool | None = None,
-    direction: int = 1, ending: str = "release", pace: float = 1.0, duration: float = math.inf,
+    points: ArrayLike, smoothing: float | None = None, *, closed: bool | None = None, direction: int = 1,
+    ending: str = "release", pace: float = 1.0, duration: float = math.inf, body_radius: float = BODY_RADIUS,
 ) -> Path:  # fmt: skip
     """The C2 path of a stroke, which may cross itself: resampled by arc length and smoothed, both ends kept.
 
     Args:
-        points: (n, 2) the stroke [m]: at least three distinct points and 5 m.
-        smoothing: standard deviation by which the path may leave the points [m].
+        points: (n, 2) the stroke [m]: at least three distinct points, and 5 m for a body of 12 m.
+        smoothing: standard deviation by which the path may leave the points [m]; None = 4 m for a body of 12 m.
         closed: whether the path returns to its start; None = if the stroke nearly does.
         direction: 1 as drawn, -1 the other way round.
         ending: what happens at the end of an open path: "release" ends the human intention, "hold" lets the team wait
             there, "loop" starts again.
         pace: share of their velocity that the robots take, 0.2 to 1.5.
         duration: how long it is followed at most [s].
+        body_radius: of the robots, which sets the scale [m].
 
     Raises:
         ArgumentError: an argument has another shape or type, or is out of range.
@@ -110,7 +111,12 @@ def sketch_path(
     stroke = given_floats("points", points, ("N", 2), most=FARTHEST)
     if closed is not None:
         closed = bool(instance("closed", closed, bool, np.bool_))
-    made = paths.sketch_path(stroke, number("smoothing", smoothing, 0.0, _SMOOTHEST), closed, _direction(direction))
+    scale = Scale(body_radius=positive("body_radius", body_radius))
+    allowed = quantities(PathParameters)["stroke_smoothing"].at(scale)
+    if smoothing is None:
+        smoothing = defaults_at(scale).path.stroke_smoothing
+    smoothing = number("smoothing", smoothing, allowed.low, allowed.high)
+    made = paths.sketch_path(stroke, smoothing, closed, _direction(direction), scale)
     return _followed(made, ending, pace, duration)
 
 

@@ -16,10 +16,11 @@ import numpy as np
 from higvf_console.control.forms import CORRECTED, PRINTED
 from higvf_console.control.guidance.obstacles import LOOP, ONWARD, STOP
 from higvf_console.control.parameters import Parameters
-from higvf_console.core.arguments import instance, number, whole
+from higvf_console.core.arguments import instance, number, positive, whole
 from higvf_console.core.arrays import FARTHEST, Shape, given_bools, given_floats, given_ints
 from higvf_console.core.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from higvf_console.core.quantity import checked, quantities
+from higvf_console.core.scale import Scale
 from higvf_console.core.state import (
     GRID_CELL,
     GRID_COLUMNS,
@@ -59,8 +60,11 @@ def given_parameters(params: object, name: str = "parameters") -> Parameters:
 
 @lru_cache(maxsize=64)
 def _given_parameters(params: Parameters, name: str) -> Parameters:
-    groups: dict[str, Any] = {}
+    groups, body = dict[str, Any](), instance(f"{name}.scale", params.scale, Scale)
+    scale = Scale(*(positive(f"{name}.scale.{key}", value, FARTHEST) for key, value in body._asdict().items()))
     for group, default in Parameters()._asdict().items():
+        if group == "scale":
+            continue
         part = instance(f"{name}.{group}", getattr(params, group), type(default))
         known = quantities(type(default))
         values: dict[str, float] = {}
@@ -68,7 +72,8 @@ def _given_parameters(params: Parameters, name: str) -> Parameters:
             place = f"{name}.{group}.{key}"
             if key in known:
                 try:
-                    values[key] = checked(place, value.item() if isinstance(value, np.number) else value, known[key])
+                    found = value.item() if isinstance(value, np.number) else value
+                    values[key] = checked(place, found, known[key].at(scale))
                 except ScenarioError as problem:
                     raise ArgumentError(str(problem)) from problem
             elif key == "seed":
@@ -76,13 +81,13 @@ def _given_parameters(params: Parameters, name: str) -> Parameters:
             else:
                 values[key] = number(place, value, CORRECTED, PRINTED)
         groups[group] = type(default)(**values)
-    found = Parameters(**groups)
-    reactive, repulsive = found.boundaries.reactive_margin, found.boundaries.repulsive_margin
+    given = Parameters(**groups, scale=scale)
+    reactive, repulsive = given.boundaries.reactive_margin, given.boundaries.repulsive_margin
     if reactive <= repulsive:
         raise ArgumentError(
             f"{name}.boundaries.reactive_margin is {reactive:g} m; expected more than repulsive_margin, {repulsive:g} m"
         )
-    return found
+    return given
 
 
 def given_path(path: object, name: str = "path") -> Path:

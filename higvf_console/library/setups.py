@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from higvf_console.control.forms import Forms, forms_named
-from higvf_console.control.parameters import Parameters
-from higvf_console.core.arguments import instance, sequence, whole
+from higvf_console.control.parameters import GROUPS, Parameters, defaults_at
+from higvf_console.core.arguments import instance, positive, sequence, whole
 from higvf_console.core.arrays import FARTHEST, Floats, floats, given_floats, given_ints
 from higvf_console.core.errors import ArgumentError, ScenarioError
 from higvf_console.core.quantity import with_values
+from higvf_console.core.scale import BODY_RADIUS, SPEED_LIMIT, Scale
 from higvf_console.core.state import Path, PathKind
 from higvf_console.core.viewport import Arena
 from higvf_console.library.filtering import controlled_points, given_headings
@@ -32,30 +33,39 @@ from higvf_console.world.placement import (
 )
 from higvf_console.world.setup import Setup
 
-_MARGIN = 100.0  # [m] of an arena round what is in it
+_MARGIN = 100.0  # of an arena round what is in it, at the usual scale [m]
 _NAME = "setup"  # in errors
 
 
-def make_parameters(forms: str | Forms = "corrected", **groups: Mapping[str, float]) -> Parameters:
+def make_parameters(
+    forms: str | Forms = "corrected",
+    *,
+    body_radius: float = BODY_RADIUS,
+    speed_limit: float = SPEED_LIMIT,
+    **groups: Mapping[str, float],
+) -> Parameters:
     """Parameters that differ from the defaults in what is given.
 
         make_parameters(safety={"speed_limit": 60.0}, blending={"cruise_speed": 40.0})
+        make_parameters(body_radius=0.055, speed_limit=0.2)  # every default fits such a robot
 
     Args:
         forms: of the equations: "corrected", "zero-in" or "printed".
+        body_radius: of a robot [m]; with `speed_limit` it sets the scale of all defaults and ranges.
+        speed_limit: of a robot [m/s].
         groups: numbers by the names of `Parameters` and of its groups.
 
     Raises:
         ArgumentError: an unknown group or name, or a number out of its range; the message gives the choices.
     """
-    params = Parameters()
-    known = tuple(name for name in Parameters._fields if name != "forms")
+    params = defaults_at(Scale(positive("body_radius", body_radius), positive("speed_limit", speed_limit)))
     for group, values in groups.items():
-        if group not in known:
-            raise ArgumentError(f"parameters.{group}: unknown group; known groups: {', '.join(known)}")
+        if group not in GROUPS:
+            raise ArgumentError(f"parameters.{group}: unknown group; known groups: {', '.join(GROUPS)}")
         instance(f"parameters.{group}", values, Mapping)
         try:
-            params = params._replace(**{group: with_values(getattr(params, group), values, f"parameters.{group}")})
+            part = with_values(getattr(params, group), values, f"parameters.{group}", params.scale)
+            params = params._replace(**{group: part})
         except ScenarioError as problem:
             raise ArgumentError(str(problem)) from problem
     try:
@@ -106,7 +116,9 @@ def make_setup(
     if robots == 0 and chosen is not None and chosen.kind != PathKind.NONE:
         raise ArgumentError("path is given to a team without robots; expected None")
     fires = [item for item in dangers.items if item.kind == FIRE]
-    layout = _layout(dangers, fires, _arena(arena, dangers, centres), shape, _links(links, robots), params)
+    layout = _layout(
+        dangers, fires, _arena(arena, dangers, centres, params.scale.length), shape, _links(links, robots), params
+    )
     setup = world_setup.make_setup(layout, points)
     if robots:
         _check(points, layout)
@@ -184,7 +196,7 @@ def _links(links: object, robots: int) -> tuple[tuple[int, int], ...] | None:
     return tuple(sorted({(min(i, j), max(i, j)) for i, j in pairs.tolist()}))
 
 
-def _arena(arena: object, dangers: Hazards, centres: Floats) -> Arena:
+def _arena(arena: object, dangers: Hazards, centres: Floats, scale: float) -> Arena:
     if dangers.arena is not None:
         if arena is not None and given_arena(arena) != dangers.arena:
             raise ArgumentError("arena differs from that of hazards.inside; expected one of them")
@@ -194,7 +206,10 @@ def _arena(arena: object, dangers: Hazards, centres: Floats) -> Arena:
     ends = [point for item in dangers.items for point in (item.start, item.end)]
     around = np.concatenate([centres, floats(ends, -1, 2), *dangers.polygons, np.zeros((0, 2))])
     if not len(around):
-        return Arena(0.0, 0.0, 1200.0, 700.0)
-    reach = _MARGIN + max((item.radius for item in dangers.items), default=0.0)
-    (x_min, y_min), (x_max, y_max) = np.floor(around.min(axis=0) - reach), np.ceil(around.max(axis=0) + reach)
-    return Arena(*(math.floor(v) * 1.0 for v in (x_min, y_min, x_max, y_max)))
+        return Arena(0.0, 0.0, 1200.0 * scale, 700.0 * scale)
+    reach = _MARGIN * scale + max((item.radius for item in dangers.items), default=0.0)
+    step = 10.0 ** math.floor(math.log10(scale))  # whole metres at the usual scale
+    (x_min, y_min), (x_max, y_max) = (
+        step * np.floor((around.min(axis=0) - reach) / step), step * np.ceil((around.max(axis=0) + reach) / step),
+    )  # fmt: skip
+    return Arena(*(float(v) for v in (x_min, y_min, x_max, y_max)))

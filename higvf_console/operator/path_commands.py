@@ -14,8 +14,9 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
 from higvf_console.core.events import Event
-from higvf_console.core.numbers import grouped
+from higvf_console.core.numbers import measured
 from higvf_console.core.path_terms import ENDINGS, FASTEST, SLOWEST, PathTerms, changed_terms
+from higvf_console.core.scale import USUAL_SCALE, Scale
 from higvf_console.core.state import ACTING, Path, PathEnding, PathKind, PathStatus, SimState
 from higvf_console.operator.outcome import Outcome, path_dropped, refuse, report, with_pointer_state
 from higvf_console.operator.path_edits import reclosed
@@ -60,14 +61,14 @@ def with_terms(path: Path, terms: PathTerms) -> Path:
     )
 
 
-def shaped(path: Path, command: ShapePath) -> Path:
+def shaped(path: Path, command: ShapePath, scale: Scale = USUAL_SCALE) -> Path:
     """The path with the ending, pace, duration and closure that a command gives; fields of None keep the present value.
 
     Raises:
         PathError: a value is outside its range, or the path cannot be closed or opened.
     """
     if command.closed is not None:
-        path = reclosed(path, command.closed)
+        path = reclosed(path, command.closed, scale)
     return with_terms(path, changed_terms(terms_of(path), command))
 
 
@@ -141,7 +142,7 @@ def ending_word(path: Path) -> str:
 def path_words(path: Path) -> str:
     """Describes a path: closure, length, direction, ending, pace and duration."""
     shape = "closed" if path.closed else "open"
-    words = "an endless line" if path.length == math.inf else f"{shape}, {grouped(path.length)} m"
+    words = "an endless line" if path.length == math.inf else f"{shape}, {measured(path.length)} m"
     words += ", in reverse" if path.direction < 0 else ""
     words += "" if path.ending == PathEnding.RELEASE else f", {ending_word(path)} at its end"
     words += "" if path.pace == 1.0 else f", at {path.pace:.0%} pace"

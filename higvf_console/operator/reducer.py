@@ -56,7 +56,7 @@ from higvf_console.core.commands import (
 from higvf_console.core.edits import Edit
 from higvf_console.core.errors import PathError
 from higvf_console.core.events import Event, Severity
-from higvf_console.core.numbers import grouped
+from higvf_console.core.numbers import measured
 from higvf_console.core.path_terms import terms_of_stroke
 from higvf_console.core.state import NO_PATH, NOBODY, Path, PathKind, PointerState, SimState
 from higvf_console.core.viewport import Arena
@@ -154,16 +154,18 @@ def _point_or_draw(state: SimState, command: _PointerCommand, setup: Setup, time
 
 
 def _change_path(state: SimState, command: _PathCommand, setup: Setup, time: float) -> Outcome:
+    scale = setup.params.scale
     match command:
         case ClearPath():
             return follow(state, NO_PATH), report(time, "path", "The path is cleared.")
         case ReversePath():
             return repaired(state, time, lambda path: path._replace(direction=-path.direction))
         case ShapePath():
-            return repaired(state, time, lambda path: shaped(path, command), restart=command.duration is not None)
+            restart = command.duration is not None
+            return repaired(state, time, lambda path: shaped(path, command, scale), restart=restart)
         case MovePathPoint(grip=grip, point=point, preview=preview):
             place = clipped(floats(point, 1, 2), setup.arena)[0][0]
-            return repaired(state, time, lambda path: bent(path, floats(grip, 2), place), preview=preview)
+            return repaired(state, time, lambda path: bent(path, floats(grip, 2), place, scale), preview=preview)
         case TakeUpPath(number=number):
             return take_up(state, number, time)
         case ForgetPath(number=number):
@@ -197,13 +199,14 @@ def waiting(pointer_state: PointerState, time: float) -> bool:
 def _end_stroke(state: SimState, command: StrokeEnd, setup: Setup, time: float) -> Outcome:
     points, left = clipped(state.pointer_state.stroke, setup.arena)
     smoothing = setup.params.path.stroke_smoothing if command.smoothing is None else command.smoothing
+    scale = setup.params.scale
     state = with_pointer_state(state, stroke=_NO_STROKE, stroke_source="")
     if command.use == StrokeUse.PRIORITY:
         return prioritise_inside(state, points, setup, time)
     if command.use == StrokeUse.REDRAW:
-        return repaired(state, time, lambda path: redrawn(path, points, smoothing), preview=command.preview)
+        return repaired(state, time, lambda path: redrawn(path, points, smoothing, scale), preview=command.preview)
     try:
-        path = with_terms(sketch_path(points, smoothing), terms_of_stroke(command))
+        path = with_terms(sketch_path(points, smoothing, scale=scale), terms_of_stroke(command))
     except PathError as error:
         return state, refuse(time, f"No path: {error}.")
     robot = NOBODY if command.robot is None else int(command.robot)
@@ -217,7 +220,7 @@ def _set_pending(state: SimState, path: Path, robot: int, time: float) -> Outcom
     robots = len(state.motion.position)
     if robot != NOBODY and not 0 <= robot < robots:
         return state, no_robot(robot, robots, time)
-    events = report(time, "pending", f"A path of {grouped(path.length)} m is pending: commit or discard it.")
+    events = report(time, "pending", f"A path of {measured(path.length)} m is pending: commit or discard it.")
     return with_pointer_state(state, pending=path, pending_robot=robot, pending_repairs=False), events
 
 
@@ -229,11 +232,11 @@ def _commit(state: SimState, path: Path, robot: int, time: float) -> Outcome:
     if robot != NOBODY:
         state, events = _pick(state, robot, time)
     kind = "closed" if path.closed else "open"
-    text = f"Robot {state.intent.influenced + 1} follows a new {kind} path of {grouped(path.length)} m."
+    text = f"Robot {state.intent.influenced + 1} follows a new {kind} path of {measured(path.length)} m."
     if state.intent.stopped:
-        text = f"The path of {grouped(path.length)} m waits: the STOP is active. Reset it, then resume."
+        text = f"The path of {measured(path.length)} m waits: the STOP is active. Reset it, then resume."
     elif state.intent.paused:
-        text = f"The path of {grouped(path.length)} m waits: the team is paused. Resume (P) to follow it."
+        text = f"The path of {measured(path.length)} m waits: the team is paused. Resume (P) to follow it."
     drawn = tuple(old for old in state.pointer_state.paths if old is not path)
     state = with_pointer_state(state, paths=(*drawn, path)[-PATHS_KEPT:])
     waits = state.intent.stopped or state.intent.paused

@@ -3,7 +3,7 @@
     version: 1                               # these three are required
     arena: {size_m: [1200, 700]}             # or x_min, y_min, x_max, y_max; walls: false opens it
     robots: {start_m: [[700, 300], ...]}     # or count, spacing_m, centre_m; jitter_m, as the seed decides;
-        # heading_deg of unicycles: one for all, or a list
+        # heading_deg of unicycles: one for all, or a list; radius_m and speed_limit_m_per_s set the scale
     title, description, name: text           # the name defaults to the file's
     briefing: text                           # what the operator reads before the run begins
     links: [[1, 2], ...]                     # else the communication range decides
@@ -81,6 +81,7 @@ from higvf_console.world.placement import (
     convergent,
     intention_radius,
     late_stand_off,
+    misfits,
     robot_warnings,
     start_network,
     unavoidable,
@@ -257,13 +258,13 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
     arena, walls = read_arena(entries["arena"])
     robots = read_robots(entries["robots"], arena)
     count = len(robots.points)
-    params = read_parameters(entry("parameters", {}))
+    params = read_parameters(entry("parameters", {}), robots.scale)
     params = params._replace(forms=read_forms(entry("forms", "corrected")))
     inputs, limits = read_inputs(entry("inputs", {}))
     links = read_links(entries["links"], count) if "links" in entries else None
     network = start_network(robots.points, links, params.formation.communication_range)
     check_formation(network.degree, params, source)
-    fires = read_fires(entry("fires", []), count)
+    fires = read_fires(entry("fires", []), count, robots.scale)
     obstacles = read_obstacles(entry("obstacles", {}), (FilePath(source).parent, data_folder()), polygons)
     check_robots(
         params, max([0.0, *(fire.growth for fire in fires), *(c.speed for _, c in obstacles.movers())]), source
@@ -283,7 +284,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         formation=read_formation(entries["formation_m"], count) if "formation_m" in entries else None,
         fires=fires,
         obstacles=obstacles,
-        path=read_path(entries["path"], params.path.stroke_smoothing) if "path" in entries else NO_PATH,
+        path=read_path(entries["path"], params.path.stroke_smoothing, params.scale) if "path" in entries else NO_PATH,
         influenced=entry("influenced", 1).integer(1, count, "a robot's number") - 1,
         strokes=read_strokes(entry("strokes", []), count),
         params=params,
@@ -307,7 +308,13 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         check_intention(intention_radius(robots.points, links, scenario.influenced, params), source)
     late = late_stand_off(fire_radius, start.world.fire_growth, scenario.duration, params)
     buried = buried_fires(start.world.fire_position, fire_radius, scenario.obstacles)
-    warnings = (*late, *buried, *unavoidable(start.layout), *_end_warnings(scenario))
+    warnings = (
+        *late,
+        *buried,
+        *unavoidable(start.layout),
+        *misfits(start.layout, robots.points),
+        *_end_warnings(scenario),
+    )
     return replace(scenario, warnings=(*scenario.warnings, *warnings))
 
 

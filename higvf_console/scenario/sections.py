@@ -11,12 +11,13 @@ import numpy as np
 
 from higvf_console.control.forms import FORMS, WORDS, Forms
 from higvf_console.control.guidance.paths import circle_path, ellipse_path, line_path, sketch_path
-from higvf_console.control.parameters import RENAMED, Parameters, PathParameters
+from higvf_console.control.parameters import GROUPS, RENAMED, Parameters, PathParameters, defaults_at
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import PathError
 from higvf_console.core.path_terms import ENDINGS, FASTEST, SLOWEST, USUAL_TERMS, PathTerms
 from higvf_console.core.quantity import COORDINATE, Quantity, quantities, with_values
 from higvf_console.core.reading.node import Node
+from higvf_console.core.scale import USUAL_SCALE, Scale
 from higvf_console.core.state import Path
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import with_terms
@@ -35,6 +36,8 @@ _LENGTH = Quantity("m", 0.001, 1e6, "", "A length.")
 _JITTER = Quantity("m", 0.0, 1000.0, "", "Largest shift of a robot along x and along y.")
 _GROWTH = Quantity("m/s", 0.0, 100.0, "", "How fast a fire's radius grows.")
 _ANGLE = Quantity("deg", -360.0, 360.0, "", "An angle.")
+_BODY = Quantity("m", 0.001, 1000.0, "", "Radius of the circle round a robot's body.")
+_SPEED_LIMIT = Quantity("m/s", 0.001, 1000.0, "", "Speed limit of a robot.")
 _PACE = Quantity("", SLOWEST, FASTEST, "", "Share of their velocity that those who are led take.")
 _DURATION = Quantity("s", 0.0, 1e6, "", "How long a path is followed; 0 = as long as it takes.")
 _SMOOTHING = quantities(PathParameters)["stroke_smoothing"]
@@ -54,11 +57,13 @@ class Robots(NamedTuple):
         points: (N, 2) centres [m].
         jitter: by how much each is shifted at most along x and along y, as the seed decides [m].
         heading: (N,) of unicycles [rad].
+        scale: their body and speed limit.
     """
 
     points: Floats
     jitter: float
     heading: Floats
+    scale: Scale = USUAL_SCALE
 
     def positions(self, seed: int) -> Floats:
         """Centres (N, 2) [m] at the start; the same seed gives the same bytes."""
@@ -76,6 +81,8 @@ class Robots(NamedTuple):
     def written(self) -> dict[str, Any]:
         """The section that `read_robots` reads as these robots."""
         section: dict[str, Any] = {"start_m": self.points.tolist()}
+        if self.scale != USUAL_SCALE:
+            section |= {"radius_m": self.scale.body_radius, "speed_limit_m_per_s": self.scale.speed_limit}
         if self.jitter > 0.0:
             section["jitter_m"] = self.jitter
         degrees = np.degrees(self.heading)
@@ -116,20 +123,35 @@ def read_arena(node: Node) -> tuple[Arena, bool]:
 
 
 def read_robots(node: Node, arena: Arena) -> Robots:
-    """Given start points, or a square grid round a centre; one heading for all unicycles, or one for each."""
-    entries = node.section(("start_m", "count", "spacing_m", "centre_m", "jitter_m", "heading_deg"))
+    """Given start points, or a square grid round a centre; one heading for all unicycles, or one for each.
+
+    The body and the speed limit set the scale; without them it is the usual one.
+    """
+    body = ("radius_m", "speed_limit_m_per_s")
+    entries = node.section(("start_m", "count", "spacing_m", "centre_m", "jitter_m", "heading_deg", *body))
+    scale = _scale(node, entries)
     jitter = entries["jitter_m"].number(_JITTER) if "jitter_m" in entries else 0.0
     if "start_m" in entries:
         if {"count", "spacing_m", "centre_m"} & set(entries):
             raise node.error("give start_m, or count and spacing_m, not both")
         points = entries["start_m"].points(least=1)
-        return Robots(points, jitter, _headings(entries, len(points)))
+        return Robots(points, jitter, _headings(entries, len(points)), scale)
     entries = node.section(tuple(entries), ("count", "spacing_m"))
     count = entries["count"].integer(1, MOST_ROBOTS, "a number of robots")
     centre = ((arena.x_min + arena.x_max) / 2, (arena.y_min + arena.y_max) / 2)
     centre = entries["centre_m"].point() if "centre_m" in entries else centre
     grid = _grid(count, entries["spacing_m"].number(_LENGTH), centre)
-    return Robots(grid, jitter, _headings(entries, count))
+    return Robots(grid, jitter, _headings(entries, count), scale)
+
+
+def _scale(node: Node, entries: dict[str, Node]) -> Scale:
+    radius, speed_limit = entries.get("radius_m"), entries.get("speed_limit_m_per_s")
+    if radius is None and speed_limit is None:
+        return USUAL_SCALE
+    if radius is None or speed_limit is None:
+        missing = "speed_limit_m_per_s" if speed_limit is None else "radius_m"
+        raise node.error(f"give {missing} too: the defaults follow from radius_m and speed_limit_m_per_s together")
+    return Scale(radius.number(_BODY), speed_limit.number(_SPEED_LIMIT))
 
 
 def _headings(entries: dict[str, Node], robots: int) -> Floats:
@@ -172,12 +194,12 @@ def read_formation(node: Node, robots: int) -> Floats:
     return shape
 
 
-def read_fires(node: Node, robots: int) -> tuple[Fire, ...]:
-    """The fires, in the order of their numbers."""
+def read_fires(node: Node, robots: int, scale: Scale) -> tuple[Fire, ...]:
+    """The fires, in the order of their numbers; the usual growth is that of the scale."""
     fires: list[Fire] = []
     for item in node.items(MOST_FIRES):
         entries = item.section(("at_m", "radius_m", "growth_m_per_s", "robots_needed"), ("at_m", "radius_m"))
-        growth = entries["growth_m_per_s"].number(_GROWTH) if "growth_m_per_s" in entries else 1.0
+        growth = entries["growth_m_per_s"].number(_GROWTH) if "growth_m_per_s" in entries else scale.speed
         needs = min(2, robots)
         if "robots_needed" in entries:
             needs = entries["robots_needed"].integer(1, robots, f"within the team of {robots}")
@@ -233,12 +255,13 @@ def read_strokes(node: Node, robots: int) -> tuple[ShownStroke, ...]:
     return tuple(strokes)
 
 
-def read_path(node: Node, smoothing: float) -> Path:
+def read_path(node: Node, smoothing: float, scale: Scale) -> Path:
     """The desired path that is in force from the start: a line, circle, ellipse or sketch.
 
     Args:
         node: the section `path`.
         smoothing: standard deviation by which a path may leave its sketch [m].
+        scale: of the team.
     """
     kinds = ("line", "circle", "ellipse", "sketch")
     entries = node.section((*kinds, "direction", "ending", "pace", "duration_s"))
@@ -249,7 +272,7 @@ def read_path(node: Node, smoothing: float) -> Path:
         raise node.error(f"give exactly one of: {', '.join(kinds)}")
     shape = entries[given[0]]
     try:
-        path = _PATHS[given[0]](shape, direction, smoothing)
+        path = _PATHS[given[0]](shape, direction, smoothing, scale)
     except PathError as error:
         raise shape.error(str(error)) from error
     terms = PathTerms(
@@ -260,42 +283,41 @@ def read_path(node: Node, smoothing: float) -> Path:
     return with_terms(path, terms)
 
 
-def _line(node: Node, direction: float, _: float) -> Path:
+def _line(node: Node, direction: float, *_: object) -> Path:
     entries = node.section(("at_m", "angle_deg"), ("at_m", "angle_deg"))
     return line_path(*entries["at_m"].point(), math.radians(entries["angle_deg"].number(_ANGLE)), direction)
 
 
-def _circle(node: Node, direction: float, _: float) -> Path:
+def _circle(node: Node, direction: float, *_: object) -> Path:
     entries = node.section(("at_m", "radius_m"), ("at_m", "radius_m"))
     return circle_path(*entries["at_m"].point(), entries["radius_m"].number(_LENGTH), direction)
 
 
-def _ellipse(node: Node, direction: float, _: float) -> Path:
+def _ellipse(node: Node, direction: float, *_: object) -> Path:
     entries = node.section(("at_m", "half_axes_m", "angle_deg"), ("at_m", "half_axes_m"))
     angle = math.radians(entries["angle_deg"].number(_ANGLE)) if "angle_deg" in entries else 0.0
     return ellipse_path(*entries["at_m"].point(), *entries["half_axes_m"].point(), angle, direction)
 
 
-def _sketch(node: Node, direction: float, smoothing: float) -> Path:
+def _sketch(node: Node, direction: float, smoothing: float, scale: Scale) -> Path:
     entries = node.section(("points_m", "closed", "smoothing_m"), ("points_m",))
     closed = entries["closed"].flag() if "closed" in entries else None
-    smoothing = entries["smoothing_m"].number(_SMOOTHING) if "smoothing_m" in entries else smoothing
-    return sketch_path(entries["points_m"].points(least=3), smoothing, closed, direction)
+    smoothing = entries["smoothing_m"].number(_SMOOTHING.at(scale)) if "smoothing_m" in entries else smoothing
+    return sketch_path(entries["points_m"].points(least=3), smoothing, closed, direction, scale)
 
 
 _PATHS = {"line": _line, "circle": _circle, "ellipse": _ellipse, "sketch": _sketch}
 
 
-def read_parameters(node: Node) -> Parameters:
-    """All parameters: the defaults and what the file says otherwise."""
-    params, given = Parameters(), dict[str, dict[str, Node]]()
-    groups = tuple(name for name in Parameters._fields if name != "forms")
-    for group, section in node.section(groups, renamed=RENAMED).items():
+def read_parameters(node: Node, scale: Scale) -> Parameters:
+    """All parameters: the defaults at the scale and what the file says otherwise."""
+    params, given = defaults_at(scale), dict[str, dict[str, Node]]()
+    for group, section in node.section(GROUPS, renamed=RENAMED).items():
         part, former = getattr(params, group), f"{group}."
         renamed = {old.removeprefix(former): new.removeprefix(former) for old, new in RENAMED.items()}
         given[group] = section.section(tuple(quantities(type(part))), renamed=renamed)
         values = {name: entry.value for name, entry in given[group].items()}
-        params = params._replace(**{group: with_values(part, values, section.where)})
+        params = params._replace(**{group: with_values(part, values, section.where, scale)})
     if "cruise_speed" in given.get("blending", ()) and "speed_limit" not in given.get("safety", ()):
         limit = SPEED_LIMIT_FACTOR * params.blending.cruise_speed
         params = params._replace(safety=params.safety._replace(speed_limit=limit))

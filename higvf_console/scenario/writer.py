@@ -14,7 +14,7 @@ import numpy as np
 
 from higvf_console.control.forms import FORMS, Forms
 from higvf_console.control.guidance.paths import SEGMENTS, SHORTEST_PATH, path_points
-from higvf_console.control.parameters import Parameters
+from higvf_console.control.parameters import GROUPS, Parameters, defaults_at
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.quantity import quantities
@@ -34,7 +34,6 @@ from higvf_console.world.polygons import obstacles_of
 from higvf_console.world.setup import Setup
 
 Section = dict[str, Any]
-MILLIMETRES = 3  # decimals of a length [m]
 
 
 def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None, *, rounded: bool = False) -> str:
@@ -47,8 +46,8 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None, *, r
         setup: layout and world in force.
         state: the present state.
         scenario: where the run comes from, for what edits do not change; None = nowhere.
-        rounded: whether lengths are rounded to the millimetre, as people want to read them, where a run can still start
-            from them.
+        rounded: whether lengths are rounded, to the millimetre at the usual scale, as people want to read them, where a
+            run can still start from them.
 
     Raises:
         ScenarioError: no run can start from the present state, for example because a fire has grown too large.
@@ -66,7 +65,7 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None, *, r
     if layout.formation.tobytes() != robots.controlled(0, setup.params.robots.look_ahead).tobytes():
         content["formation_m"] = layout.formation.tolist()
     content |= {"fires": _fires(layout, motion), "obstacles": _obstacles(layout.obstacles, time)}
-    content |= {"path": _path(state), "influenced": state.intent.influenced + 1}
+    content |= {"path": _path(state, setup.params.scale.length), "influenced": state.intent.influenced + 1}
     if scenario is not None:
         content["strokes"] = _strokes(scenario, len(motion.position))
     content |= {"parameters": _parameters(setup.params), "forms": _forms(setup.params.forms)}
@@ -78,7 +77,7 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None, *, r
     content = {key: value for key, value in content.items() if key == "links" or value not in ({}, [], "")}
     source = scenario.source if scenario is not None else "scenario.yaml"
     if rounded:
-        text = yaml_text(in_millimetres(content))
+        text = yaml_text(rounded_lengths(content, setup.params.scale.decimals))
         with suppress(ScenarioError):
             parse_scenario(text, source)
             return text
@@ -90,19 +89,24 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None, *, r
     return text
 
 
-def in_millimetres(value: Any, *, length: bool = False) -> Any:
-    """A part of a scenario whose lengths, those of the arena and of keys that end in `_m`, are whole millimetres."""
+def rounded_lengths(value: Any, decimals: int, *, length: bool = False) -> Any:
+    """A part of a scenario whose lengths, those of the arena and of keys that end in `_m`, have so many decimals.
+
+    The body of the robots keeps its size, from which all else follows.
+    """
     match value:
         case dict():
             section = cast(dict[str, Any], value)
             return {
-                key: in_millimetres(part, length=length or key.endswith("_m") or key == "arena")
+                key: part
+                if key == "radius_m" and "speed_limit_m_per_s" in section
+                else rounded_lengths(part, decimals, length=length or key.endswith("_m") or key == "arena")
                 for key, part in section.items()
             }
         case list():
-            return [in_millimetres(part, length=length) for part in cast(list[Any], value)]
+            return [rounded_lengths(part, decimals, length=length) for part in cast(list[Any], value)]
         case float() if length and math.isfinite(value):
-            return round(value, MILLIMETRES) + 0.0
+            return round(value, decimals) + 0.0
         case _:
             return value
 
@@ -116,7 +120,7 @@ def _arena(arena: Arena, walls: bool) -> Section:
 def _robots(centre: Floats, heading: Floats, params: Parameters) -> Robots:
     unicycles = params.robots.look_ahead > 0.0
     turned = np.array([math.remainder(angle, 2.0 * math.pi) for angle in heading.tolist()])
-    return Robots(centre, 0.0, turned if unicycles else np.zeros(len(centre)))
+    return Robots(centre, 0.0, turned if unicycles else np.zeros(len(centre)), params.scale)
 
 
 def _fires(layout: Layout, motion: Motion) -> list[Section]:
@@ -160,11 +164,11 @@ def _polygon(outline: Floats, *free: Floats) -> Section:
     return {**polygon, "free_m": [chain.tolist() for chain in free]} if free else polygon
 
 
-def _path(state: SimState) -> Section:
+def _path(state: SimState, scale: float) -> Section:
     path, motion = state.intent.path, state.motion
     if path.kind == PathKind.NONE or motion.path_status not in (PathStatus.FOLLOWING, PathStatus.BREAK_AWAY):
         return {}
-    shape = _shape(path, motion.path_parameter)
+    shape = _shape(path, motion.path_parameter, scale)
     if not shape:
         return {}
     way: Section = {"direction": "forward" if path.direction > 0.0 else "backward"}
@@ -177,8 +181,11 @@ def _path(state: SimState) -> Section:
     return shape | way
 
 
-def _shape(path: Path, done: float) -> Section:
-    """Line, circle or sketch; of an open path that does not start again what is left from arc length `done` [m]."""
+def _shape(path: Path, done: float, scale: float) -> Section:
+    """Line, circle or sketch; of an open path that does not start again what is left from arc length `done` [m].
+
+    What is left is no path if it is too short at a scale of lengths.
+    """
     if path.kind == PathKind.LINE:
         x, y, cos, sin = path.shape.tolist()
         return {"line": {"at_m": [x, y], "angle_deg": math.degrees(math.atan2(sin, cos))}}
@@ -188,7 +195,7 @@ def _shape(path: Path, done: float) -> Section:
     start, end = 0.0, path.length
     if not path.closed and path.ending != PathEnding.LOOP:
         start, end = (done, end) if path.direction > 0.0 else (start, done)
-    if end - start < SHORTEST_PATH:
+    if end - start < SHORTEST_PATH * scale:
         return {}
     points = path_points(path, floats(np.linspace(start, end, SEGMENTS + 1)))
     return {"sketch": {"points_m": points.tolist(), "closed": bool(path.closed), "smoothing_m": 0.0}}
@@ -208,10 +215,9 @@ def _strokes(scenario: Scenario, robots: int) -> list[Section]:
 def _parameters(params: Parameters) -> Section:
     """What differs from the defaults; a speed limit that would follow from the cruise speed is written too."""
     sections: Section = {}
-    for group, default in Parameters()._asdict().items():
-        if group == "forms":
-            continue
-        part = getattr(params, group)
+    usual = defaults_at(params.scale)
+    for group in GROUPS:
+        part, default = getattr(params, group), getattr(usual, group)
         changed = {name: getattr(part, name) for name in quantities(type(part))}
         sections[group] = {name: value for name, value in changed.items() if value != getattr(default, name)}
     if "cruise_speed" in sections["blending"]:

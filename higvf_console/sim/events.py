@@ -8,7 +8,7 @@ from higvf_console.control.guidance.recovery import ASK, MORE_HUMAN, OTHER_DIREC
 from higvf_console.control.parameters import Parameters
 from higvf_console.core.arrays import Bools
 from higvf_console.core.events import Event, Severity
-from higvf_console.core.numbers import grouped
+from higvf_console.core.numbers import measured
 from higvf_console.core.state import NOBODY, Motion, PathStatus, SimState, Trace
 
 
@@ -36,7 +36,7 @@ def events_between(
     if was.fire_burning.tobytes() != now.fire_burning.tobytes():
         for fire in np.flatnonzero(was.fire_burning & ~now.fire_burning).tolist():
             area = np.pi * now.fire_radius[fire] ** 2
-            text = f"Fire {fire + 1} is out; it burnt {grouped(area)} m²."
+            text = f"Fire {fire + 1} is out; it burnt {measured(area)} m²."
             events.append(Event(time, Severity.GOOD, "extinguished", text, fire=fire))
     if was.path_status != now.path_status:
         events.extend(_path_event(was.path_status, now.path_status, after.intent.influenced, time))

@@ -30,7 +30,8 @@ def build_world(layout: Layout, before: World | None = None) -> World:
         capsules = capsule_table(obstacles.circles, bars)
         mover, course, course_start = _courses(obstacles, capsules)
         still = np.setdiff1d(np.arange(len(capsules)), mover[:, MOVER_PART].astype(np.int64))
-        groups = group_obstacles(floats(capsules[still]), controlled(layout.params).safety.obstacle_clearance)
+        clearance, scale = controlled(layout.params).safety.obstacle_clearance, layout.params.scale.length
+        groups = group_obstacles(floats(capsules[still]), clearance, scale)
         groups = groups._replace(part=ints(still[groups.part], -1))
     else:
         capsules, mover, course, course_start = before.capsules, before.mover, before.course, before.course_start

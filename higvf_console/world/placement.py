@@ -13,6 +13,7 @@ from higvf_console.control.safety.barriers.sampling import check_sampling, least
 from higvf_console.control.safety.hazards import worst_hazards
 from higvf_console.core.arrays import Floats, floats, ints
 from higvf_console.core.errors import FilterError, ScenarioError
+from higvf_console.core.numbers import metres
 from higvf_console.core.state import World
 from higvf_console.core.viewport import Arena
 from higvf_console.sim.certificates import FORMATION_LIMIT, laplacian
@@ -51,7 +52,7 @@ def check_start(
         if gap[robot] < least:
             x, y = position[robot]
             raise ScenarioError(
-                f"{place}: robot {robot + 1} at ({x:g}, {y:g}) is {gap[robot]:.2f} m from {what}; "
+                f"{place}: robot {robot + 1} at ({x:g}, {y:g}) is {_gap(gap[robot])} from {what}; "
                 f"{_clearance('obstacle', body.obstacle_clearance, params)}"
             )
 
@@ -67,13 +68,17 @@ def _clearance(kind: str, clearance: float, params: Parameters) -> str:
     return f"{said}, enlarged to {enlarged:g} m by {' and '.join(causes)}"
 
 
+def _gap(gap: float) -> str:
+    return f"{gap:.{3 if abs(gap) < 1.0 else 2}f} m"
+
+
 def _check_pairs(position: Floats, least: float, clearance: str, place: str) -> None:
     pairs = kd_tree(position).query_pairs(least, output_type="ndarray")
     gap = np.linalg.norm(position[pairs[:, 0]] - position[pairs[:, 1]], axis=1)
     if (gap < least - ROUNDING).any():
         nearest = int(np.argmin(gap))
         first, second = pairs[nearest] + 1
-        raise ScenarioError(f"{place}: robots {first} and {second} start {gap[nearest]:.2f} m apart; {clearance}")
+        raise ScenarioError(f"{place}: robots {first} and {second} start {_gap(gap[nearest])} apart; {clearance}")
 
 
 def obstacle_gaps(points: Floats, obstacles: Obstacles) -> Iterator[tuple[str, Floats]]:
@@ -122,6 +127,45 @@ def unavoidable(layout: Layout) -> tuple[str, ...]:
         for what, speed in dangers
         if speed >= limit
     )
+
+
+def misfits(layout: Layout, position: Floats) -> tuple[str, ...]:
+    """A warning for each number that does not fit the arena, and for each fire that is held from the start.
+
+    Args:
+        layout: arena, fires and parameters.
+        position: (N, 2) of the robots at the start [m].
+    """
+    arena, params = layout.arena, layout.params
+    side = min(arena.width, arena.height)
+    size = f"the arena of {arena.width:g} m x {arena.height:g} m"
+    remedy = "give robots.radius_m and speed_limit_m_per_s, from which the defaults follow, or another value"
+    lengths = [
+        ("safety.robot_clearance", params.safety.robot_clearance, 1.0),
+        ("boundaries.reactive_margin", params.boundaries.reactive_margin, 0.5),
+        ("path.capture_distance", params.path.capture_distance, 1.0),
+    ]
+    if layout.fires:
+        lengths.append(("fires.stand_off", params.fires.stand_off, 0.5))
+    found = [
+        f"{name} is {value:g} m, more than {'half of ' * (share < 1.0)}the shorter side of {size}; {remedy}"
+        for name, value, share in lengths
+        if value > share * side
+    ]
+    if params.blending.cruise_speed * params.path.progress_timeout > 2.0 * max(arena.width, arena.height):
+        found.append(
+            f"blending.cruise_speed is {params.blending.cruise_speed:g} m/s: a robot crosses {size} within half of "
+            f"path.progress_timeout, {params.path.progress_timeout:g} s; {remedy}"
+        )
+    reach = layout.fire_radius + params.fires.stand_off
+    for number, fire in enumerate(layout.fires, 1):
+        near = int((np.hypot(*(position - fire.position).T) <= reach[number - 1]).sum())
+        if near >= fire.needs:
+            found.append(
+                f"fire {number} is held from the start: {near} robots stand within fires.stand_off, "
+                f"{params.fires.stand_off:g} m, of its edge"
+            )
+    return tuple(found)
 
 
 class Network(NamedTuple):
@@ -280,7 +324,7 @@ def check_stand_off(world: World, fire_radius: Floats, params: Parameters, sourc
         if stand_off < least:
             raise ScenarioError(
                 f"{source}: parameters.fires.stand_off: {stand_off:g} m is too near to fire {number} "
-                f"({radius:g} m, growing {growth:g} m/s), whose barrier holds robots {least:.2f} m off; raise it"
+                f"({radius:g} m, growing {growth:g} m/s), whose barrier holds robots {metres(least)} off; raise it"
             )
 
 
@@ -290,7 +334,7 @@ def late_stand_off(fire_radius: Floats, fire_growth: Floats, duration: float, pa
     safety = controlled(params).safety
     least = [least_stand_off(float(r), float(g), safety) for r, g in zip(grown, fire_growth, strict=True)]
     return tuple(
-        f"fire {number} can grow to {radius:.0f} m, where its barrier holds robots {far:.1f} m off; "
+        f"fire {number} can grow to {radius:.3g} m, where its barrier holds robots {metres(far)} off; "
         f"stand_off is {params.fires.stand_off:g} m"
         for number, (radius, far) in enumerate(zip(grown, least, strict=True), 1)
         if far > params.fires.stand_off

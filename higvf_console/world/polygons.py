@@ -13,7 +13,7 @@ from higvf_console.core.errors import ScenarioError
 from higvf_console.core.outline import enclosed
 
 _AT_ONCE = 2000  # points whose distances from all edges are found together
-LEAST_AREA = 1.0  # of a polygon [m^2]
+LEAST_AREA = 1e-6  # of a polygon [m^2]
 MOST_EDGES = 500  # of all irregular obstacles together: each is a barrier of every robot near it
 
 

@@ -31,7 +31,7 @@ def text(setup: Setup, at: tuple[float, float], tick: int = 0, burning: bool = T
         ((100.0, 221.5), "is inside circle 1's safety distance by 0.5 m"),
         ((100.0, 400.0), "is inside bar 1's safety distance by 16.0 m"),
         ((624.97, 600.0), "is inside robot 2's safety distance by 3 cm"),
-        ((624.999, 600.0), "is inside robot 2's safety distance by less than 1 cm"),
+        ((624.999, 600.0), "is inside robot 2's safety distance by 1 mm"),
     ],
 )
 def test_the_nearest_hazard_is_named_with_the_missing_distance(at: tuple[float, float], words: str) -> None:

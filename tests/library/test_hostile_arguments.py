@@ -223,7 +223,7 @@ SCALARS: dict[str, Callable[[Any], object]] = {
     "path's pace": lambda x: hc.line_path((0, 0), pace=x),
     "path's duration": lambda x: hc.line_path((0, 0), duration=x),
     "path's direction": lambda x: hc.line_path((0, 0), direction=x),
-    "sketch's smoothing": lambda x: hc.sketch_path(STROKE, x),
+    "sketch's smoothing": lambda x: hc.sketch_path(STROKE, -1.0 if x is None else x),
     "robots_needed": lambda x: hc.Hazards().fire((0, 0), 5, robots_needed=x),
     "influenced": lambda x: hc.make_setup(TEAM, influenced=x),
     "influenced of a step": lambda x: hc.Controller(SETUP).step(TEAM, influenced=x if x is not None else -1),

@@ -79,7 +79,7 @@ MISTAKES = {
         "robots: {start_m: [[700, 300], [710, 300]]}",
         "robots: robots 1 and 2 start 10.00 m apart; robot_clearance is 25 m",
     ),
-    "robots on one spot": ("robots: {start_m: [[700, 300], [700, 300]]}", "robots 1 and 2 start 0.00 m apart"),
+    "robots on one spot": ("robots: {start_m: [[700, 300], [700, 300]]}", "robots 1 and 2 start 0.000 m apart"),
     "grid too tight": ("robots: {count: 9, spacing_m: 20}", "start 20.00 m apart; robot_clearance is 25 m"),
     "robot outside": (
         "robots: {start_m: [[700, 300], [1300, 350]]}",
@@ -113,8 +113,8 @@ MISTAKES = {
         "edge 3 from (90, 0) to (0, 90)",
     ),
     "flat polygon": (
-        "obstacles: {polygons: [{points_m: [[0, 0], [90, 0], [50, 0.01]]}]}",
-        "polygons[1].points_m: the polygon has an area of 0.45 m^2; give it at least 1 m^2",
+        "obstacles: {polygons: [{points_m: [[0, 0], [90, 0], [50, 1e-9]]}]}",
+        "polygons[1].points_m: the polygon has an area of 4.5e-08 m^2; give it at least 1e-06 m^2",
     ),
     "endless polygon": (
         f"obstacles: {{polygons: [{{points_m: {[[k, k * k] for k in range(501)]}}}]}}",

@@ -27,7 +27,7 @@ from higvf_console.core.errors import ScenarioError
 from higvf_console.core.state import Motion, PathEnding, PathKind, PathStatus
 from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import Scenario, load_scenario, parse_scenario, scenario_names
-from higvf_console.scenario.writer import in_millimetres, scenario_yaml
+from higvf_console.scenario.writer import rounded_lengths, scenario_yaml
 from higvf_console.world.setup import Setup
 from tests.teams import stroke
 
@@ -162,7 +162,7 @@ def test_lengths_are_saved_in_millimetres_for_people_unless_no_run_could_start_f
     again = parse_scenario(text, "again.yaml").setup(7).start.motion
     assert (again.position == np.round(run.state.motion.position, 3)).all()
     tiny = {"arena": {"x_min": 0.00004}, "fires": [{"at_m": [1.23456, 2], "growth_m_per_s": 0.12345}], "seed": 1.23456}
-    assert in_millimetres(tiny) == {
+    assert rounded_lengths(tiny, 3) == {
         "arena": {"x_min": 0.0}, "fires": [{"at_m": [1.235, 2], "growth_m_per_s": 0.12345}], "seed": 1.23456,
     }  # fmt: skip
     touching = "[[700, 300.0006], [712.5, 321.65124]]"  # half a millimetre nearer, and they were too near

@@ -9,6 +9,7 @@ from higvf_console.control.guidance.paths import WINDOW, sketch_path
 from higvf_console.control.guidance.recovery import ASK, OTHER_DIRECTION, passes
 from higvf_console.control.parameters import Parameters, PerceptionParameters
 from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.scale import BODY_RADIUS
 from higvf_console.core.state import PathStatus, SimState, Trace
 from higvf_console.operator.path_commands import follow
 from higvf_console.sim.simulation import advance
@@ -99,7 +100,7 @@ def test_a_team_leaves_its_path_for_a_great_fire_and_returns_where_it_was() -> N
             break
     assert seen == [PathStatus.FOLLOWING, PathStatus.BREAK_AWAY, PathStatus.FOLLOWING, PathStatus.FINISHED]
     assert not state.motion.fire_burning.any()
-    assert abs(kept[2] - kept[1]) <= WINDOW + 2 * state.intent.path.spacing
+    assert abs(kept[2] - kept[1]) <= WINDOW * BODY_RADIUS + 2 * state.intent.path.spacing
 
 
 def test_without_a_threshold_nobody_breaks_away() -> None:

@@ -18,6 +18,7 @@ from higvf_console.core.commands import OperatorCommand, ShapePath, StrokeEnd, S
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.path_terms import PathTerms, terms_of_stroke
+from higvf_console.core.scale import USUAL_SCALE
 from higvf_console.core.state import NO_PATH, Path
 from higvf_console.core.viewport import Viewport
 from higvf_console.operator.path_commands import with_terms
@@ -196,7 +197,7 @@ def test_what_a_panel_refuses_changes_nothing() -> None:
 def test_terms_hold_for_the_path_in_hand_at_once() -> None:
     ui, gui, given = UiStore(), Gui(), list[OperatorCommand]()
     widgets = TermsWidgets(cast(viser.GuiApi, gui), cast(PointerSink, SimpleNamespace(push=given.append)), ui)
-    widgets.update(PATH)
+    widgets.update(PATH, USUAL_SCALE)
     gui.widgets["Pace"].touch(0.75)
     assert given == [ShapePath(pace=0.75)]
 

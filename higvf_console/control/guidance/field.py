@@ -65,7 +65,7 @@ def _field(
     goal_x, goal_y = destination(intent.path, motion.path_parameter)
     if not human and target != NOBODY:
         goal_x, goal_y = world.fire_position[target, 0], world.fire_position[target, 1]
-    window = EVERYWHERE if kind != FieldKind.BLENDED or intent.path.closed else WINDOW
+    window = EVERYWHERE if kind != FieldKind.BLENDED or intent.path.closed else WINDOW * params.scale.body_radius
     field = np.zeros(points.shape)
     for g in range(points.shape[0]):
         x, y = points[g, 0], points[g, 1]

@@ -76,7 +76,7 @@ def progress(
         return motion.path_parameter, status, idle, gap, time
     path, robot = intent.path, intent.influenced
     x, y = motion.position[robot]
-    w = nearest(path, motion.path_parameter, WINDOW, x, y)[0]
+    w = nearest(path, motion.path_parameter, WINDOW * params.scale.body_radius, x, y)[0]
     left = travel_left(path, w, x, y)
     if left < math.inf:
         along = path.length - w if path.direction > 0.0 else w

@@ -16,7 +16,7 @@ from higvf_console.core.state import CAPSULE, GRID_COLUMNS
 
 _BLOCK = 1_000_000  # pairs of boxes that are looked at in one piece
 _CELLS = 48  # most cells of a pocket's grid along its longer side
-_LEAST_CELL = 4.0  # [m]
+_LEAST_CELL = 4.0  # at the usual scale [m]
 _CROWDED = 30.0  # extra cost of a metre where a robot violates the clearance
 _STEPS = ((0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (1, -2), (2, -1))  # offsets to half of the neighbours
 
@@ -31,12 +31,13 @@ class Groups(NamedTuple):
     pocket: Floats
 
 
-def group_obstacles(parts: Floats, clearance: float) -> Groups:
+def group_obstacles(parts: Floats, clearance: float, scale: float) -> Groups:
     """Groups the obstacle parts of a world, and computes the hull and the pocket of each group.
 
     Args:
         parts: (K, 5) capsules ax, ay, bx, by, radius [m].
         clearance: R_o [m].
+        scale: of lengths.
     """
     members = _members(_labels(parts, 2.0 * clearance))
     boundary = np.zeros((len(members), GRID_COLUMNS + 1))
@@ -50,7 +51,7 @@ def group_obstacles(parts: Floats, clearance: float) -> Groups:
         hull = _hull(parts[group])
         centre = (hull.min(axis=0) + hull.max(axis=0)) / 2
         boundary[g, :CAPSULE] = [*centre, *centre, np.hypot(*(hull - centre).T).max()]
-        boundary[g, CAPSULE:], pocket = _pocket(parts[group], hull, clearance)
+        boundary[g, CAPSULE:], pocket = _pocket(parts[group], hull, clearance, _LEAST_CELL * scale)
         hulls.append(hull)
         pockets.append(pocket)
     starts = [np.cumsum([len(piece) for piece in pieces]) for pieces in (hulls, pockets)]
@@ -187,13 +188,14 @@ def _separated(a: Floats, b: Floats) -> bool:
     return bool((((b[None] - a[:, None]) * outward[:, None]).sum(axis=2).min(axis=1) > 0.0).any())
 
 
-def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floats]:
+def _pocket(parts: Floats, hull: Floats, clearance: float, least_cell: float) -> tuple[Floats, Floats]:
     """Grid of directions out of a hull; empty, with 0 columns, if the hull has no room for a robot.
 
     Args:
         parts: (n, 5) capsules of the group [m].
         hull: (h, 2) corners of its convex hull [m].
         clearance: R_o [m].
+        least_cell: width of a cell, at least [m].
 
     Returns:
         (4,) x, y of the first node and cell width [m], number of columns.
@@ -202,7 +204,7 @@ def _pocket(parts: Floats, hull: Floats, clearance: float) -> tuple[Floats, Floa
     from scipy.ndimage import label  # noqa: PLC0415
 
     low, high = hull.min(axis=0), hull.max(axis=0)
-    cell = max(_LEAST_CELL, float((high - low).max()) / _CELLS)
+    cell = max(least_cell, float((high - low).max()) / _CELLS)
     columns, rows = (math.ceil(extent / cell) + 3 for extent in high - low)
     xs, ys = low[0] + cell * (np.arange(columns) - 1), low[1] + cell * (np.arange(rows) - 1)
     nodes = np.stack([axis.ravel() for axis in np.meshgrid(xs, ys)], axis=1)

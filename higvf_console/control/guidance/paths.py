@@ -13,11 +13,12 @@ import numpy as np
 from higvf_console.control.kernel import kernel
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import PathError
+from higvf_console.core.scale import USUAL_SCALE, Scale
 from higvf_console.core.state import NO_PATH, Path, PathKind
 
 SEGMENTS = 200  # of a spline path
-SHORTEST_PATH = 5.0  # [m]
-WINDOW = 60.0  # half width of the search for the nearest point [m]
+SHORTEST_PATH = 5.0  # at the usual scale [m]
+WINDOW = 5.0  # half width of the search for the nearest point [body radii]
 EVERYWHERE = math.inf  # searches the whole path
 _ENDS_PINNED = 1e3  # weight of both ends of a stroke, which a smoothing spline would miss otherwise
 
@@ -58,7 +59,9 @@ def ellipse_path(x: float, y: float, a: float, b: float, angle: float = 0.0, dir
     return _by_arc_length(CubicSpline(turn, points, bc_type="periodic"), turn[-1], closed=True, direction=direction)
 
 
-def sketch_path(points: Floats, smoothing: float, closed: bool | None = None, direction: float = 1.0) -> Path:
+def sketch_path(
+    points: Floats, smoothing: float, closed: bool | None = None, direction: float = 1.0, scale: Scale = USUAL_SCALE
+) -> Path:
     """The C2 path of a stroke: without duplicates, resampled by arc length, smoothed, with both ends kept.
 
     Args:
@@ -66,9 +69,11 @@ def sketch_path(points: Floats, smoothing: float, closed: bool | None = None, di
         smoothing: standard deviation by which the path may leave the points [m].
         closed: whether the path returns to its start; None closes it if the ends of the stroke are near.
         direction: +1 follows the stroke as drawn.
+        scale: of the team.
 
     Raises:
-        PathError: the stroke is not finite, has fewer than 3 distinct points, or is shorter than `SHORTEST_PATH`.
+        PathError: the stroke is not finite, has fewer than 3 distinct points, or is shorter than `SHORTEST_PATH` at the
+            scale.
     """
     from scipy.interpolate import make_splprep  # noqa: PLC0415
 
@@ -76,13 +81,14 @@ def sketch_path(points: Floats, smoothing: float, closed: bool | None = None, di
     if len(stroke) < 3:
         raise PathError(f"a stroke needs at least 3 distinct points; this one has {len(stroke)}")
     length = float(np.hypot(*np.diff(stroke, axis=0).T).sum())
-    if length < SHORTEST_PATH:
-        raise PathError(f"a stroke must be at least {SHORTEST_PATH:g} m long; this one is {length:.1f} m")
+    shortest = SHORTEST_PATH * scale.length
+    if length < shortest:
+        raise PathError(f"a stroke must be at least {shortest:.3g} m long; this one is {length:.3g} m")
     if closed is None:
         closed = float(np.hypot(*(stroke[-1] - stroke[0]))) < 0.08 * length
     if closed:
         stroke = distinct(np.vstack([stroke, stroke[:1]]))
-    even = resampled(stroke, SEGMENTS)
+    even = resampled(stroke, SEGMENTS, scale.length)
     arc = np.linspace(0.0, 1.0, len(even))
     if closed:
         even[-1] = even[0]
@@ -115,10 +121,10 @@ def distinct(points: Floats) -> Floats:
     return stroke[np.concatenate([[True], moved])]
 
 
-def resampled(points: Floats, most: int) -> Floats:
-    """Resamples a polyline (n, 2) [m] at equal arc length: at most `most` + 1 points, about 1 m apart if short."""
+def resampled(points: Floats, most: int, apart: float) -> Floats:
+    """Resamples a polyline (n, 2) at equal arc length: at most `most` + 1 points, about so far `apart` [m] if short."""
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    count = int(min(most, max(8, round(arc[-1])))) + 1
+    count = int(min(most, max(8, round(arc[-1] / apart)))) + 1
     even = np.linspace(0.0, arc[-1], count)
     return np.stack([np.interp(even, arc, points[:, 0]), np.interp(even, arc, points[:, 1])], axis=1)
 

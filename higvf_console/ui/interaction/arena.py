@@ -23,7 +23,7 @@ from higvf_console.core.viewport import Viewport
 from higvf_console.operator.path_commands import in_hand
 from higvf_console.operator.reducer import waiting
 from higvf_console.ui.interaction import pointer
-from higvf_console.ui.interaction.grips import MILLIMETRES, Drag, gripped, nearest_of, result_of, robot_near
+from higvf_console.ui.interaction.grips import Drag, gripped, nearest_of, result_of, robot_near
 from higvf_console.ui.interaction.key_commands import command_of
 from higvf_console.ui.interaction.tools import ADDS, USES, Tool
 from higvf_console.ui.page.roles import Roles
@@ -185,7 +185,7 @@ class ArenaInteraction:
     def _add(self, tool: Tool, point: Floats) -> None:
         """Adds an entity, and selects it: it will be the last of its kind; the tool stays."""
         layout, _ = self._run_state()
-        self._push(AddEntity(ADDS[tool], floats(np.round(point, MILLIMETRES))))
+        self._push(AddEntity(ADDS[tool], floats(np.round(point, layout.params.scale.decimals))))
         self._ui.change(choose(EntityRef(ADDS[tool], how_many(ADDS[tool], layout)), layout))
 
     def _robot_at(self, client_id: int, point: Floats) -> int | None:

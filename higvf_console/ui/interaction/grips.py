@@ -19,7 +19,6 @@ from higvf_console.world.editing.entities import NUMBERS, EntityRef, centres, en
 from higvf_console.world.layout import Layout
 from higvf_console.world.polygons import obstacles_of
 
-MILLIMETRES = 3  # decimals of a length [m]: no hand is more exact
 _BEYOND = 26.0  # from the edge to the disc that turns [px]
 _ROBOT = 16.0  # radius of a robot's outline [px]
 
@@ -136,10 +135,10 @@ def result_of(
     if drag.place is None or not exists(drag.place, layout):
         return []
     numbers = wished(drag, layout, motion)
-    kind, row = drag.place
+    (kind, row), decimals = drag.place, layout.params.scale.decimals
     if drag.handle:
-        return [ChangeEntity(kind, row, drag.handle, round(numbers[drag.handle], MILLIMETRES))]
-    return [MoveEntity(kind, row, floats([round(numbers["x"], MILLIMETRES), round(numbers["y"], MILLIMETRES)]))]
+        return [ChangeEntity(kind, row, drag.handle, round(numbers[drag.handle], decimals))]
+    return [MoveEntity(kind, row, floats([round(numbers["x"], decimals), round(numbers["y"], decimals)]))]
 
 
 def robot_near(position: Floats, point: Floats, reach: float) -> int | None:

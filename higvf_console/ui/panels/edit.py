@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 _MOST_NUMBERS = max(len(numbers) for numbers in NUMBERS.values())
 _SIDES = {"x_min": "Left", "y_min": "Bottom", "x_max": "Right", "y_max": "Top"}
-_DIGITS = 3  # after the point: millimetres
 _HELP = (
     "Choose the arrow above the arena (M) and click a robot, a fire or an obstacle. Drag it to move it, its square to "
     "resize it, its disc to turn it. The tools beside the arrow add entities, draw obstacles and link robots."
@@ -50,7 +49,7 @@ class _Form:
         for field in self._fields:
             field.visible = False
 
-    def show(self, place: EntityRef, numbers: Mapping[str, float], settle: float) -> None:
+    def show(self, place: EntityRef, numbers: Mapping[str, float], decimals: int, settle: float) -> None:
         """Shows an entity's numbers, but for those that were typed less than `settle` [s] ago."""
         self.place = place
         shown = list(numbers.items())
@@ -62,7 +61,7 @@ class _Form:
             quantity = NUMBERS[place.kind][name]
             label = name if name in ("x", "y") else name.capitalize()
             field.describe(label, NumberRange(quantity.unit), quantity.text)
-            field.show(round(value, _DIGITS), settle)
+            field.show(round(value, decimals), settle)
 
 
 class EditPanel:
@@ -124,7 +123,7 @@ class EditPanel:
         self._arena, self._walls = layout.arena, layout.walls
         self._show_numbers(layout, snapshot, SETTLE_S if self._place == former else 0.0)
         for name, field in self._sides.items():
-            field.show(round(float(getattr(layout.arena, name)), _DIGITS))
+            field.show(round(float(getattr(layout.arena, name)), layout.params.scale.decimals))
         mirror(self._walled, layout.walls)
         self._by_range.disabled = layout.links is None
 
@@ -134,4 +133,4 @@ class EditPanel:
         numbers: dict[str, Any] = numbers_of(self._place, layout, snapshot.state.motion)
         if layout.params.robots.look_ahead == 0.0:
             numbers.pop("heading", None)
-        self._form.show(self._place, numbers, settle)
+        self._form.show(self._place, numbers, layout.params.scale.decimals, settle)

@@ -8,7 +8,7 @@ import viser
 from higvf_console.analysis.preview import FiresOut, Preview
 from higvf_console.core.commands import Confirm, Discard
 from higvf_console.core.interface import PointerSink
-from higvf_console.core.numbers import grouped
+from higvf_console.core.numbers import measured
 from higvf_console.core.state import NOBODY
 from higvf_console.operator.reducer import proposal, waiting
 from higvf_console.ui.widgets.callbacks import chosen, reaction
@@ -124,5 +124,5 @@ def warnings(preview: Preview) -> list[str]:
         found.append(f"Held by barriers in {preview.deadlock:.1f} s")
     if len(preview.repulsive):
         length = float(np.hypot(*(preview.repulsive[:, 1] - preview.repulsive[:, 0]).T).sum())
-        found.append(f"{grouped(length)} m of the path in repulsive areas")
+        found.append(f"{measured(length)} m of the path in repulsive areas")
     return found

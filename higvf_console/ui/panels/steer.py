@@ -116,7 +116,7 @@ class SteerPanel:
             self._group.content = block(group_html(group))
         path = in_hand(state)
         self._show_path(path)
-        self._terms.update(path)
+        self._terms.update(path, snapshot.setup.params.scale)
         if state.pointer_state.paths is not self._paths:
             self._paths = state.pointer_state.paths
             self._drawn.options = self._names()

@@ -10,6 +10,8 @@ from higvf_console.control.parameters import Parameters
 from higvf_console.core.edits import SetParameters
 from higvf_console.core.events import Event
 from higvf_console.core.interface import PointerSink
+from higvf_console.core.numbers import legible
+from higvf_console.core.scale import USUAL_SCALE, Scale
 from higvf_console.ui.messages import newer
 from higvf_console.ui.widgets.callbacks import SETTLE_S, chosen, mirror, reaction
 from higvf_console.ui.widgets.html import block, text
@@ -60,7 +62,7 @@ class TunePanel:
 
     def _make_field(self, gui: viser.GuiApi, name: str) -> NumberField:
         return NumberField(
-            gui, title_of(name.split(".")[1]), parameter(self._params, name), limits_of(name),
+            gui, title_of(name.split(".")[1]), parameter(self._params, name), limits_of(name, self._params.scale),
             lambda value: self._ask({name: value}), visible=False, disabled=name in FIXED,
         )  # fmt: skip
 
@@ -93,7 +95,7 @@ class TunePanel:
         self._hear(snapshot.events)
         mirror(self._preset, preset_name(self._params, self._scenario) or OWN)
         for name, field in self._fields.items():
-            field.show(parameter(self._params, name))
+            field.show(legible(parameter(self._params, name)))
         self._note.content = block(note_html(self._group, self._wrong))
         described = (self._params, self._scenario, self._group)
         if self._described != described:
@@ -107,7 +109,7 @@ class TunePanel:
             usual = parameter(self._scenario, name)
             field.visible = name.split(".")[0] == self._group
             title = marked(name, differs=parameter(self._params, name) != usual)
-            field.describe(title, limits_of(name), hint_of(name, usual))
+            field.describe(title, limits_of(name, self._params.scale), hint_of(name, usual, self._params.scale))
         different = differences(self._params, self._scenario)
         self._changed.content = block(changed_html(different))
         self._reset.disabled = not any(name.split(".")[0] == self._group for name, *_ in different)
@@ -116,12 +118,12 @@ class TunePanel:
 
 def shown(value: float) -> str:
     """A value as it is typed."""
-    return typed_form(value, _WORDS)
+    return typed_form(legible(value), _WORDS)
 
 
-def limits_of(name: str) -> NumberRange:
+def limits_of(name: str, scale: Scale = USUAL_SCALE) -> NumberRange:
     """What may be typed for a tunable; the session judges whether it is in range, and says why not."""
-    quantity = quantity_of(name)
+    quantity = quantity_of(name, scale)
     return NumberRange(quantity.unit, words=_WORDS if math.isinf(quantity.high) else {})
 
 
@@ -140,9 +142,9 @@ def label_of(name: str) -> str:
     return labelled(title_of(name.split(".")[1]), quantity_of(name).unit)
 
 
-def hint_of(name: str, usual: float) -> str:
+def hint_of(name: str, usual: float, scale: Scale = USUAL_SCALE) -> str:
     """What a tunable means: sentence, symbol, range, the scenario's value, and why it may be fixed."""
-    quantity = quantity_of(name)
+    quantity = quantity_of(name, scale)
     symbol = f"{quantity.symbol}: " if quantity.symbol else ""
     limits = f"{symbol}{quantity.low:g} to {shown(quantity.high)} {quantity.unit}".rstrip()
     fixed = f" It is {_FIXED}." if name in FIXED else ""

@@ -74,7 +74,8 @@ class WhyPanel:
         row = robot if self._robots <= MOST_SHARED else 0
         velocity = snapshot.last.after.velocity[robot]
         tight = active_constraints(robot, snapshot.last, snapshot.setup)
-        self._parts.content = block(parts_html(robot, why.parts[row], velocity) + rows_html(tight))
+        digits = snapshot.setup.params.scale.speed_decimals
+        self._parts.content = block(parts_html(robot, why.parts[row], velocity, digits) + rows_html(tight))
         self._history.add(snapshot.time, robot, why.authority[row], why.authority.mean(axis=0))
         time, own, shared = self._history.curves()
         charts = [bands_svg(f"robot {robot + 1}", time, own)]

@@ -74,7 +74,7 @@ class EditLayer:
 
     def _bent(self, drag: Drag, state: SimState) -> Floats:
         try:
-            path = bent(in_hand(state), drag.start, drag.now)
+            path = bent(in_hand(state), drag.start, drag.now, self._layout.params.scale)
         except PathError:
             return _NOTHING
         return shapes.segments(path_outline(path, self._canvas.arena)[1])

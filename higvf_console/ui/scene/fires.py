@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from higvf_console.core.arrays import Bools, Floats
-from higvf_console.core.numbers import grouped
+from higvf_console.core.numbers import measured
 from higvf_console.core.state import SimState, Trace
 from higvf_console.ui.scene import shapes
 from higvf_console.ui.scene.glyphs import Triangles, lettering, merged
@@ -130,7 +130,7 @@ def fire_lettering(
         below = y - radius[fire] - 10 * larger * px
         roomy = radius[fire] > larger * _ROOM * px
         if not burning[fire]:
-            ashes.append(lettering(f"{grouped(loss_area[fire])} m²", x, below, small))
+            ashes.append(lettering(f"{measured(loss_area[fire])} m²", x, below, small))
             below -= 14 * larger * px
         texts = ashes if not burning[fire] else inside if roomy else outside
         texts.append(lettering(str(fire + 1), x, y if roomy else below - 3 * px, height))

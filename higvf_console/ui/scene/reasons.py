@@ -16,7 +16,7 @@ from higvf_console.world.setup import Setup
 
 LONGEST = 150.0  # arrow of the speed limit [px]
 READABLE = 70.0  # the longest arrow of a slow robot, at least [px]
-_STILL = 0.1  # [m/s]
+_STILL = 1 / 900  # of the speed limit: slower robots have arrows of the usual length
 _LEAST = 3.0  # shorter arrows are not drawn [px]
 _BARB = 7.0  # [px]
 _DASH = 6.0  # of the line of sight to a fire that is hidden [px]
@@ -94,7 +94,7 @@ def pixels_per_speed(vectors: Floats, speed_limit: float) -> float:
     """How long arrows of velocities (n, 2) [m/s] are drawn [px s/m]: the longest is long enough to be read."""
     longest = float(np.hypot(*vectors.T).max())
     usual = LONGEST / speed_limit
-    return max(usual, READABLE / longest) if longest > _STILL else usual
+    return max(usual, READABLE / longest) if longest > _STILL * speed_limit else usual
 
 
 def chain(at: Floats, vectors: Floats, px: float, palette: Palette = DARK) -> tuple[Floats, NDArray[np.uint8]]:

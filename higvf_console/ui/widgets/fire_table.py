@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 def fire_table_html(snapshot: "Snapshot") -> str:
     """Number, state, radius, loss and crew of each fire."""
     look = fire_look(snapshot.state, snapshot.trace, snapshot.setup)
-    rows: list[str] = []
+    rows, digits = list[str](), snapshot.setup.params.scale.decimals - 2
     for fire, radius in enumerate(snapshot.state.motion.fire_radius):
         burning, fought = bool(look.burning[fire]), bool(look.fought[fire])
         if not burning:
@@ -24,7 +24,7 @@ def fire_table_html(snapshot: "Snapshot") -> str:
             state = f"{dot(CSS.fire_edge)}burning"
         crew = f"{snapshot.trace.crew[fire]}/{snapshot.setup.world.fire_needs[fire]}" if burning else DASH
         rows.append(
-            f'<tr class="{"" if burning else "out"}"><td>{fire + 1}</td><td>{state}</td><td>{radius:.1f}</td>'
+            f'<tr class="{"" if burning else "out"}"><td>{fire + 1}</td><td>{state}</td><td>{radius:.{digits}f}</td>'
             f"<td>{area(snapshot.loss_area[fire])}</td><td>{crew}</td></tr>"
         )
     head = "<tr><th>Fire</th><th>State</th><th>Radius m</th><th>Loss m²</th><th>Crew</th></tr>"

@@ -4,7 +4,7 @@ import math
 from html import escape
 
 from higvf_console.core.events import Severity
-from higvf_console.core.numbers import grouped
+from higvf_console.core.numbers import measured, metres
 from higvf_console.ui.theme import CSS, Look, Palette
 
 
@@ -117,13 +117,13 @@ def clock(seconds: float) -> str:
 
 
 def area(square_metres: float) -> str:
-    """An area in whole square metres."""
-    return grouped(square_metres)
+    """An area [m^2]."""
+    return measured(square_metres)
 
 
 def nearness(clearance: float) -> str:
     """The smallest of some clearances [m], infinite where nothing was near; a violation stands out."""
     if not math.isfinite(clearance):
         return "nothing near"
-    shown = f"{clearance:.1f} m"
+    shown = metres(clearance)
     return f'<span class="alarm">{shown}</span>' if clearance < 0.0 else shown

@@ -8,8 +8,10 @@ from higvf_console.analysis.preview import LONGEST, SHORTEST
 from higvf_console.control.parameters import PathParameters
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.interface import PointerSink
+from higvf_console.core.numbers import legible
 from higvf_console.core.path_terms import FASTEST, SLOWEST
 from higvf_console.core.quantity import quantities
+from higvf_console.core.scale import USUAL_SCALE, Scale
 from higvf_console.core.state import NO_PATH, Path, PathKind
 from higvf_console.ui.ui_state import UiStore, change_terms
 from higvf_console.ui.widgets.callbacks import chosen, mirror, number_in, reaction, truth
@@ -17,7 +19,8 @@ from higvf_console.ui.widgets.number import NumberField, NumberRange
 
 LONGEST_DURATION = 3600.0  # [s]
 _ENDINGS = {"Go on by itself": "release", "Wait there": "hold", "Start again": "loop"}
-_USUAL_SMOOTHING = PathParameters().stroke_smoothing  # [m]
+_SMOOTHING = quantities(PathParameters)["stroke_smoothing"]
+_USUAL_SMOOTHING = PathParameters().stroke_smoothing  # until a scenario is shown [m]
 
 
 class TermsWidgets:
@@ -42,10 +45,9 @@ class TermsWidgets:
             gui, "Lasts", 0.0, NumberRange("s", 0.0, LONGEST_DURATION), lambda value: self._shape(duration=value),
             hint="The path ends after this time; 0 = no limit",
         )  # fmt: skip
-        meaning = quantities(PathParameters)["stroke_smoothing"]
         self._smoothing = NumberField(
-            gui, "Smoothing", self._chosen_smoothing(), NumberRange(meaning.unit, meaning.low, meaning.high),
-            lambda value: ui.change(change_terms(smoothing=value)), hint=meaning.text,
+            gui, "Smoothing", self._chosen_smoothing(), _range_at(USUAL_SCALE),
+            lambda value: ui.change(change_terms(smoothing=value)), hint=_SMOOTHING.text,
         )  # fmt: skip
         self._horizon = gui.add_slider(
             "Look ahead (s)",
@@ -66,8 +68,8 @@ class TermsWidgets:
         if self._path.kind != PathKind.NONE:
             self._sink.push(ShapePath(**terms))
 
-    def update(self, path: Path) -> None:
-        """Shows what is chosen; `path` is the one in hand."""
+    def update(self, path: Path, scale: Scale) -> None:
+        """Shows what is chosen; `path` is the one in hand, `scale` that of the team."""
         self._path = path
         state = self._ui.state
         for widget, value in (
@@ -76,4 +78,10 @@ class TermsWidgets:
         ):  # fmt: skip
             mirror(widget, value)
         self._time.show(state.terms.duration)
-        self._smoothing.show(self._chosen_smoothing())
+        self._smoothing.describe("Smoothing", _range_at(scale), _SMOOTHING.text)
+        self._smoothing.show(legible(self._chosen_smoothing()))
+
+
+def _range_at(scale: Scale) -> NumberRange:
+    allowed = _SMOOTHING.at(scale)
+    return NumberRange(allowed.unit, allowed.low, allowed.high)

@@ -10,6 +10,7 @@ from higvf_console.analysis.active_constraints import ActiveConstraint
 from higvf_console.analysis.explain import Part
 from higvf_console.analysis.sight import Sight, hider_names
 from higvf_console.core.arrays import Floats
+from higvf_console.core.numbers import metres
 from higvf_console.sim.certificates import CONNECTED, Certificate
 from higvf_console.ui.scene.reasons import part_colours
 from higvf_console.ui.theme import CSS
@@ -35,28 +36,29 @@ MOST_HIDERS = 2  # obstacles that are named for one fire
 _MINUS, _LEAST, _MOST = "\u2212", "\u2265", "\u2264"
 
 
-def parts_html(robot: int, parts: Floats, velocity: Floats) -> str:
-    """The parts (8, 2) of a robot's velocity (2,) [m/s] and their sum."""
+def parts_html(robot: int, parts: Floats, velocity: Floats, digits: int = 1) -> str:
+    """The parts (8, 2) of a robot's velocity (2,) [m/s] and their sum, with so many decimals."""
+    least = 0.5 * 10.0**-digits  # a shorter one is shown as zero
     rows = "".join(
-        f'<tr class="{"" if np.hypot(*vector) >= 0.05 else "out"}" title="{text(PART_NAMES[part][1])}">'
-        f"<td>{dot(PART_COLOUR[part])}{PART_NAMES[part][0]}</td>{_components(vector)}</tr>"
+        f'<tr class="{"" if np.hypot(*vector) >= least else "out"}" title="{text(PART_NAMES[part][1])}">'
+        f"<td>{dot(PART_COLOUR[part])}{PART_NAMES[part][0]}</td>{_components(vector, digits)}</tr>"
         for part, vector in zip(Part, parts, strict=True)
     )
     head = "<tr><th>Part m/s</th><th>x</th><th>y</th><th>length</th></tr>"
     return (
         f'<div class="title">Why robot {robot + 1} moves</div><table class="numbers"><thead>{head}</thead>'
-        f"<tbody>{rows}</tbody><tfoot><tr><td>Velocity</td>{_components(velocity)}</tr></tfoot></table>"
+        f"<tbody>{rows}</tbody><tfoot><tr><td>Velocity</td>{_components(velocity, digits)}</tr></tfoot></table>"
     )
 
 
-def _components(vector: Floats) -> str:
+def _components(vector: Floats, digits: int) -> str:
     x, y = vector.tolist()
-    return f"<td>{signed(x)}</td><td>{signed(y)}</td><td>{math.hypot(x, y):.1f}</td>"
+    return f"<td>{signed(x, digits)}</td><td>{signed(y, digits)}</td><td>{math.hypot(x, y):.{digits}f}</td>"
 
 
-def signed(value: float) -> str:
-    """A number with one digit and a true minus; never minus zero."""
-    shown = f"{abs(value):.1f}"
+def signed(value: float, digits: int = 1) -> str:
+    """A number with so many decimals and a true minus; never minus zero."""
+    shown = f"{abs(value):.{digits}f}"
     return f"{_MINUS}{shown}" if value < 0.0 and float(shown) != 0.0 else shown
 
 
@@ -65,7 +67,7 @@ def rows_html(rows: Sequence[ActiveConstraint]) -> str:
     if not rows:
         return '<div class="held dim">No barrier holds it back.</div>'
     named = "<br>".join(
-        f'<b>{text(row.name)}</b>, {row.distance:.1f} m <span class="dim">({_LEAST} {row.least:.1f})</span>'
+        f'<b>{text(row.name)}</b>, {metres(row.distance)} <span class="dim">({_LEAST} {metres(row.least)})</span>'
         for row in rows[:MOST_ROWS]
     )
     more = f' <span class="dim">and {len(rows) - MOST_ROWS} more</span>' if len(rows) > MOST_ROWS else ""

@@ -9,6 +9,7 @@ from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.edits import EntityKind
 from higvf_console.core.errors import ScenarioError
+from higvf_console.core.numbers import metres
 from higvf_console.core.state import Motion
 from higvf_console.world.editing.entities import EntityRef, how_many, name_of, numbers_of
 from higvf_console.world.editing.safe_places import body_fits, diagonal, held_words, nearest_fit
@@ -24,8 +25,8 @@ from higvf_console.world.polygons import (
     signed_distance,
 )
 
-CIRCLE_RADIUS = 25.0  # of a new circle [m]
-BAR_LENGTH, BAR_HALF_WIDTH = 120.0, 6.0  # of a new bar [m]
+CIRCLE_RADIUS = 25.0  # of a new circle at the usual scale [m]
+BAR_LENGTH, BAR_HALF_WIDTH = 120.0, 6.0  # of a new bar, likewise
 Gap = Callable[[Floats], Floats]
 
 
@@ -70,12 +71,13 @@ def fire_sized(row: int, radius: float) -> Callable[[Motion], Motion]:
 
 def with_body(layout: Layout, motion: Motion, kind: EntityKind, point: Floats) -> tuple[Layout, str]:
     """The layout with a new circle or level bar of ordinary size at a point (2,), or as near as is safe."""
-    x, y = point.tolist()
+    (x, y), scale = point.tolist(), layout.params.scale.length
     if kind is EntityKind.CIRCLE:
-        body = floats([[x, y, CIRCLE_RADIUS]])
+        body = floats([[x, y, CIRCLE_RADIUS * scale]])
         grown = _with(layout, circles=np.vstack([layout.obstacles.circles, body]))
     elif kind is EntityKind.BAR:
-        body = floats([[x - BAR_LENGTH / 2, y, x + BAR_LENGTH / 2, y, BAR_HALF_WIDTH]])
+        half_length = scale * BAR_LENGTH / 2
+        body = floats([[x - half_length, y, x + half_length, y, scale * BAR_HALF_WIDTH]])
         grown = _with(layout, bars=np.vstack([layout.obstacles.bars, body]))
     else:
         raise ScenarioError("a polygon needs an outline: draw one")
@@ -271,5 +273,5 @@ def _check_room(layout: Layout, motion: Motion, gap: Gap, what: str) -> None:
         raise ScenarioError(f"robot {robot + 1} would be inside {what}; {least:g} m is the least clearance")
     if room[robot] < least:
         raise ScenarioError(
-            f"{what} would be too near to robot {robot + 1}: {room[robot]:.1f} m from it, {least:g} m is the least"
+            f"{what} would be too near to robot {robot + 1}: {metres(room[robot])} from it, {least:g} m is the least"
         )

@@ -39,7 +39,7 @@ from higvf_console.world.layout import Fire, Layout, with_radii
 from higvf_console.world.placement import unavoidable
 from higvf_console.world.setup import Setup, rebuilt
 
-FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire [m], [m/s]
+FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire at the usual scale [m], [m/s]
 _OF_PATH = ("path_parameter", "path_status", "path_idle", "path_gap", "path_left")  # what a start keeps of its motion
 
 
@@ -202,13 +202,14 @@ def _add(layout: Layout, motion: Motion, kind: EntityKind, point: Floats) -> _Dr
         text = f"Robot {len(robots) + 1} is added"
         return _Draft(new, np.append(robots, NEW), fires, _robot_put(new, len(robots), point), f"{text}.")
     if kind is EntityKind.FIRE:
-        row, needs = len(fires), min(2, len(robots))
-        place, held = bodies.fire_place(layout, motion, point, FIRE_RADIUS)
-        new = layout._replace(fires=(*layout.fires, Fire(_pair(place), FIRE_RADIUS, FIRE_GROWTH, needs)))
+        row, needs, scale = len(fires), min(2, len(robots)), layout.params.scale
+        size = FIRE_RADIUS * scale.length
+        place, held = bodies.fire_place(layout, motion, point, size)
+        new = layout._replace(fires=(*layout.fires, Fire(_pair(place), size, FIRE_GROWTH * scale.speed, needs)))
 
         def kindled(carried_on: Motion) -> Motion:
             radius = carried_on.fire_radius.copy()
-            radius[row] = FIRE_RADIUS
+            radius[row] = size
             return carried_on._replace(fire_radius=radius)
 
         return _Draft(new, robots, np.append(fires, NEW), kindled, f"Fire {row + 1} is lit{held}.")

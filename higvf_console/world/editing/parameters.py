@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 
-from higvf_console.control.parameters import Parameters, current_name
+from higvf_console.control.parameters import GROUPS, Parameters, current_name
 from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, quantities, with_values
+from higvf_console.core.scale import USUAL_SCALE, Scale
 from higvf_console.world.layout import Layout
 
 # What a run's clock and the robots' model rest on; a scenario file sets them.
@@ -14,8 +15,7 @@ FIXED = ("safety.control_period", "robots.look_ahead")
 def parameter_names() -> tuple[str, ...]:
     """Names of all tunables, as "group.name"."""
     params = Parameters()
-    groups = [group for group in Parameters._fields if group != "forms"]
-    return tuple(f"{group}.{name}" for group in groups for name in quantities(type(getattr(params, group))))
+    return tuple(f"{group}.{name}" for group in GROUPS for name in quantities(type(getattr(params, group))))
 
 
 def parameter(params: Parameters, name: str) -> float:
@@ -24,10 +24,10 @@ def parameter(params: Parameters, name: str) -> float:
     return float(getattr(getattr(params, group), key))
 
 
-def quantity_of(name: str) -> Quantity:
-    """What the tunable "group.name" means."""
+def quantity_of(name: str, scale: Scale = USUAL_SCALE) -> Quantity:
+    """What the tunable "group.name" means, with its range at a scale."""
     group, key = name.split(".")
-    return quantities(type(getattr(Parameters(), group)))[key]
+    return quantities(type(getattr(Parameters(), group)))[key].at(scale)
 
 
 def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Parameters, str]:
@@ -47,7 +47,7 @@ def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Parame
         if name in FIXED and value != parameter(params, name):
             raise ScenarioError(f"{name} is fixed during a run: set it in a scenario file and load that")
         group, key = name.split(".")
-        params = params._replace(**{group: with_values(getattr(params, group), {key: value}, group)})
+        params = params._replace(**{group: with_values(getattr(params, group), {key: value}, group, params.scale)})
     if params.boundaries.reactive_margin <= params.boundaries.repulsive_margin:
         raise ScenarioError(
             f"boundaries.reactive_margin ({params.boundaries.reactive_margin:g} m) must be above "

@@ -9,6 +9,7 @@ import numpy as np
 
 from higvf_console.control.parameters import controlled
 from higvf_console.core.arrays import Bools, Floats, Ints, floats
+from higvf_console.core.numbers import metres
 from higvf_console.core.state import Motion
 from higvf_console.world.editing.room import obstacle_room
 from higvf_console.world.layout import Layout
@@ -21,7 +22,7 @@ _ANGLES = 64
 _RINGS = 600
 _BISECTIONS = 24
 _HAIR = 1e-6  # [m] to spare, so that rounding never makes a violation
-_HELD = 0.01  # distance from the wanted position above which the report says that an entity was held [m]
+_HELD = 0.001  # distance from the wanted position above which the report says that an entity was held [m]
 
 
 def nearest_fit(point: Floats, fits: Fits, reach: float) -> Floats | None:
@@ -165,7 +166,7 @@ def _missing(layout: Layout, motion: Motion) -> Floats:
 def held_words(place: Floats, wanted: Floats) -> str:
     """Text that reports an entity held at another position (2,) than the wanted one [m]; else empty."""
     gap = math.hypot(place[0] - wanted[0], place[1] - wanted[1])
-    return f"; it is held at the nearest safe place, {gap:.1f} m from there" if gap > _HELD else ""
+    return f"; it is held at the nearest safe place, {metres(gap)} from there" if gap > _HELD else ""
 
 
 def placed(motion: Motion, robot: int, place: Floats) -> Motion:

@@ -18,13 +18,13 @@ def circles(*at: tuple[float, float, float]) -> Floats:
 
 
 def members(parts: Floats) -> list[list[int]]:
-    found = group_obstacles(parts, R_O)
+    found = group_obstacles(parts, R_O, 1.0)
     start = found.boundary_start[1]
     return [sorted(found.part[start[g] : start[g + 1]].tolist()) for g in range(len(start) - 1)]
 
 
 def test_no_obstacles_make_no_groups() -> None:
-    found = group_obstacles(circles(), R_O)
+    found = group_obstacles(circles(), R_O, 1.0)
     assert len(found.boundary) == len(found.part) == len(found.hull) == len(found.pocket) == 0
 
 
@@ -45,7 +45,7 @@ def test_a_part_that_is_near_the_hull_of_a_group_belongs_to_it_though_it_is_far_
 
 
 def test_the_hull_of_a_group_holds_all_its_parts_and_a_lone_part_has_none() -> None:
-    found = group_obstacles(circles((0.0, 0.0, 10.0), (40.0, 0.0, 10.0), (500.0, 0.0, 7.0)), R_O)
+    found = group_obstacles(circles((0.0, 0.0, 10.0), (40.0, 0.0, 10.0), (500.0, 0.0, 7.0)), R_O, 1.0)
     assert found.boundary_start[0].tolist() == [0, len(found.hull), len(found.hull)], (
         "the hull of the pair, and nothing for the other"
     )
@@ -56,12 +56,12 @@ def test_the_hull_of_a_group_holds_all_its_parts_and_a_lone_part_has_none() -> N
 
 
 def test_a_group_without_room_for_a_robot_has_no_pocket() -> None:
-    found = group_obstacles(circles((0.0, 0.0, 10.0), (40.0, 0.0, 10.0)), R_O)
+    found = group_obstacles(circles((0.0, 0.0, 10.0), (40.0, 0.0, 10.0)), R_O, 1.0)
     assert len(found.pocket) == 0
 
 
 def test_from_anywhere_in_a_pocket_the_way_out_leads_out_and_keeps_the_clearance() -> None:
-    found = group_obstacles(U, R_O)
+    found = group_obstacles(U, R_O, 1.0)
     x0, y0, cell, columns = found.boundary[0, -4:]
     way, room = found.pocket[:, :2], found.pocket[:, 2]
     for start in ((150.0, 100.0), (170.0, 170.0), (20.0, 30.0)):

@@ -122,7 +122,7 @@ def test_the_travel_left_counts_the_gap_and_the_way() -> None:
         ([], "3 distinct points; this one has 0"),
         ([(1, 1)] * 9, "3 distinct points; this one has 1"),
         ([(0, 0), (0, 0), (50, 0)], "3 distinct points; this one has 2"),
-        ([(0, 0), (1, 0), (2, 0)], "at least 5 m long; this one is 2.0 m"),
+        ([(0, 0), (1, 0), (2, 0)], "at least 5 m long; this one is 2 m"),
         ([(0, 0), (math.nan, 0), (50, 0)], "point 2 of the stroke is not finite"),
     ],
 )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from higvf_console.control.guidance.paths import WINDOW
+from higvf_console.core.scale import BODY_RADIUS
 from higvf_console.core.state import PathStatus
 from higvf_console.lab.reproduce import measures
 from higvf_console.lab.reproduce.case import Case, Findings, Measurement, Picture, within
@@ -63,7 +64,7 @@ def run_patrol(runs: Runs) -> Findings:
                 max(joined, default=math.nan),
                 "m",
                 0.0,
-                WINDOW,
+                WINDOW * BODY_RADIUS,
                 "within the search window: the team skips no part of the path",
             ),
             within(
