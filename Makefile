@@ -28,8 +28,9 @@ check: setup
 	$(BIN)/python docs/check_links.py
 
 # A search for broken guarantees; a nightly one has a million control periods: `higvf bench --suite safety`.
+TICKS ?= 100000
 safety: setup
-	$(BIN)/higvf bench --suite safety --ticks 100000
+	$(BIN)/higvf bench --suite safety --ticks $(TICKS)
 
 # The site is written to docs/_build/html; a warning, such as a reference to nowhere, is an error.
 docs: setup

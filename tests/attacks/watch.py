@@ -61,6 +61,7 @@ def moves(running: Running) -> bool:
     """Whether the run, set back to its start, is not stopped; a STOP of an attack may still come in."""
     if running.state.intent.stopped:
         running.start_again()
+        time.sleep(0.5)  # two resets at once would undo each other
     return not running.state.intent.stopped
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from higvf_console.core.arguments import brief
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.commands import Command, OperatorCommand
+from higvf_console.core.errors import closest
 
 _KINDS: dict[str, type[Command]] = {kind.__name__: kind for kind in get_args(OperatorCommand)}
 _SHAPES = {"points": (-1, 2), "point": (2,), "grip": (2,), "sides": (4,)}  # of fields that hold an array
@@ -45,7 +46,7 @@ def read(entry: Mapping[str, Any]) -> OperatorCommand:
     name = entry.get("command")
     name = _RENAMED.get(name, name) if isinstance(name, str) else name
     if not isinstance(name, str) or name not in _KINDS:
-        raise ValueError(f"no command {brief(name)} is known")
+        raise ValueError(f"no command {brief(name)} is known{closest(str(name), _KINDS)}")
     fields = {key: value for key, value in entry.items() if key not in ("tick", "command")}
     if name in _OF_ENTITIES and "thing" in fields:
         fields["kind"] = fields.pop("thing")

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.arrays import FARTHEST, Floats, floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.optional import optional
 from higvf_console.world.masks import MaskPlace, trace
@@ -18,6 +18,7 @@ else:
 _PIXELS = 400  # of the drawing's longer side
 _TOLERANCE = 1.5  # pixels by which the outline may leave the stroke
 _MARGIN = 3  # pixels
+_LEAST_SIDE = 1e-6  # of the rectangle round a stroke that encloses something [m]
 _LINE, _OUTSIDE = 255, 128
 
 
@@ -27,8 +28,9 @@ def outline_of(stroke: Floats) -> Floats:
     Raises:
         ScenarioError: it encloses nothing.
     """
-    size = np.ptp(stroke, axis=0) if len(stroke) else np.zeros(2)
-    if len(stroke) < 3 or not size.min() > 0.0:
+    with np.errstate(over="ignore"):  # too large is refused below
+        size = np.ptp(stroke, axis=0) if len(stroke) else np.zeros(2)
+    if len(stroke) < 3 or not _LEAST_SIDE < size.min() <= size.max() <= 2.0 * FARTHEST:
         raise ScenarioError("the stroke encloses nothing: draw round the obstacle")
     scale, low = float(size.max()) / _PIXELS, stroke.min(axis=0)
     height, width = np.ceil(size[::-1] / scale).astype(int) + 2 * _MARGIN

@@ -24,7 +24,8 @@ def test_a_stroke_round_an_obstacle_becomes_a_simple_outline(turns: float, wobbl
     assert signed_area(outline) == pytest.approx(np.pi * 80 * 50, rel=0.35)
 
 
-@pytest.mark.parametrize("stroke", [[], [[0, 0], [1, 1]], [[0, 0], [5, 0], [9, 0]]])
+@pytest.mark.parametrize("stroke", [[], [[0, 0], [1, 1]], [[0, 0], [5, 0], [9, 0]], [[0, 0], [5e-324, 0], [0, 5e-324]],
+                                    [[0, 0], [1e308, 0], [-1e308, -1e308]]])  # fmt: skip
 def test_a_stroke_that_encloses_nothing_is_refused(stroke: list[list[float]]) -> None:
     with pytest.raises(ScenarioError, match="encloses nothing"):
         outline_of(floats(stroke, -1, 2))

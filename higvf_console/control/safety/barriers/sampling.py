@@ -16,7 +16,7 @@ from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import FilterError
 
 SAMPLING_LIMIT = 1.0
-_KINDS = ("circle", "bar", "fire", "wall")
+_ORDER = ("circle", "bar", "fire", "wall")  # in which they are reported; other kinds follow
 
 
 class SamplingCondition(NamedTuple):
@@ -50,7 +50,7 @@ def sampling_conditions(hazards: Floats, safety: SafetyParameters) -> tuple[Samp
     limit, margin, rate = safety.speed_limit, safety.obstacle_clearance, safety.obstacle_gain
     found = [_round("pair", safety.robot_clearance, 2.0 * limit, safety.pair_gain, safety.control_period)]
     kinds = np.array([hazard_word(hazard) for hazard in hazards])
-    for kind in _KINDS:
+    for kind in dict.fromkeys((*_ORDER, *kinds.tolist())):
         of_kind = hazards[kinds == kind]
         if not len(of_kind):
             continue

@@ -2,6 +2,7 @@
 // It is a row of the page, not an overlay: viser's page begins below it, and above the panel of a page in portrait.
 (page, config) => {
   const CHECK_MS = 200;
+  const MOST_TRIES = 100; // of a tenth of a second, until a folded panel is unfolded
   // viser's handles that unfold a docked panel.
   const FOLDED = ":is([data-dock-minimize-all], [data-dock-minimize])[aria-expanded=false]";
   const root = document.documentElement.style;
@@ -181,10 +182,10 @@
   }
 
   // A folded panel is unfolded first, which takes it a moment.
-  function openLog(_event, tries = 20) {
+  function openLog(_event, tries = MOST_TRIES) {
     const tab = [...document.querySelectorAll("[role=tab]")].find((found) => found.textContent.trim() === "Log");
     if (tab?.checkVisibility()) return page.part("tabs")?.open("Log");
-    if (tries === 20) (document.querySelector(FOLDED) ?? sheet()?.querySelector("[style*=pointer]"))?.click();
+    if (tries === MOST_TRIES) (document.querySelector(FOLDED) ?? sheet()?.querySelector("[style*=pointer]"))?.click();
     if (tries) setTimeout(() => openLog(null, tries - 1), 100);
   }
 
