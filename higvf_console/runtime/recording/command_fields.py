@@ -46,7 +46,7 @@ def read(entry: Mapping[str, Any]) -> OperatorCommand:
     name = entry.get("command")
     name = _RENAMED.get(name, name) if isinstance(name, str) else name
     if not isinstance(name, str) or name not in _KINDS:
-        raise ValueError(f"no command {brief(name)} is known{closest(str(name), _KINDS)}")
+        raise ValueError(f"no command {brief(name)} is known{closest(str(name), tuple(_KINDS))}")
     fields = {key: value for key, value in entry.items() if key not in ("tick", "command")}
     if name in _OF_ENTITIES and "thing" in fields:
         fields["kind"] = fields.pop("thing")
