@@ -26,6 +26,9 @@ LONGEST_STEP = 86_400.0  # no recording pauses longer: the clock was set [s]
 _SAME_TIME = 1e-5  # samples closer in time are duplicates [s]
 _USUAL_STEP = 1e-3  # assumed time between samples until it is known [s]
 _USUAL_PAUSE = 1.0  # likewise between events [s]
+_SINCE_1970 = 1e8  # larger times count from an epoch [s]
+_FAR_APART = 100.0  # usual time between commands, if it were in milliseconds [s]
+_DAYS = (36526.0, 73051.0)  # of a spreadsheet, in which dates of this century are days since 1899
 _COARSEST = (("s", 0.5), ("ms", 500.0), ("μs", 5e5))  # upper bound of the time step between gaze samples in each unit
 
 
@@ -267,6 +270,18 @@ def event_times(seconds: Floats, *, from_epoch: bool) -> EventTimes:
     if start:
         notes.append(f"times count from an epoch: shifted by {-start:.3f} s")
     return EventTimes(ints(given[order]), floats(times[order] - start), start + shift, tuple(notes))
+
+
+def like_milliseconds(stamps: Floats) -> bool:
+    """Return whether stamps (n,) without unit could be milliseconds: whole numbers, most of them far apart."""
+    whole = bool(((stamps == np.round(stamps)) & (stamps < _SINCE_1970)).all())
+    return whole and len(stamps) > 1 and float(np.median(np.diff(stamps))) >= _FAR_APART
+
+
+def like_days(stamps: Floats) -> bool:
+    """Return whether stamps (n,) without unit could be dates of a spreadsheet: days with a fraction, within a day."""
+    within = bool(((stamps > _DAYS[0]) & (stamps < _DAYS[1])).all())
+    return len(stamps) > 1 and within and 0.0 < float(np.ptp(stamps)) < 1.0
 
 
 def _disorder(steps: Floats) -> list[str]:

@@ -5,15 +5,14 @@ A log without times is rejected unless the period between entries is given.
 
 import json
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple, cast
-
-import numpy as np
 
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.fields import is_number, shown
-from higvf_interfaces.formats.clock import ClockNote, event_times, is_time
+from higvf_interfaces.formats.clock import ClockNote, event_times, is_time, like_days, like_milliseconds
 from higvf_interfaces.formats.gaze.plain import TIMES, seconds_of
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.text import TextFile, as_label, cell, epoch_seconds, number, without_unit
@@ -23,8 +22,8 @@ CSV_TITLE = "command log CSV (time,label[,confidence])"
 JSON_TITLE = 'command log JSON lines ({"time": 1.5, "label": "fist", "confidence": 0.9})'
 LABELS = ("label", "command", "marker", "event")
 _RECORDING = "recording"  # key in the first line of the console's own recordings
-_SINCE_1970 = 1e8  # larger times count from an epoch [s]
-_FAR_APART = 100.0  # usual time between commands, if it were in milliseconds [s]
+_POINTS = re.compile(r"\d{1,3}([.,]\d{3})+")  # a fraction, or groups of thousands
+_GROUPED = re.compile(r"\d{1,3}(\.\d{3})+,\d+|\d{1,3}(,\d{3})+\.\d+")  # groups of thousands and a fraction
 _WAY_OUT = "a log without times needs period=SECONDS"
 
 
@@ -133,6 +132,7 @@ def _log(
     usable = [entry for entry in entries if is_time(entry.time) and entry.label]
     if not usable:
         raise InputError(f"{file.path}: no entry has both a time and a label")
+    _check_numbers(file, usable)
     if len(usable) < len(entries):
         notes.append(f"{len(entries) - len(usable)} entries without time or label dropped")
     order, times, epoch, repaired = event_times(floats([entry.time for entry in usable]), from_epoch=True)
@@ -140,17 +140,30 @@ def _log(
         Decision(time, usable[row].label, _confidence(file, usable[row]))
         for row, time in zip(order.tolist(), times.tolist(), strict=True)
     )
-    if not unit and _like_milliseconds(usable):
+    if not unit and like_milliseconds(floats([number(str(entry.written)) for entry in usable])):
         lasts = f"times without unit are taken as seconds, so that the log lasts {times[-1] - times[0]:.0f} s"
         notes.append(ClockNote(f"{lasts}; if they are milliseconds, call them time_ms"))
     return CommandLog(decisions, epoch, name, (*notes, *repaired))
 
 
-def _like_milliseconds(entries: Sequence[_Entry]) -> bool:
-    """Return whether times could be milliseconds since the start: whole numbers, most of them far apart."""
-    written = floats([number(str(entry.written)) for entry in entries])
-    whole = bool(((written == np.round(written)) & (written < _SINCE_1970)).all())
-    return whole and len(written) > 1 and float(np.median(np.diff(written))) >= _FAR_APART
+def _check_numbers(file: TextFile, entries: Sequence[_Entry]) -> None:
+    """Refuse times that are dates of a spreadsheet, or in which a point or comma may part thousands or decimals.
+
+    Raises:
+        InputError: With the first such time and the way out.
+    """
+    texts = [str(entry.written).strip() for entry in entries]
+    if like_days(floats([number(text) for text in texts])):
+        raise InputError(
+            f"{file.path}, {entries[0].place}: the time {shown(texts[0])} seems to be a spreadsheet's date (days since "
+            "1899); format the column as seconds, or as yyyy-mm-dd hh:mm:ss.000, and export it again"
+        )
+    parted = next((k for k, text in enumerate(texts) if _POINTS.fullmatch(text)), None)
+    if parted is not None and any(_GROUPED.fullmatch(text) for text in texts):
+        raise InputError(
+            f"{file.path}, {entries[parted].place}: in the time {shown(texts[parted])} the mark may part thousands, as "
+            "in other rows, or decimals; export the column without groups of thousands"
+        )
 
 
 def _confidence(file: TextFile, entry: _Entry) -> float | None:

@@ -5,7 +5,7 @@ Events of one trial type that the column `value` tells apart are labelled TRIAL_
 
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.clock import event_times, is_time
+from higvf_interfaces.formats.clock import ClockNote, event_times, is_time, like_milliseconds
 from higvf_interfaces.formats.labels import told_apart
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals.records import SignalRequest
@@ -30,7 +30,7 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
     Raises:
         InputError: If there is no label column, or no event with onset and label.
     """
-    onset, confidence = file.find("onset"), file.find(*_CONFIDENCES)
+    onset, sample, confidence = file.find("onset"), file.find("sample"), file.find(*_CONFIDENCES)
     labels = [column for name in _LABELS if (column := file.find(name)) is not None]
     if onset is None or not labels:
         raise InputError(
@@ -38,12 +38,14 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
         )
     notes: list[str] = []
     events: list[tuple[float, str, str, float | None]] = []
+    samples: list[float] = []
     without = 0
     for row in file.rows(notes):
         time, trust = number(cell(row, onset)), number(cell(row, confidence))
         label, kind = _label(row, labels)
         if is_time(time) and label:
             events.append((time, label, kind, trust if 0 <= trust <= 1 else None))
+            samples.append(number(cell(row, sample)))
         else:
             without += 1
     if without:
@@ -52,6 +54,12 @@ def read_markers(file: TextFile, request: SignalRequest) -> CommandLog:  # noqa:
         raise InputError(f"{file.path}: no event has both an onset and a label")
     named, told = told_apart([(label, kind) for _, label, kind, _ in events], "{label}/{kind}")
     order, times, epoch, repaired = event_times(floats([event[0] for event in events]), from_epoch=False)
+    onsets = floats([event[0] for event in events])
+    lasts = f"onsets are seconds, as BIDS has it, so that the log lasts {times[-1] - times[0]:.0f} s"
+    if len(onsets) > 1 and (onsets == floats(samples)).all():
+        notes.append(ClockNote(f"{lasts}; they equal the column sample, so they may be samples"))
+    elif like_milliseconds(onsets):
+        notes.append(ClockNote(f"{lasts}; they may be milliseconds"))
     decisions = tuple(
         Decision(time, named[row], events[row][3]) for row, time in zip(order.tolist(), times.tolist(), strict=True)
     )

@@ -10,6 +10,7 @@ import numpy as np
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
+from higvf_interfaces.formats.clock import ClockNote
 from higvf_interfaces.formats.records import CommandLog, Decision
 from higvf_interfaces.formats.signals.records import (
     CHUNK,
@@ -25,6 +26,7 @@ from higvf_interfaces.formats.text import as_label, number, plain
 LOWEST_RATE, HIGHEST_RATE = 0.1, 100_000.0  # [Hz]
 _HEAD = 4096  # samples from which the rate is estimated
 _MODULI = (101, 128, 201, 256)  # of usual sample counters: OpenBCI Ganglion 101 or 201, Cyton 256
+_RATES_AGREE = 0.2  # a larger relative difference of the stated rate and that of the stamps is a contradiction
 _NEAR = 3  # highest counts that may have been lost where a counter wraps
 
 
@@ -111,13 +113,27 @@ def _timing(table: SampleTable, given: float | None, notes: list[str]) -> tuple[
         raise InputError(f"{table.path}: the {table.format} table has no samples")
     stamps = _stamps(table, head)
     measured = estimate_rate(stamps)
-    rate = (table.rate or measured) if np.isfinite(measured) else (given or table.rate or measured)
+    if np.isfinite(measured):
+        rate = table.rate if table.rate and _agrees(table.rate, _lossless(table, head, measured)) else measured
+    else:
+        rate = given or table.rate or measured
     if not LOWEST_RATE <= rate <= HIGHEST_RATE:
         raise InputError(
             f"{table.path}: the file has neither times nor a sampling rate; give rate=HZ (or period=SECONDS), "
             "such as rate=200 for a Myo armband"
         )
     return float(rate), float(stamps[0]) if np.isfinite(stamps[0]) else 0.0
+
+
+def _lossless(table: SampleTable, head: list[list[str]], measured: float) -> float:
+    """Return a rate [Hz] that was measured by rows, with the samples that the counter says were lost."""
+    counter = floats([_cell(row, table.counter) for row in head])
+    modulus = _modulus(counter) if table.counter is not None else None
+    return measured if modulus is None else measured * float(_counted(counter, math.nan, modulus).mean())
+
+
+def _agrees(stated: float | None, rate: float) -> bool:
+    return not stated or abs(rate / stated - 1.0) < _RATES_AGREE
 
 
 def _rows(table: SampleTable, notes: list[str]) -> Iterator[list[str]]:
@@ -151,6 +167,10 @@ def _blocks(table: SampleTable, rate: float, given: float | None, notes: list[st
         if not advancing.all():
             block = [row for row, kept in zip(block, advancing, strict=True) if kept]
         yield _Block(floats(times[advancing]), block)
+    if not _agrees(table.rate, rate):
+        notes.append(
+            ClockNote(f"the file states {table.rate:g} Hz, its time stamps come at {rate:.4g} Hz: the stamps count")
+        )
     if table.time is None:
         how = "the given rate" if given else "the rate in the file"
         notes.append(f"no times in the file: samples spaced by {how}, {rate:g} Hz")
