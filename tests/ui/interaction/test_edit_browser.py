@@ -133,7 +133,7 @@ def test_things_are_added_numbered_and_deleted(page: Page, running: Running) -> 
         return float(np.degrees(np.arctan2(bar[3] - bar[1], bar[2] - bar[0])))
 
     wait_until(lambda: angle() == pytest.approx(30.0))
-    assert len(running.given(ChangeEntity)) == 1
+    wait_until(lambda: len(running.given(ChangeEntity)) == 1)
     screenshot(page, "edit-bar")
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("Delete")
