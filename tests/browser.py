@@ -264,7 +264,7 @@ def open_stage(arena: Arena = ARENA, max_clients: int = 16) -> Stage:
         button=server.gui.add_button("button"),
     )
     scripts.install(server, "fields", {"words": [stage.text._impl.uuid]})  # pyright: ignore[reportPrivateUsage]
-    server.gui.add_html("<style>.mantine-Notifications-root { display: none }</style>")  # as the console does
+    server.gui.add_html("<style>.mantine-Notification-root { pointer-events: none !important }</style>")
     pointer.ignore_palms(server)
     camera.install(server, arena)
     stage.length = NumberField(server.gui, "Length", 25.0, NumberRange("m", 1.0, 500.0), stage.typed.append)

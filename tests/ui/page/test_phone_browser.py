@@ -1,5 +1,6 @@
 """On a phone and in small windows nothing of the console lies outside the page, or on what else it has."""
 
+import re
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import combinations
@@ -8,7 +9,8 @@ from time import sleep
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from higvf_console.core.commands import AskReset, EmergencyStop, ResetEmergencyStop
+from higvf_console.core.commands import AskReset, EmergencyStop, Freeze, ResetEmergencyStop
+from higvf_console.ui.ui_state import acknowledge_alarms
 from tests.browser import open_console, screenshot, told, wait_until
 from tests.consoles import Running, console_at_work
 
@@ -115,10 +117,12 @@ def test_the_alarms_open_the_log_also_where_the_panel_is_folded(
     handle = phone.locator("[data-dock-region-collapse]")
     (phone.get_by_text("Firefighting", exact=True) if height > width else handle).first.dispatch_event("click")
     wait_until(lambda: not phone.get_by_role("tab", name="Steer").first.is_visible(), 20.0)
-    running.push(EmergencyStop())  # an alarm whose cause lasts
-    phone.get_by_role("button", name="1 alarm", exact=True).dispatch_event("click")
-    phone.get_by_role("button", name="Acknowledge 1 alarm").wait_for()
-    running.push(AskReset(), ResetEmergencyStop())
+    running.push(Freeze(True), EmergencyStop())  # an alarm whose cause lasts, and no fire that grows to the team
+    phone.get_by_role("button", name=re.compile(r"^\d+ alarms?$")).dispatch_event("click")
+    phone.get_by_role("button", name=re.compile(r"^Acknowledge \d+ alarms?$")).wait_for()
+    running.push(AskReset(), ResetEmergencyStop(), Freeze(False))
+    wait_until(lambda: not running.state.intent.stopped)
+    running.console.ui.change(acknowledge_alarms())
     wait_until(lambda: not phone.locator(".alarms").inner_text())
     phone.get_by_role("tab", name="Steer").first.click()
 
