@@ -97,7 +97,7 @@ def test_no_limit_is_a_word_and_other_words_are_told(page: Page, running: Runnin
     type_into(place, "150")
     wait_until(lambda: params_of(running).perception.perception_range == 150.0)
     type_into(page.locator("input[value='150']"), "far")
-    wait_until(told(page, "'far' is not a number; 150 stays"))
+    wait_until(told(page, "'far' is not a number"))
     screenshot(page, "tune-perception")
     type_into(page.locator("input[value='150']"), "unlimited")
     wait_until(lambda: params_of(running).perception.perception_range == float("inf"))
