@@ -125,7 +125,6 @@ def steps(page: Page) -> list[str]:
     )
 
 
-@pytest.mark.skip(reason="open: the first hint is not always ticked in time")
 def test_the_first_steps_are_ticked_when_done_and_come_back_from_the_key_list(
     page: Page,
     running: Running,
