@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run setup test attacks check safety docs coverage lock licences sbom bench browser nginx clean
+.PHONY: run setup test check safety docs coverage lock licences sbom bench browser nginx clean
 
 run: setup
 	$(BIN)/higvf run firefighting
@@ -19,10 +19,7 @@ $(READY): pyproject.toml constraints.txt
 
 test: setup browser nginx
 	$(BIN)/pytest -n 2 --dist loadfile --ignore tests/attacks
-
-# Floods, wrong values and stolen seats against a live console, alone on the machine: the attackers share its processor.
-attacks: setup nginx
-	$(BIN)/pytest tests/attacks
+	$(BIN)/pytest tests/attacks # by themselves: they measure the work of a tick in a process that attackers share
 
 check: setup
 	$(BIN)/ruff check .

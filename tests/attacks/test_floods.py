@@ -19,6 +19,7 @@ from tests.browser import wait_until
 from tests.consoles import Running
 
 MOST_TICKS = 2  # from STOP received to the team stopped
+LONGEST_TICK = 2.0  # work of a tick, in control periods
 MOST_MB = 60.0  # that an attack may leave behind
 ATTACKERS = 3  # pages that flood, and come again when they are cut off
 ROUNDS = 12  # STOPs while they do, at most
@@ -123,6 +124,7 @@ class Measured:
         figure(f"longest tick {self._longest:.1f} periods")
         figure(f"{max(0.0, left):.0f} MB")
         assert max(self._ticks) <= MOST_TICKS
+        assert self._longest <= LONGEST_TICK
         assert left < MOST_MB
         assert self._running.session.error is None
 

@@ -96,8 +96,9 @@ def test_no_limit_is_a_word_and_other_words_are_told(page: Page, running: Runnin
     place = page.locator("input[value=unlimited]").first
     type_into(place, "150")
     wait_until(lambda: params_of(running).perception.perception_range == 150.0)
+    page.get_by_role("cell", name="150", exact=True).first.wait_for()  # the panel knows it too
     type_into(page.locator("input[value='150']"), "far")
-    wait_until(told(page, "'far' is not a number"))
+    wait_until(told(page, "'far' is not a number; 150 stays"))
     screenshot(page, "tune-perception")
     type_into(page.locator("input[value='150']"), "unlimited")
     wait_until(lambda: params_of(running).perception.perception_range == float("inf"))
