@@ -211,3 +211,4 @@ def test_a_page_that_floods_is_cut_off_and_the_honest_one_steers_on(
     assert running.given(Pick)
     figure(f"cut off with code {attacker.close_code}")
     figure(f"longest tick {watch.longest:.1f} periods")
+    assert watch.longest <= LONGEST_TICK
