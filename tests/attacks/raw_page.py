@@ -20,6 +20,7 @@ import msgspec
 import viser
 
 PATIENCE = 60.0  # [s] for a busy machine
+_PING, _PONG = 9, 10  # kinds of frames
 
 
 class Login(NamedTuple):
@@ -91,7 +92,7 @@ class RawPage:
         answer, _, rest = self._head().partition(b"\r\n\r\n")
         self.status = int(answer.split()[1])
         self.closed, self.close_code = threading.Event(), 0
-        self._rest = rest
+        self._rest, self._sending = rest, threading.Lock()
         self._reader = threading.Thread(target=self._read, daemon=True)
         if self.status == 101:
             self._reader.start()
@@ -104,7 +105,7 @@ class RawPage:
 
     def send(self, *frames: bytes) -> None:
         """Writes frames at once; a connection that the console has closed takes none."""
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError), self._sending:
             self._socket.sendall(b"".join(frames))
 
     def hello(self, identity: str) -> None:
@@ -128,7 +129,7 @@ class RawPage:
         return head
 
     def _read(self) -> None:
-        """Takes what the console sends, looking at nothing but a close frame."""
+        """Takes what the console sends, looking at nothing but a close frame, and answers pings as browsers do."""
         waiting = self._rest
         with contextlib.suppress(OSError):
             self._socket.settimeout(None)
@@ -150,6 +151,8 @@ class RawPage:
                 return content
             if content[0] & 0x0F == 8 and size >= 2:
                 self.close_code = struct.unpack("!H", content[start : start + 2])[0]
+            if content[0] & 0x0F == _PING:
+                self.send(framed(content[start : start + size], _PONG))
             content = content[start + size :]
         return content
 
