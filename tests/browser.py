@@ -88,7 +88,7 @@ _TO_PAGE = """
 """
 
 ARENA = Arena(0.0, 0.0, 1200.0, 700.0)  # [m]
-PATIENCE = 120.0  # [s], for a machine that is busy with other things
+PATIENCE = 30.0  # [s], for a machine that is busy with other things
 NO_NGINX = "no nginx or openssl: install the packages 'nginx-light' and 'openssl'"
 Value = TypeVar("Value")
 Points: TypeAlias = Sequence[Sequence[float]] | Floats

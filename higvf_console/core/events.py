@@ -24,6 +24,7 @@ class Event(NamedTuple):
         robot: index from 0 of the robot that it is about; None = of none, or of the whole team.
         fire: index from 0 of the fire, likewise.
         channel: name of the operator channel; "" = of none.
+        command: class name of the command that was refused; "" = of none.
     """
 
     time: float
@@ -33,3 +34,4 @@ class Event(NamedTuple):
     robot: int | None = None
     fire: int | None = None
     channel: str = ""
+    command: str = ""

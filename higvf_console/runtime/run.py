@@ -139,13 +139,13 @@ class Run:
         try:
             run_state, history, events = dispatch(self.run_state, self.history, command, prepared)
         except ScenarioError as error:
-            return (Event(self.time, Severity.WARNING, "refused", f"Not done: {error}."),)
+            return _refused((Event(self.time, Severity.WARNING, "refused", f"Not done: {error}."),), command)
         again = run_state.setup is not self._setup or isinstance(command, ResetRun | Undo | Redo)
         self.state, self.tally, self.history = run_state.state, run_state.tally, history
         self.filter, self.scenario, self.phase = run_state.filter, run_state.scenario, run_state.phase
         if again:
             self._take(run_state.setup)
-        return events
+        return _refused(events, command)
 
     def step(self) -> tuple[Event, ...]:
         """Advances by one control period."""
@@ -173,6 +173,12 @@ class Run:
 
     def _violation(self, robot: int, motion: Motion) -> str:
         return violation_text(robot, motion, self._setup)
+
+
+def _refused(events: tuple[Event, ...], command: OperatorCommand) -> tuple[Event, ...]:
+    """The events, each refusal with what was refused."""
+    name = type(command).__name__
+    return tuple(event._replace(command=name) if event.kind == "refused" else event for event in events)
 
 
 def _counted(tally: Tally, before: Motion, after: Motion, trace: Trace, params: Parameters) -> Tally:

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
 STAY_S = {Severity.INFO: 4.0, Severity.GOOD: 6.0, Severity.WARNING: 8.0, Severity.ALARM: 8.0}  # ahead of older alarms
+_ANSWERS = frozenset({"refused", "clipped"})  # to what the operator did last
 _OFF = frozenset({ChannelState.LOST, ChannelState.RECOVERED})
 
 
@@ -36,8 +37,9 @@ def _in_trouble(alarm: Event, robots: list[bool]) -> bool:
 
 
 def _rank(event: Event) -> int:
-    """A warning may take the line from an alarm: it answers what was done last."""
-    return {Severity.INFO: 0, Severity.GOOD: 1}.get(event.severity, 2)
+    """The higher of two events keeps the line; an answer to what was done is as high as an alarm."""
+    ranks = {Severity.INFO: 0, Severity.GOOD: 1, Severity.WARNING: 2, Severity.ALARM: 3}
+    return ranks[Severity.ALARM if event.kind in _ANSWERS else event.severity]
 
 
 class LatestMessage:

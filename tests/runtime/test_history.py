@@ -40,7 +40,8 @@ WAY = stroke([(700.0, 300.0), (500.0, 450.0), (300.0, 450.0), (200.0, 600.0)])
 
 def test_without_an_action_there_is_nothing_to_undo_or_redo() -> None:
     run = edited_run()
-    assert run.apply(Undo())[0].text == "Not done: nothing to undo."
+    refused = run.apply(Undo())[0]
+    assert (refused.text, refused.command) == ("Not done: nothing to undo.", "Undo")
     assert run.apply(Redo())[0].text == "Not done: nothing to redo."
 
 

@@ -88,6 +88,15 @@ def test_a_message_keeps_the_line_for_a_while_against_lesser_ones() -> None:
     assert line.chosen([target], [], 100.0) is target
 
 
+def test_an_answer_to_what_was_done_is_not_covered_by_other_warnings() -> None:
+    line = LatestMessage()
+    refused, busy = (event(kind, Severity.WARNING) for kind in ("refused", "busy"))
+    assert line.chosen([refused], [], 0.0) is refused
+    assert line.chosen([busy], [], 1.0) is refused
+    assert line.chosen([STOP], [STOP], 2.0) is STOP
+    assert line.chosen([refused], [STOP], 3.0) is refused
+
+
 def test_what_the_operator_has_just_done_is_only_logged() -> None:
     assert LatestMessage().chosen([event("resumed"), event("path"), event("picked")], [], 0.0) is None
     target = event("target")

@@ -18,8 +18,8 @@ from higvf_console.scenario.kept import Draft, recent_files
 from higvf_console.ui.cards.briefing import ready_html
 from higvf_console.ui.cards.result_sheet import result_html
 from higvf_console.ui.cards.scenarios import LOADING_HTML, Choice, recent_choices, scenarios_html, shipped_choices
-from higvf_console.ui.notice import telling
 from higvf_console.ui.page import cards
+from higvf_console.ui.page.notice import telling
 from higvf_console.ui.widgets.html import clock
 
 if TYPE_CHECKING:

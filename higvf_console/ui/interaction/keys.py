@@ -12,8 +12,8 @@ from typing import NamedTuple
 import viser
 
 from higvf_console.ui.interaction.tools import TOOLS
-from higvf_console.ui.notice import telling
 from higvf_console.ui.page import page
+from higvf_console.ui.page.notice import telling
 
 
 class KeyBinding(NamedTuple):

@@ -11,8 +11,8 @@ import viser
 
 from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.viewport import Viewport
-from higvf_console.ui.notice import telling
 from higvf_console.ui.page import page
+from higvf_console.ui.page.notice import telling
 
 Phase: TypeAlias = Literal["start", "update", "end", "cancel"]
 

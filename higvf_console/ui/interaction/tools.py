@@ -9,8 +9,8 @@ import viser
 from higvf_console.core.arguments import one_of
 from higvf_console.core.commands import StrokeUse
 from higvf_console.core.edits import EntityKind
-from higvf_console.ui.notice import telling
 from higvf_console.ui.page import page
+from higvf_console.ui.page.notice import telling
 
 
 class Tool(StrEnum):

@@ -21,6 +21,7 @@ import viser
 from viser import _messages
 from viser.infra import WebsockClientConnection, WebsockServer
 
+from higvf_console.core.arguments import brief, not_one_of
 from higvf_console.ui.page.access import Role
 from higvf_console.ui.page.message_filter import FilteredConnection, settings_of
 from higvf_console.ui.page.refusals import Refusals
@@ -104,15 +105,20 @@ def listen(server: viser.ViserServer, topic: str, callback: Callable[[int, Body]
     _sockets(server).register_handler(PageMessage, handle)
 
 
-def gate(server: viser.ViserServer, allows: Callable[[int, str, Body], bool]) -> None:
+def gate(
+    server: viser.ViserServer,
+    allows: Callable[[int, str, Body], bool],
+    tell: Callable[[viser.ClientHandle | None, str], None],
+) -> None:
     """Drops what a page may not do, and values that a widget cannot have.
 
-    A widget that a page may not touch shows its true value there again.
+    The widget shows its true value on that page again.
 
     Args:
         server: whose pages are meant; their camera and the like are never asked about.
         allows: asked as `allows(client_id, topic, body)` on viser's event loop; for viser's own messages the topic is
             `WIDGET` and the body has the "uuid" of the widget or palette command, where there is one.
+        tell: tells a page why a widget cannot have the value that it sent.
     """
     sockets, refusals = _sockets(server), settings_of(server).refusals
     handle = sockets._handle_incoming_message  # pyright: ignore[reportPrivateUsage]
@@ -128,6 +134,8 @@ def gate(server: viser.ViserServer, allows: Callable[[int, str, Body], bool]) ->
                 _show_true_value(server, message.uuid, client_id)
         elif widget and (reason := _misfit(server, message)):
             refusals.tell("widget", f"page {client_id}", reason)
+            _show_true_value(server, message.uuid, client_id)
+            tell(server.get_clients().get(client_id), reason)
         else:
             await handle(client_id, message)
 
@@ -176,16 +184,17 @@ def _misfit(server: viser.ViserServer, message: _messages.GuiUpdateMessage) -> s
     if widget is None:
         return None
     given, true = message.updates.get("value"), widget._impl.value
+    name = getattr(widget, "label", "") or "value"
     kinds = {bool: bool, int: int, float: int | float, str: str}
     if type(true) in kinds and not (
         isinstance(given, kinds[type(true)]) and isinstance(given, bool) is (type(true) is bool)
     ):
-        return f"a widget whose value is {true!r} was given {given!r}"
+        return f"{name}: {brief(given)} is not of the kind of {brief(true)}"
     options, least, most = (getattr(widget, name, None) for name in ("options", "min", "max"))
     if options is not None and given not in options:
-        return f"{given!r} is not among the choices {', '.join(map(str, options))}"
+        return f"{name}: {not_one_of(given, options)}"
     if (least is not None and given < least) or (most is not None and given > most):
-        return f"{given!r} is not within {least} to {most}"
+        return f"{name}: {given} is not from {least} to {most}"
     return None
 
 

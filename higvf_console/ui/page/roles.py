@@ -20,6 +20,7 @@ from higvf_console.ui.page import control_lease, page
 from higvf_console.ui.page.access import Role
 from higvf_console.ui.page.control_lease import Control, Outcome
 from higvf_console.ui.page.message_filter import settings_of
+from higvf_console.ui.page.notice import tell
 
 FREE_TOPICS = frozenset({"alive", "control", "hello", "landscape", "viewport"})  # of what every page may send
 EXPERIMENTER_TOPICS = frozenset({"file"})
@@ -61,7 +62,7 @@ class Roles:
         page.listen(self._server, "hello", self._hello)
         page.listen(self._server, "control", self._click)
         page.on_leave(self._server, self._leave)
-        page.gate(self._server, self._may)
+        page.gate(self._server, self._may, tell)
         page.install(self._server, "roles", {})
 
     def allow(self, uuid: str) -> None:

@@ -13,9 +13,9 @@ from higvf_console.core.errors import ScenarioError
 from higvf_console.core.interface import PointerSink
 from higvf_console.runtime.background.worker import submitted
 from higvf_console.scenario.writer import scenario_yaml
-from higvf_console.ui.notice import tell
 from higvf_console.ui.page import files
 from higvf_console.ui.page.message_filter import settings_of
+from higvf_console.ui.page.notice import tell
 from higvf_console.ui.scene.background import Background
 from higvf_console.ui.ui_state import UiStore, move_background
 from higvf_console.ui.widgets.callbacks import chosen, number_in, reaction

@@ -11,8 +11,8 @@ import viser
 from higvf_console.core.arguments import one_of
 from higvf_console.core.commands import Acknowledge, Freeze, Pause, ResetRun, Resume, SetSpeed, Step
 from higvf_console.core.interface import PointerSink
-from higvf_console.ui.notice import telling
 from higvf_console.ui.page import page
+from higvf_console.ui.page.notice import telling
 from higvf_console.ui.run_state import FROZEN, PAUSED
 from higvf_console.ui.widgets.speeds import SPEEDS
 

@@ -1,7 +1,6 @@
 """Every tunable of the controller: shown group by group, changed live, compared with the scenario, put back."""
 
 import math
-import time
 from typing import TYPE_CHECKING, Any
 
 import viser
@@ -13,7 +12,7 @@ from higvf_console.core.interface import PointerSink
 from higvf_console.core.numbers import legible
 from higvf_console.core.scale import USUAL_SCALE, Scale
 from higvf_console.ui.messages import newer
-from higvf_console.ui.widgets.callbacks import SETTLE_S, chosen, mirror, reaction
+from higvf_console.ui.widgets.callbacks import chosen, mirror, reaction
 from higvf_console.ui.widgets.html import block, text
 from higvf_console.ui.widgets.number import NumberField, NumberRange, labelled, typed_form
 from higvf_console.world.editing.parameters import FIXED, parameter, parameter_names, quantity_of
@@ -36,9 +35,7 @@ class TunePanel:
         self._session, self._sink = session, sink
         self._scenario, self._params = session.scenario.params, session.setup.params
         self._wrong = ""  # with what was asked last
-        self._asked_at = -math.inf
-        self._latest: Event | None = None
-        self._before = self._latest
+        self._heard: Event | None = None  # the newest event that was looked at
         self._described: tuple[Parameters, Parameters, str] | None = None
         names: dict[str, Any] = dict.fromkeys((*PRESETS, OWN))
         self._preset = gui.add_dropdown(
@@ -75,7 +72,7 @@ class TunePanel:
 
     def _ask(self, values: dict[str, float]) -> None:
         """Asks for values; the session may refuse them."""
-        self._wrong, self._asked_at, self._before = "", time.monotonic(), self._latest
+        self._wrong = ""
         self._sink.push(SetParameters(values))
 
     def _put_back(self, group: str) -> None:
@@ -83,11 +80,11 @@ class TunePanel:
         self._ask({name: values[name] for name in values if name.split(".")[0] == group})
 
     def _hear(self, events: tuple[Event, ...]) -> None:
-        """Takes up why the session has just refused what was asked."""
-        self._latest = events[-1] if events else None
-        if time.monotonic() - self._asked_at <= SETTLE_S:
-            refused = [event.text for event in newer(events, self._before) if event.kind == "refused"]
-            self._wrong = refused[-1] if refused else self._wrong
+        """Takes up why the session refused values."""
+        for event in newer(events, self._heard):
+            if event.command == SetParameters.__name__:
+                self._wrong = event.text
+        self._heard = events[-1] if events else None
 
     def update(self, snapshot: "Snapshot") -> None:
         """Shows the tunables in force and marks what differs from the scenario."""

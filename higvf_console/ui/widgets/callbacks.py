@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import viser
 
 from higvf_console.core.arguments import not_one_of
-from higvf_console.ui.notice import failed, refuse
+from higvf_console.ui.page.notice import failed, refuse
 
 Reaction: TypeAlias = Callable[[Any], Coroutine[None, None, None]]
 SETTLE_S = 0.6  # from a touch until the session must have answered it

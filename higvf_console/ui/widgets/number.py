@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import viser
 
 from higvf_console.core.numbers import SEPARATOR
-from higvf_console.ui.notice import failed, refuse
+from higvf_console.ui.page.notice import failed, refuse
 from higvf_console.ui.widgets.callbacks import SETTLE_S, mirror
 
 _MINUS = "\u2212"

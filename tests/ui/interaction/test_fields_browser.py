@@ -1,7 +1,5 @@
 """Fields of a page in a real browser: what is typed arrives as a whole, and only what is a number."""
 
-from collections.abc import Sequence
-
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
@@ -91,25 +89,6 @@ def test_what_the_server_gives_meanwhile_waits_until_the_typing_ends(stage: Stag
     field.press("Escape")
     expect(field).to_have_value("40")
     assert stage.typed == []
-
-
-@pytest.mark.parametrize("keys", [("Backspace",), ("-",), ("7", "Backspace")])
-def test_a_number_of_viser_left_without_a_number_shows_its_last_one(
-    stage: Stage, page: Page, keys: Sequence[str]
-) -> None:
-    stage.number.value = 25.0
-    field = page.locator(f"[id='{stage.number._impl.uuid}']")  # pyright: ignore[reportPrivateUsage]
-    expect(field).to_have_value("25")
-    field.click()
-    field.press("Control+a")
-    for key in keys:
-        field.press(key)
-    assert field.input_value() in ("", "-")
-    field.press("Tab")
-    last = keys[0] if "7" in keys else "25"
-    expect(field).to_have_value(last)
-    wait_until(lambda: stage.number.value == float(last))
-    stage.number.value = 1.0
 
 
 def test_the_number_beside_a_slider_cannot_be_half_typed(stage: Stage, page: Page) -> None:

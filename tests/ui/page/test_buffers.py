@@ -2,11 +2,22 @@
 
 import asyncio
 import threading
+from collections.abc import Coroutine
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
 
 from viser import _messages
 
 from higvf_console.ui.page import guard
 from higvf_console.ui.page.buffers import LoopEvent, SafeBuffer
+
+Value = TypeVar("Value")
+
+
+def run(coroutine: Coroutine[Any, Any, Value]) -> Value:
+    """On a thread of its own: the browser of other tests has a loop that runs on this one."""
+    with ThreadPoolExecutor(1) as executor:
+        return executor.submit(asyncio.run, coroutine).result()
 
 
 def test_an_event_is_set_by_its_loop_alone() -> None:
@@ -22,7 +33,7 @@ def test_an_event_is_set_by_its_loop_alone() -> None:
         await loop.run_in_executor(None, loop.call_soon_threadsafe, event.set)
         return early, await waiting
 
-    assert asyncio.run(woken()) == (False, True)
+    assert run(woken()) == (False, True)
 
 
 def test_what_another_thread_pushes_arrives() -> None:
@@ -39,7 +50,7 @@ def test_what_another_thread_pushes_arrives() -> None:
         await windows.aclose()
         return len(window)
 
-    assert asyncio.run(received()) == 1
+    assert run(received()) == 1
 
 
 def test_a_console_uses_safe_buffers() -> None:

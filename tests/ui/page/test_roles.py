@@ -43,7 +43,7 @@ class Pages:
     def listen(self, _server: object, topic: str, hears: Callable[[int, page.Body], None]) -> None:
         self.listeners[topic] = hears
 
-    def gate(self, _server: object, allows: Callable[[int, str, page.Body], bool]) -> None:
+    def gate(self, _server: object, allows: Callable[[int, str, page.Body], bool], _tell: object) -> None:
         self.allows = allows
 
     def call(self, _server: object, _script: str, method: str, _argument: object, _client: int) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from higvf_console.core.arguments import one_of
-from higvf_console.ui.notice import telling
+from higvf_console.ui.page.notice import telling
 from higvf_console.ui.widgets.callbacks import SETTLE_S, chosen, mirror, number_in, reaction, truth
 
 

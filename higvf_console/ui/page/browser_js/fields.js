@@ -93,23 +93,6 @@
     else if (sign && step(field, sign)) event.preventDefault();
   }
 
-  // A number field that is left without a number would hide the value in force: its last number comes back. viser sends
-  // it again, which changes nothing, as it is the one that the console knows.
-  const numbers = new WeakMap(); // by field
-  const numberField = ({ target }) => (target.matches?.(NUMBER) ? target : null);
-  const isNumber = (text) => text.trim() !== "" && Number.isFinite(Number(text));
-  const keep = (event) => {
-    const field = numberField(event);
-    if (field && isNumber(field.value)) numbers.set(field, field.value);
-  };
-  const putBack = (event) => {
-    const field = numberField(event);
-    if (!field || isNumber(field.value) || !numbers.has(field)) return;
-    native.set.call(field, numbers.get(field));
-    field.dispatchEvent(new InputEvent("input", { bubbles: true }));
-  };
-
-  const forgetNumbers = page.listen({ beforeinput: keep, input: keep, focusout: putBack });
   const forget = page.listen({
     focusin: (event) => fieldOf(event) && adopt(event.target),
     beforeinput: onBeforeInput,
@@ -126,7 +109,6 @@
       clearInterval(adopting);
       if (draft) end();
       forget();
-      forgetNumbers();
     },
   };
 }

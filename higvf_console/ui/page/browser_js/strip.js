@@ -2,7 +2,9 @@
 // It is a row of the page, not an overlay: viser's page begins below it, and above the panel of a page in portrait.
 (page, config) => {
   const CHECK_MS = 200;
+  const NOTE_MS = 4000;
   const MOST_TRIES = 100; // of a tenth of a second, until a folded panel is unfolded
+  const ASK_AGAIN = 25; // tries
   // viser's handles that unfold a docked panel.
   const FOLDED = ":is([data-dock-minimize-all], [data-dock-minimize])[aria-expanded=false]";
   const root = document.documentElement.style;
@@ -138,7 +140,9 @@
 
   let run = { states: [], speed: "", paused: false, stopped: false, frozen: false };
   let told = { time: "", text: "", colour: "", unread: false };
-  let note = ""; // what the page itself has to say, until the server says something new
+  let note = ""; // what the page itself has to say, until the server says something new, but long enough to be read
+  let noted = 0; // when it began to say so [ms]
+  let fresh = false; // whether the server has said something since
   let met = false; // the server has answered
   let gone = false; // it does not answer any more
   let since = 0;
@@ -181,11 +185,11 @@
     line.textContent = line.title = words;
   }
 
-  // A folded panel is unfolded first, which takes it a moment.
+  // A folded panel is unfolded first, which takes it a moment; what does not move is asked again.
   function openLog(_event, tries = MOST_TRIES) {
     const tab = [...document.querySelectorAll("[role=tab]")].find((found) => found.textContent.trim() === "Log");
     if (tab?.checkVisibility()) return page.part("tabs")?.open("Log");
-    if (tries === MOST_TRIES) (document.querySelector(FOLDED) ?? sheet()?.querySelector("[style*=pointer]"))?.click();
+    if (tries % ASK_AGAIN === 0) (document.querySelector(FOLDED) ?? sheet()?.querySelector("[style*=pointer]"))?.click();
     if (tries) setTimeout(() => openLog(null, tries - 1), 100);
   }
 
@@ -205,10 +209,18 @@
   function takeToasts() {
     for (const toast of document.querySelectorAll(".mantine-Notification-root")) {
       const words = [".mantine-Notification-title", ".mantine-Notification-description"];
+      [noted, fresh] = [Date.now(), false];
       note = words.map((part) => toast.querySelector(part)?.textContent ?? "").filter(Boolean).join(": ");
       toast.querySelector("button")?.click();
       tell();
     }
+  }
+
+  // A new message of the server takes the line from a note that could be read, an alarm at once.
+  function endNote() {
+    if (!note || !fresh || (Date.now() - noted < NOTE_MS && !told.unread)) return;
+    note = "";
+    tell();
   }
 
   function check() {
@@ -219,6 +231,7 @@
       show();
     }
     takeToasts();
+    endNote();
     place();
   }
 
@@ -249,8 +262,9 @@
     },
 
     message(latest) {
-      if (latest.time !== told.time || latest.text !== told.text) note = "";
+      fresh ||= latest.time !== told.time || latest.text !== told.text;
       told = latest;
+      endNote();
       tell();
     },
 
