@@ -3,10 +3,11 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+COMPILED := $(VENV)/.compiled
 
-.PHONY: run setup test check safety docs coverage lock licences sbom bench browser nginx clean
+.PHONY: run setup compile test check safety docs coverage lock licences sbom bench browser nginx clean
 
-run: setup
+run: compile
 	$(BIN)/higvf run firefighting
 
 setup: $(READY)
@@ -14,10 +15,15 @@ setup: $(READY)
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,docs,all]'
+	touch $@
+
+compile: $(COMPILED)
+
+$(COMPILED): $(READY)
 	$(BIN)/higvf compile
 	touch $@
 
-test: setup browser nginx
+test: compile browser nginx
 	$(BIN)/pytest -n 2 --dist loadfile --ignore tests/attacks
 	$(BIN)/pytest tests/attacks # by themselves: they measure the work of a tick in a process that attackers share
 

@@ -51,6 +51,7 @@ _DRAW = """
 
 # A processor that draws all it can has no time for what is tested: few frames a second, and edges without smoothing.
 _FRAME_REST_MS = 200
+COARSE = 0.5  # pixels in a CSS pixel
 _SLOW_SCREEN = f"""
   const frame = window.requestAnimationFrame.bind(window);
   window.requestAnimationFrame = (draw) => setTimeout(() => frame(draw), {_FRAME_REST_MS});
@@ -88,7 +89,7 @@ _TO_PAGE = """
 """
 
 ARENA = Arena(0.0, 0.0, 1200.0, 700.0)  # [m]
-PATIENCE = 30.0  # [s], for a machine that is busy with other things
+PATIENCE = 120.0  # [s], for a machine that is busy with other things
 NO_NGINX = "no nginx or openssl: install the packages 'nginx-light' and 'openssl'"
 Value = TypeVar("Value")
 Points: TypeAlias = Sequence[Sequence[float]] | Floats
@@ -103,6 +104,7 @@ def open_console(
     hints: bool = False,
     touch: bool = False,
     smooth: bool = False,
+    sharp: bool = False,
 ) -> Page:
     """A page of its own session that shows the console, ready to be used.
 
@@ -114,8 +116,12 @@ def open_console(
         hints: whether it has those of a first run.
         touch: whether it has a touch screen.
         smooth: whether the edges in the arena are smoothed, as in pictures to be looked at.
+        sharp: whether a CSS pixel is a pixel, as for tests of colours; else the processor draws a quarter of them.
     """
-    context = browser.new_context(viewport={"width": width, "height": height}, has_touch=touch)
+    scale = 1.0 if smooth or sharp else COARSE
+    context = browser.new_context(
+        viewport={"width": width, "height": height}, has_touch=touch, device_scale_factor=scale
+    )
     context.add_init_script(_SLOW_SCREEN)
     if not smooth:
         context.add_init_script(_ROUGH_EDGES)
@@ -129,9 +135,9 @@ def open_console(
 
 
 @contextmanager
-def console_page(browser: Browser, url: str, tab_name: str | None = None) -> Generator[Page]:
+def console_page(browser: Browser, url: str, tab_name: str | None = None, *, sharp: bool = False) -> Generator[Page]:
     """A page of 1280 x 720 that shows the console, and a tab of the panel; closed at the end."""
-    page = open_console(browser, url, 1280, 720)
+    page = open_console(browser, url, 1280, 720, sharp=sharp)
     if tab_name:
         tab(page, tab_name)
     yield page

@@ -54,7 +54,7 @@ def open_page(chromium: Browser) -> Iterator[Callable[[str], Page]]:
     pages: list[Page] = []
 
     def open_one(url: str) -> Page:
-        pages.append(open_console(chromium, url))
+        pages.append(open_console(chromium, url, sharp=True))
         return pages[-1]
 
     yield open_one

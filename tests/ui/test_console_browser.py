@@ -53,7 +53,7 @@ def running() -> Iterator[Running]:
 @pytest.fixture(scope="module")
 def page(chromium: Browser, running: Running) -> Iterator[Page]:
     """A page that shows it."""
-    with console_page(chromium, running.url) as page:
+    with console_page(chromium, running.url, sharp=True) as page:
         yield page
 
 

@@ -3,8 +3,9 @@
 (page, config) => {
   const CHECK_MS = 200;
   const NOTE_MS = 4000;
-  const MOST_TRIES = 100; // of a tenth of a second, until a folded panel is unfolded
-  const ASK_AGAIN = 25; // tries
+  const UNFOLD_MS = 3000; // in which a panel that was asked to has unfolded, also on a busy page
+  const STEADY_MS = 600;
+  const LOG_MS = 20000; // for which the log is tried to be shown
   // viser's handles that unfold a docked panel.
   const FOLDED = ":is([data-dock-minimize-all], [data-dock-minimize])[aria-expanded=false]";
   const root = document.documentElement.style;
@@ -185,12 +186,23 @@
     line.textContent = line.title = words;
   }
 
-  // A folded panel is unfolded first, which takes it a moment; what does not move is asked again.
-  function openLog(_event, tries = MOST_TRIES) {
-    const tab = [...document.querySelectorAll("[role=tab]")].find((found) => found.textContent.trim() === "Log");
-    if (tab?.checkVisibility()) return page.part("tabs")?.open("Log");
-    if (tries % ASK_AGAIN === 0) (document.querySelector(FOLDED) ?? sheet()?.querySelector("[style*=pointer]"))?.click();
-    if (tries) setTimeout(() => openLog(null, tries - 1), 100);
+  // A folded panel is unfolded first, which takes it a moment, or is folding just now: it must stay open for a while.
+  function openLog() {
+    const end = Date.now() + LOG_MS;
+    let [asked, seen] = [0, 0];
+    const look = () => {
+      const now = Date.now();
+      const tab = [...document.querySelectorAll("[role=tab]")].find((found) => found.textContent.trim() === "Log");
+      const open = tab?.checkVisibility() ?? false;
+      if (open && !seen) page.part("tabs")?.open("Log");
+      if (!open && now - asked > UNFOLD_MS) {
+        asked = now;
+        (document.querySelector(FOLDED) ?? sheet()?.querySelector("[style*=pointer]"))?.click();
+      }
+      seen = open ? seen || now : 0;
+      if (now < end && !(seen && now - seen > STEADY_MS)) setTimeout(look, 100);
+    };
+    look();
   }
 
   // viser's bottom sheet, in portrait and on a phone.
