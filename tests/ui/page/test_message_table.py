@@ -79,6 +79,7 @@ WRONG: dict[str, bytes | str] = {
     "no MessagePack": b"\xc1\xc1",
     "deep nesting": frame("PageMessage", topic="alive", body={})[:-1] + b"\x91" * 100_000,
     "an unknown topic": of_page("x" * 10_000, {}),
+    "another topic": of_page("nonsense", {}),
     "no body": frame("PageMessage", topic="alive"),
     "a further field": of_page("alive", {"more": 1}),
     "a further field of the message": frame("CommandTriggerMessage", uuid="u", more=1),
