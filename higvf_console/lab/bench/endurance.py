@@ -50,7 +50,7 @@ fires:
 parameters:
   formation: {{communication_range: 60}}
 ends: {{when: never}}
-duration_s: 3600
+duration_s: 60
 """
 
 
@@ -139,7 +139,10 @@ def table(cases: Sequence[Case]) -> str:
 
 
 def scenario_of(robots: int) -> str:
-    """The YAML text of a scenario that never ends: fires that take the whole team, which starts between them."""
+    """The YAML text of a scenario that never ends: fires that take the whole team, which starts between them.
+
+    Its duration limits the run without an operator, which the console computes beside the first minute.
+    """
     width, height = _arena(robots)
     return _SCENARIO.format(width=width, height=height, robots=robots, right=width - 80.0, top=height - 80.0)
 
