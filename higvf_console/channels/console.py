@@ -4,11 +4,11 @@ import threading
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
-from time import monotonic
 from typing import TypeVar
 
 import numpy as np
 
+from higvf_console.core.awake import AwakeClock
 from higvf_console.core.command import CONSOLE
 from higvf_console.core.commands import Command, Cursor, EmergencyStop, OperatorCommand, Release, StrokePoints
 from higvf_console.core.errors import InputError
@@ -48,7 +48,8 @@ class ConsoleChannel:
         self._lock = threading.Lock()
         self._given = 0  # commands so far
         self._last_used: float | None = None
-        self._last_heartbeat: float | None = None  # [s] of the wall clock
+        self._clock = AwakeClock()
+        self._last_heartbeat: float | None = None  # [s] of that clock
 
     @property
     def name(self) -> str:
@@ -67,7 +68,7 @@ class ConsoleChannel:
 
     def heartbeat(self) -> None:
         """A page is there; from the first time on, silence of all pages counts."""
-        self._last_heartbeat = monotonic()
+        self._last_heartbeat = self._clock.now()
 
     def take_stop(self, context: OperatorContext) -> EmergencyStop | None:
         """The newest STOP that was pushed since the last call or poll."""
@@ -91,9 +92,10 @@ class ConsoleChannel:
 
     def health(self, now: float) -> ChannelHealth:
         """Last seen when a page reported its presence; a console that nobody uses is no fault."""
+        awake = self._clock.now()
         used = "not used yet" if self._last_used is None else f"last used {max(0.0, now - self._last_used):.0f} s ago"
         if self._last_heartbeat is not None:
-            return ChannelHealth(ChannelState.LIVE, used, now - (monotonic() - self._last_heartbeat))
+            return ChannelHealth(ChannelState.LIVE, used, now - (awake - self._last_heartbeat))
         if self._last_used is None:
             return ChannelHealth(ChannelState.NEVER_SEEN, "nothing from the browser yet")
         return ChannelHealth(ChannelState.LIVE, used)

@@ -44,9 +44,10 @@ def parser() -> argparse.ArgumentParser:
 def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="run a benchmark")
     bench.add_argument(
-        "--suite", choices=("filter", "tick", "deadlock", "safety", "preview", "lsl", "ui"), required=True,
+        "--suite", required=True,
+        choices=("filter", "tick", "deadlock", "safety", "preview", "lsl", "ui", "endurance"),
         help="what to measure: safety filter, whole tick, deadlocks in random scenes, broken guarantees in random runs,"
-        " previews, live streams, console",
+        " previews, live streams, console, memory and handles over time",
     )  # fmt: skip
     bench.add_argument("--json", action="store_true", help="write JSON instead of a table")
     deadlock = bench.add_argument_group("suite deadlock")
@@ -65,6 +66,15 @@ def _add_bench(commands: Any) -> None:
     safety.add_argument(
         "--recording", type=Path, metavar="FILE", help="no search: repeat one recording and check every control period"
     )
+    endurance = bench.add_argument_group("suite endurance")
+    endurance.add_argument(
+        "--minutes", type=_positive, metavar="M", help="time that each live console is watched [min] (default 2)"
+    )
+    endurance.add_argument("--hours", type=_positive, metavar="H", help="time to simulate headless [h] (default 1)")
+    endurance.add_argument(
+        "--case", action="append", metavar="CASE",
+        help="robots (1000, live), observers (50, live) or headless; repeat for further ones (default: all)",
+    )  # fmt: skip
     bench.set_defaults(command="bench")
 
 
@@ -133,6 +143,9 @@ def _add_run(commands: Any) -> None:
         "--token-file", type=Path, metavar="FILE",
         help="tokens of the login links, one line per role, 'ROLE TOKEN'; written with new ones if it does not exist",
     )  # fmt: skip
+    console.add_argument(
+        "--pages", type=_count, default=16, metavar="N", help="pages that may be open at once (default 16)"
+    )
     console.add_argument("--token", metavar="T", help="deprecated: others can see it; use --token-file")
     console.add_argument(
         "--origin", action="append", default=[], metavar="ORIGIN",

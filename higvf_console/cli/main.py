@@ -1,8 +1,8 @@
 """The command `higvf`: runs scenarios, replays and inspects recordings, reproduces the paper, runs benchmarks.
 
-Exit status: 0 on success; 1 if a replay differs, an interface violates its contract or a guarantee is broken; 2 on
-invalid input, with a one-line reason on standard error; 130 on Ctrl-C; 141 if the reader of the output ended first, as
-in `higvf ... | head`.
+Exit status: 0 on success; 1 if a replay differs, an interface violates its contract, a guarantee is broken or a long
+run does not stay flat; 2 on invalid input, with a one-line reason on standard error; 130 on Ctrl-C; 141 if the reader
+of the output ended first, as in `higvf ... | head`.
 """
 # ruff: noqa: PLC0415 (each command imports its own modules, so that `--help` does not load the compiler)
 
@@ -86,6 +86,7 @@ def _bench(given: argparse.Namespace) -> int:
     options = {
         bench.DEADLOCK: {"--scenes": given.scenes, "--scene": given.scene, "--save": given.save},
         bench.SAFETY: {"--ticks": given.ticks, "--seed": given.seed, "--recording": given.recording},
+        bench.ENDURANCE: {"--minutes": given.minutes, "--hours": given.hours, "--case": given.case},
     }
     for suite, only in options.items():
         misplaced = [option for option, value in only.items() if value is not None]
@@ -97,6 +98,8 @@ def _bench(given: argparse.Namespace) -> int:
         return _scene(given.scene, given.save)
     if given.suite == bench.SAFETY:
         return _safety(given)
+    if given.suite == bench.ENDURANCE:
+        return _endurance(given)
     bench.main(given.suite, given.json, given.scenes)
     return 0
 
@@ -115,6 +118,17 @@ def _safety(given: argparse.Namespace) -> int:
     searched = search(given.ticks or TICKS, given.seed or 0)
     print(report.as_json(searched) if given.json else report.as_text(searched))
     return 1 if searched.found else 0
+
+
+def _endurance(given: argparse.Namespace) -> int:
+    """Runs for long; status 1 where something does not stay flat."""
+    from higvf_console.lab.bench import endurance
+
+    cases = endurance.run(
+        given.minutes or endurance.MINUTES, given.hours or endurance.HOURS, given.case or endurance.CASES
+    )
+    print(json.dumps(endurance.plain(cases), indent=2) if given.json else endurance.table(cases))
+    return 0 if endurance.flat(cases) else 1
 
 
 def _scene(name: str, file: Path | None) -> int:

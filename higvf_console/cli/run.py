@@ -184,16 +184,25 @@ def _run_headless(start: "Callable[[], Session]", given: argparse.Namespace) -> 
 
 def _serve(start: "Callable[[], Session]", title: str, given: argparse.Namespace) -> int:
     """Serves the console until Ctrl-C, a termination signal, or the end of the duration; the link comes first."""
+    from higvf_console.ui.page.control_lease import MOST_PAGES
     from higvf_console.ui.page.guard import login_url, open_server
     from higvf_console.ui.page.loading import loading
 
+    if given.pages > MOST_PAGES:
+        raise HigvfError(f"--pages {given.pages}: choose 1 to {MOST_PAGES}")
     access, certificate, stopping = _access(given), _certificate(given), Signal()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with suppress(KeyboardInterrupt), ExitStack() as ends:  # callbacks run from last to first
         scheduling.go_first()
         ends.callback(scheduling.stand_back)
         server = open_server(
-            given.host, given.port, access, title, origins=tuple(given.origin), certificate=certificate
+            given.host,
+            given.port,
+            access,
+            title,
+            max_clients=given.pages,
+            origins=tuple(given.origin),
+            certificate=certificate,
         )
         ends.callback(server.stop)
         print(f"Console: {login_url(server, access.token(access.highest))}")

@@ -47,6 +47,7 @@ from higvf_console.runtime.snapshot import snapshot_of
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.world.setup import Setup
 
+HELD_UP = 5.0  # time lost at once that is reported by itself [s]
 COMMAND_SHARE = 0.25  # of a control period, for the commands of a run in real time
 _WATCH_EVERY = 5  # ticks from one look after the channels to the next
 
@@ -204,7 +205,9 @@ class Session:
             except Exception as error:  # the operator must learn of any failure, and the robots must stand
                 self._halt(error)
             due, lost = self._clock.wait(due, self.setup.params.safety.control_period, stopping)
-            if lost > 0.0:
+            if lost >= HELD_UP:
+                self._report_hold_up(lost)
+            elif lost > 0.0:
                 self._report_lateness()
 
     def close(self) -> None:
@@ -224,6 +227,11 @@ class Session:
             delays = f"{count} new delay" + "s" * (count > 1)
             text = f"The computer is busy: the run lags {self._clock.lost:.1f} s behind real time ({delays})."
             self._journal.add((Event(self._run.time, Severity.WARNING, "late", text),))
+
+    def _report_hold_up(self, lost: float) -> None:
+        """Reports each time for which the loop stood, which no report a minute could tell."""
+        text = f"The console was held up for {lost:.1f} s: the run stood meanwhile, and goes on from there."
+        self._journal.add((Event(self._run.time, Severity.WARNING, "late", text),))
 
     def _attend(self) -> None:
         intent, motion = self._run.state.intent, self._run.state.motion

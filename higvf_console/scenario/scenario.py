@@ -46,7 +46,7 @@ from higvf_console.core.arguments import instance, whole
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import ScenarioError, closest
 from higvf_console.core.quantity import Quantity, shown
-from higvf_console.core.reading.document import read_text, read_yaml
+from higvf_console.core.reading.document import read_text, read_yaml, without_collections
 from higvf_console.core.reading.node import Node
 from higvf_console.core.state import NO_PATH, Path, PathEnding, PathKind
 from higvf_console.core.viewport import Arena
@@ -232,6 +232,7 @@ def load_scenario(name_or_path: str | FilePath) -> Scenario:
     return parse_scenario(read_text(file), str(file))
 
 
+@without_collections()
 def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None = None) -> Scenario:
     """The scenario that a YAML text describes.
 

@@ -9,6 +9,7 @@ import pytest
 from higvf_console.core.commands import HandOver, Pick
 from higvf_console.core.edits import AddEntity
 from higvf_console.ui.page.access import Role
+from higvf_console.ui.page.control_lease import MOST_PAGES
 from higvf_console.ui.page.message_filter import settings_of
 from tests.attacks.raw_page import Login, RawPage, log_in, said
 from tests.attacks.watch import Watch
@@ -56,7 +57,7 @@ def test_observers_that_fill_the_list_of_pages(
 ) -> None:
     roles = running.console._roles  # pyright: ignore[reportPrivateUsage]
     observer = log_in(link_of(running, Role.OBSERVER))
-    for number in range(70):
+    for number in range(MOST_PAGES + 6):
         with RawPage(running.url, observer) as page:
             identity = f"observer number {number}"
             page.hello(identity)

@@ -8,6 +8,7 @@ import pytest
 
 from higvf_console.channels.console import ConsoleChannel, open_console
 from higvf_console.core.arrays import floats
+from higvf_console.core.awake import AwakeClock
 from higvf_console.core.commands import (
     Cursor,
     EmergencyStop,
@@ -150,13 +151,17 @@ def test_a_console_that_nobody_uses_is_no_fault(at: ContextAt) -> None:
 
 def test_once_a_page_has_told_that_it_is_there_its_silence_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     wall = [50.0]
-    monkeypatch.setattr("higvf_console.channels.console.monotonic", lambda: wall[0])
+    monkeypatch.setattr("higvf_console.channels.console.AwakeClock", lambda: AwakeClock(lambda: wall[0]))
     console = open_console(InputSpec("console"))
     console.heartbeat()
-    wall[0] += 3.0
+    for _ in range(4):
+        wall[0] += 0.75
+        console.health(20.0)
     assert console.health(20.0).last_seen == pytest.approx(17.0)
     console.heartbeat()
     assert console.health(20.0).last_seen == pytest.approx(20.0)
+    wall[0] += 30.0
+    assert console.health(20.0).last_seen == pytest.approx(19.0), "the console itself was stopped, not the page silent"
 
 
 def test_an_unknown_option_is_refused() -> None:

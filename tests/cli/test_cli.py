@@ -204,6 +204,7 @@ def test_a_file_of_tokens_gives_a_link_for_each_role(tmp_path: Path) -> None:
         (["--token", "abc", "--token-file", "tokens"], "--token and --token-file exclude each other"),
         (["--certfile", "lab.pem"], "--certfile and --keyfile need each other"),
         (["--origin", "lab.example"], "--origin lab.example: expected scheme and host"),
+        (["--pages", "500"], "--pages 500: choose 1 to 128"),
     ],
 )
 def test_options_of_access_that_cannot_be_are_one_line(

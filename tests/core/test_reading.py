@@ -1,5 +1,6 @@
 """Whatever a text holds, it is read strictly or refused in one sentence with file, place, value and choices."""
 
+import gc
 import math
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 
 from higvf_console.core.errors import HigvfError, InputError, ScenarioError, ScriptError
 from higvf_console.core.quantity import Quantity
-from higvf_console.core.reading.document import MOST_REPEATED, read_text, read_yaml, yaml_text
+from higvf_console.core.reading.document import MOST_REPEATED, read_text, read_yaml, without_collections, yaml_text
 from higvf_console.core.reading.node import Node
 
 SPEED = Quantity("m/s", 0.0, 10.0, "v", "A speed.")
@@ -197,3 +198,28 @@ def test_what_is_written_is_read_back_as_the_same(content: dict[str, object]) ->
         assert "brackets" in str(refusal)
     else:
         assert again == content
+
+
+def test_no_garbage_is_collected_while_a_document_is_read_and_as_before_afterwards() -> None:
+    collects: list[bool] = []
+
+    @without_collections()
+    def read(*, fails: bool = False) -> None:
+        collects.append(gc.isenabled())
+        with without_collections():
+            pass
+        collects.append(gc.isenabled())
+        if fails:
+            raise ScenarioError("no")
+
+    read()
+    with pytest.raises(ScenarioError):
+        read(fails=True)
+    assert collects == [False] * 4
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        read()
+        assert not gc.isenabled()
+    finally:
+        gc.enable()

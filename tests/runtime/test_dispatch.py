@@ -174,4 +174,4 @@ def test_what_a_scenario_warns_of_is_reported(now: RunState) -> None:
     old = replace(parse_scenario(OTHER, "other.yaml"), warnings=("a key is renamed",))
     prepared = prepare(LoadScenario(OTHER, "other.yaml"), 0)._replace(scenario=old)
     _, _, events = dispatch(now, History(), LoadScenario(OTHER, "other.yaml"), prepared)
-    assert [(event.kind, event.text) for event in events[1:]] == [("scenario", "a key is renamed")]
+    assert [(event.time, event.kind, event.text) for event in events[1:]] == [(0.0, "scenario", "a key is renamed")]

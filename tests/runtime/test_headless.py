@@ -15,7 +15,7 @@ from higvf_console.channels import channels
 from higvf_console.cli.main import main
 from higvf_console.core.commands import Cursor, Freeze, OperatorCommand, Pick, StrokeBegin, StrokeEnd, StrokePoints
 from higvf_console.core.interface import InputSpec, Interface
-from higvf_console.runtime.headless import run_headless
+from higvf_console.runtime.headless import EvenSample, run_headless
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import Scenario, load_scenario
 from higvf_console.sim.simulation import advance, roll
@@ -52,6 +52,16 @@ def test_a_report_has_every_entry_and_is_json(team: Scenario) -> None:
     assert (report["duration_s"], report["ticks"]) == (3.0, 150)
     assert report["loss_area_total_m2"] == pytest.approx(sum(report["loss_area_m2"]))
     assert set(report["tick_ms"]) == {"p50", "p99"}
+
+
+def test_a_sample_of_a_long_run_is_small_and_spread_over_all_of_it() -> None:
+    sample = EvenSample(8)
+    for value in range(8):
+        sample.add(value)
+    assert sample.values == list(range(8))
+    for value in range(8, 1001):
+        sample.add(value)
+    assert sample.values == list(range(0, 1001, 128))
 
 
 def test_a_report_lists_the_commands_that_matter(team: Scenario) -> None:

@@ -413,6 +413,28 @@ def test_a_stop_is_looked_for_between_two_commands(team: Scenario) -> None:
     assert [type(applied.command) for applied in session.commands] == [EmergencyStop, Pick, Pick]
 
 
+def test_each_long_hold_up_of_the_loop_is_reported_by_itself_and_moves_nobody(
+    team: Scenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session, stopping = Session(team, []), threading.Event()
+    losses = iter([0.3, 30.4, 0.3, 7.0])
+
+    def wait(due: float, _period: float, _stopping: threading.Event) -> tuple[float, float]:
+        lost = next(losses, None)
+        if lost is None:
+            stopping.set()
+        return due, lost or 0.0
+
+    monkeypatch.setattr(session._clock, "wait", wait)  # pyright: ignore[reportPrivateUsage]
+    session.run(stopping)
+    told = [event.text for event in session.snapshot.events if "held up" in event.text]
+    assert told == [
+        f"The console was held up for {lost} s: the run stood meanwhile, and goes on from there."
+        for lost in ("30.4", "7.0")
+    ]
+    assert session.ticks == 5, "what was lost is not caught up with"
+
+
 def test_resets_that_were_given_before_a_stop_do_not_release_it(team: Scenario) -> None:
     session, console = crowded(team)
     console.push(EmergencyStop())

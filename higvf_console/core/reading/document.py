@@ -4,8 +4,10 @@ The types are those of YAML 1.2: `on`, `no` and `12:30` are text, `1e3` is a num
 Nesting is bounded, and so is what aliases stand for: a short text must not take minutes or fill the memory.
 """
 
+import gc
 import re
-from collections.abc import Hashable, Mapping
+from collections.abc import Generator, Hashable, Mapping
+from contextlib import contextmanager
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,7 @@ from higvf_console.core.reading.node import Node
 
 DEEPEST = 100  # brackets; PyYAML's scanner takes minutes for a few thousand
 MOST_REPEATED = 100_000  # values that aliases repeat
+_BRACKETS = re.compile(r"[\[\]{}]")
 
 
 # libyaml reads ten times faster than PyYAML's own parser, which stands in where it is not installed.
@@ -59,6 +62,18 @@ for _tag, _pattern, _first in (
     _StrictLoader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"(?:{_pattern})$"), _first)
 
 
+@contextmanager
+def without_collections() -> Generator[None]:
+    """Collects no garbage: what a large document is made of stays, and looking through it takes as long as reading."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
+
+
 def read_text(file: Path, raises: type[HigvfError] = ScenarioError) -> str:
     """The text of a file in UTF-8.
 
@@ -73,6 +88,7 @@ def read_text(file: Path, raises: type[HigvfError] = ScenarioError) -> str:
         raise raises(f"{file}: not UTF-8 text") from error
 
 
+@without_collections()
 def read_yaml(text: str, source: str, raises: type[HigvfError] = ScenarioError) -> Node:
     """The root of a YAML document.
 
@@ -84,7 +100,7 @@ def read_yaml(text: str, source: str, raises: type[HigvfError] = ScenarioError) 
     Raises:
         HigvfError: nothing in it, not YAML, a key given twice, or nested too deeply; the message gives the line.
     """
-    depth = max(accumulate((letter in "[{") - (letter in "]}") for letter in text), default=0)
+    depth = max(accumulate((bracket in "[{") - (bracket in "]}") for bracket in _BRACKETS.findall(text)), default=0)
     if depth > DEEPEST:
         raise raises(f"{source}: brackets are nested over {DEEPEST} deep")
     try:

@@ -5,6 +5,7 @@ deadlock       arrivals, violations and deadlock time in random scenes, for each
 preview        speed of the preview, and its effect on the timing of the control loop
 lsl            live streams: latency from push to command, and memory growth over an hour of gaze
 ui             the console in a browser: network traffic, CPU, frame rate, latency from stroke to motion
+endurance      memory, handles and threads over time: many robots, many observers, many hours
 """
 
 import json
@@ -24,7 +25,7 @@ from higvf_console.lab.bench.timing import Case, Suite
 
 _TIMINGS: dict[str, Callable[[], Suite]] = {"filter": bench_filter.run, "tick": bench_tick.run}
 DEADLOCK, PREVIEW, LSL, UI = "deadlock", "preview", "lsl", "ui"
-SAFETY = "safety"  # measures nothing, and has a command of its own: `lab.safety`
+SAFETY, ENDURANCE = "safety", "endurance"  # have a command of their own: `lab.safety`, `lab.bench.endurance`
 SUITES = (*_TIMINGS, DEADLOCK, PREVIEW, LSL, UI)
 
 

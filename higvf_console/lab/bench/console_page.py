@@ -67,14 +67,18 @@ class Server(NamedTuple):
 
 
 @contextmanager
-def console_of(scenario: str) -> Generator[Server]:
+def console_of(scenario: str, *options: str) -> Generator[Server]:
     """Runs a scenario, given by name or file, in a console in its own process.
+
+    Args:
+        scenario: name or file.
+        options: further ones of `higvf run`.
 
     Raises:
         HigvfError: the console does not start; the message holds its output.
     """
     command = [sys.executable, "-m", "higvf_console", "run", scenario, "--port", "auto", "--no-browser"]
-    command.append("--start-at-once")
+    command += ["--start-at-once", *options]
     with tempfile.TemporaryFile("w+") as output:
         running = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, text=True)
         try:

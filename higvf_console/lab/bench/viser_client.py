@@ -1,4 +1,4 @@
-"""A headless viser client: counts the traffic of a console and records when the robot markers move.
+"""A headless viser client: counts the traffic of a console, records when the robot markers move, and sends messages.
 
 The wire format is that of viser 1.1.1, `viser.infra._infra`: two sizes, a compressed msgpack of messages, then the
 arrays that the messages refer to, each aligned to 8 bytes.
@@ -7,6 +7,7 @@ arrays that the messages refer to, each aligned to 8 bytes.
 import re
 import threading
 import time
+from contextlib import suppress
 from http.client import HTTPConnection
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
@@ -41,26 +42,29 @@ class Frame(NamedTuple):
 
 
 class ViserClient:
-    """A passive client that reads as fast as the console sends.
+    """A client that reads as fast as the console sends.
 
     Attributes:
         received: bytes received so far.
         messages: messages received so far.
     """
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, *, positions: bool = True) -> None:
         """Connects to a console.
 
         Args:
             url: login link of the console.
+            positions: whether to decode what comes and keep the positions of the robots, before all other programs.
 
         Raises:
             HigvfError: the server does not accept the login link.
         """
         self.received, self.messages = 0, 0
         self._frames: list[Frame] = []
+        self._positions = positions
         place, (cookie, key) = urlsplit(url).netloc, _login(url)
-        go_first()  # raises the priority of the reading thread, so that the measured load does not delay it
+        if positions:
+            go_first()  # raises the priority of the reading thread, so that the measured load does not delay it
         try:
             self._socket = connect(
                 f"ws://{place}/?key={key}",
@@ -82,10 +86,20 @@ class ViserClient:
                 if isinstance(message, bytes):
                     self.received += len(message)
                     self.messages += 1
-                    if (positions := robots_in(message)) is not None:
+                    if self._positions and (positions := robots_in(message)) is not None:
                         self._frames.append(Frame(now, positions))
         except ConnectionClosed:
             return
+
+    @property
+    def closed(self) -> bool:
+        """Whether the connection has ended."""
+        return not self._thread.is_alive()
+
+    def say(self, topic: str, **body: Any) -> None:
+        """Sends a message as a script of the page does; nothing where the connection has ended."""
+        with suppress(ConnectionClosed):
+            self._socket.send(msgspec.msgpack.encode({"type": "PageMessage", "topic": topic, "body": body}))
 
     def frames(self) -> tuple[Frame, ...]:
         """All frames since the last `forget`, oldest first."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from higvf_console.core.commands import ControlChange
 
 AWAKE = 3.0  # a page that was heard of within so long can be given control unasked [s]
-MOST_PAGES = 64  # that are remembered at once
+MOST_PAGES = 128  # that are remembered at once
 
 
 class Page(NamedTuple):

@@ -9,10 +9,10 @@ watch ends the human intention when that page is lost.
 import threading
 from collections.abc import Callable
 from dataclasses import replace
-from time import monotonic
 
 import viser
 
+from higvf_console.core.awake import AwakeClock
 from higvf_console.core.commands import Command, HandOver, InjectFault, LoadScenario, OperatorCommand
 from higvf_console.core.edits import Edit
 from higvf_console.core.interface import PointerSink
@@ -44,7 +44,7 @@ class Roles:
             timeout: silence after which a page is lost [s].
         """
         self._server, self._sink, self.timeout = server, sink, timeout
-        self._lock = threading.RLock()
+        self._lock, self._clock = threading.RLock(), AwakeClock()
         self._control = Control()
         self._identities: dict[int, str] = {}  # of the pages that are connected, by client
         self._shown: dict[int, page.Body] = {}
@@ -95,7 +95,7 @@ class Roles:
         To be called a few times a second, from any thread.
         """
         with self._lock:
-            self._follow(control_lease.forgotten(self._control, monotonic(), self.timeout))
+            self._follow(control_lease.forgotten(self._control, self._clock.now(), self.timeout))
         for client_id, count in page.dropped(self._server).items():
             page.call(self._server, "roles", "slowed", count, client_id)
         if (access := settings_of(self._server).access) is not None:
@@ -133,7 +133,7 @@ class Roles:
             if self._identities.get(client_id, identity) != identity:
                 raise ValueError("a page keeps its identity")
             may_steer = self._role(client_id).may(Role.OPERATOR)
-            outcome = control_lease.heartbeat(self._control, identity, monotonic(), may_steer=may_steer)
+            outcome = control_lease.heartbeat(self._control, identity, self._clock.now(), may_steer=may_steer)
             # The newest connection speaks for a page; an older one is cut off already, or of a copy of the page.
             for other in [other for other, known in self._identities.items() if known == identity]:
                 if other != client_id:

@@ -7,7 +7,11 @@ import pytest
 
 from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.arena import wall_constraint
-from higvf_console.control.safety.barriers.capsule import capsule_activation_distance, capsule_constraint
+from higvf_console.control.safety.barriers.capsule import (
+    capsule_activation_distance,
+    capsule_constraint,
+    capsule_outruns,
+)
 from higvf_console.control.safety.barriers.linear_constraint import class_k
 from higvf_console.control.safety.barriers.robot_pair import pair_constraint, sensing_radius
 from higvf_console.control.safety.barriers.sampling import check_sampling, least_stand_off, sampling_conditions
@@ -117,6 +121,15 @@ def test_beyond_its_activation_distance_the_fastest_obstacle_does_not_matter() -
     assert head_on[2] < SAFETY.speed_limit
 
 
+def test_an_obstacle_outruns_a_robot_where_the_retreat_that_it_asks_for_is_faster_than_the_robot() -> None:
+    outrun: list[bool] = []
+    for distance in np.linspace(32.5, 100.0, 60):
+        circle = (distance, 0.0, 0.0, 0.0, 0.0, 0.0, 20.0, 150.0, 0.0, 0.0, SAFETY)
+        outrun.append(bool(capsule_outruns(*circle)))
+        assert outrun[-1] is bool(capsule_constraint(*circle)[2] < -SAFETY.speed_limit)
+    assert set(outrun) == {True, False}
+
+
 def test_a_bar_is_a_circle_round_the_nearest_point_of_its_spine() -> None:
     ends = (0.0, 0.0), (50.0, 0.0)
     assert bar_constraint(-30.0, 40.0, *ends, 4.0) == circle_constraint(-30.0, 40.0, 0.0, 0.0, 4.0)
@@ -193,6 +206,8 @@ def test_the_sampling_condition_has_the_numbers_of_the_derivation() -> None:
     assert list(slow) == ["pair", "circle", "fire", "wall"]
     assert slow["pair"].value == pytest.approx(0.038, abs=0.001)
     assert slow["fire"].value == pytest.approx(0.043, abs=0.001)
+    h_near = SAFETY.speed_limit * SAFETY.control_period / SAFETY.obstacle_clearance
+    assert slow["wall"].value == pytest.approx(SAFETY.control_period * SAFETY.obstacle_gain * h_near**2)
     fast = sampling_conditions(small, SAFETY._replace(speed_limit=282.0))
     assert max(c.value for c in fast) == pytest.approx(0.54, abs=0.01)
     check_sampling(small, SAFETY._replace(speed_limit=360.0))

@@ -14,7 +14,7 @@ from higvf_console.control.safety.nearest_point import (
     optimality_error,
     violation,
 )
-from higvf_console.core.arrays import Floats
+from higvf_console.core.arrays import Floats, floats
 from tests.control.safety.barrier_reference import (
     SAFETY,
     Scene,
@@ -167,3 +167,18 @@ def test_every_answer_of_the_exact_solver_proves_itself() -> None:
 
 def unit_constraint(angle: float, bound: float) -> tuple[float, float, float]:
     return float(np.cos(angle)), float(np.sin(angle)), bound
+
+
+def test_each_way_in_which_a_solution_is_not_the_nearest_shows_in_its_error() -> None:
+    nominal, rows = floats([[0.5, 0.0]]), empty_constraints(1, 1)
+    rows.ends[0], rows.linear[0] = (0, -1), (1.0, 0.0, 0.2)
+    right = nearest(nominal, rows, 1.0)
+    assert optimality_error(nominal, rows, right, 1.0) <= 1e-12
+    weight, other = right.weight, right.velocity
+    for wrong, error in (
+        (right._replace(velocity=floats([[0.2, 0.1]])), 0.1),  # not stationary
+        (right._replace(weight=floats(weight + 0.25 * (weight > 0.0))), 0.25),  # nor so
+        (right._replace(velocity=floats([[0.1, 0.0]]), weight=floats(weight + 0.1 * (weight > 0.0))), 0.1),  # slack
+        (right._replace(velocity=floats(2.0 * nominal - other), weight=floats(-weight)), 0.3),  # a pull
+    ):
+        assert optimality_error(nominal, rows, wrong, 1.0) == pytest.approx(error)

@@ -5,7 +5,16 @@ from pathlib import Path
 import pytest
 
 from higvf_console.core.errors import ConsoleError
-from higvf_console.ui.page.access import MOST_LOGINS, Access, Role, access_by, read_tokens
+from higvf_console.ui.page import access as module
+from higvf_console.ui.page.access import (
+    MOST_LOGINS,
+    MOST_TICKETS,
+    SHORTEST_TOKEN,
+    Access,
+    Role,
+    access_by,
+    read_tokens,
+)
 
 TOKENS = {role: f"the-token-of-{role}" for role in Role}
 
@@ -61,6 +70,12 @@ def test_a_ticket_logs_in_once() -> None:
     assert access.log_in(ticket) is None
 
 
+def test_so_many_tickets_are_open_at_once_and_the_oldest_goes() -> None:
+    access = Access(TOKENS)
+    tickets = [access.ticket(Role.OBSERVER) for _ in range(MOST_TICKETS + 1)]
+    assert [access.log_in(ticket) is not None for ticket in tickets] == [False, *[True] * MOST_TICKETS]
+
+
 def test_logins_are_bounded_and_one_with_pages_goes_last() -> None:
     access = Access(TOKENS)
     first = access.log_in(TOKENS[Role.OBSERVER])
@@ -96,6 +111,27 @@ def test_a_token_that_is_taken_out_of_the_file_ends_its_logins_and_theirs_alone(
     assert access.login(operator.cookie) is None
     assert access.login(observer.cookie) is observer
     assert access.log_in("another-token-of-it") is not None
+
+
+def test_a_file_of_tokens_is_read_again_when_it_has_changed_and_then_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    access = access_by(tmp_path / "tokens")
+    old, read = access.token(Role.OPERATOR), list[Path]()
+
+    def noted(file: Path) -> dict[Role, str]:
+        read.append(file)
+        return read_tokens(file)
+
+    monkeypatch.setattr(module, "read_tokens", noted)
+    access.refresh()
+    assert not read
+    written(tmp_path, f"operator {'t' * SHORTEST_TOKEN}\n")
+    for _ in range(3):
+        access.refresh()
+    assert len(read) == 1
+    assert access.log_in(old) is None
+    assert access.log_in("t" * SHORTEST_TOKEN) is not None
 
 
 def test_a_file_that_cannot_be_read_while_it_is_written_changes_nothing(tmp_path: Path) -> None:

@@ -79,6 +79,7 @@ WRONG: dict[str, bytes | str] = {
     "no MessagePack": b"\xc1\xc1",
     "deep nesting": frame("PageMessage", topic="alive", body={})[:-1] + b"\x91" * 100_000,
     "an unknown topic": of_page("x" * 10_000, {}),
+    "another topic": of_page("nonsense", {}),
     "no body": frame("PageMessage", topic="alive"),
     "a further field": of_page("alive", {"more": 1}),
     "a further field of the message": frame("CommandTriggerMessage", uuid="u", more=1),
@@ -107,6 +108,46 @@ def test_what_does_not_fit_is_refused_in_one_short_line(name: str) -> None:
         checked(WRONG[name])
     assert 0 < len(str(refused.value)) <= MOST_CHARACTERS
     assert str(refused.value).isprintable()
+
+
+EDGES: list[tuple[str, str, object, object]] = [  # topic, field, the last value that passes, the first that does not
+    ("key", "number", 2**53, 2**53 + 1),
+    ("key", "number", 0, -1),
+    ("key", "name", "x" * 32, "x" * 33),
+    ("click", "point", [1e6, -1e6], [1e6, -1.000001e6]),
+    ("click", "point", [-1e6, 1e6], [1.000001e6, 0.0]),
+    ("control", "page", "x" * 80, "x" * 81),
+    ("hello", "identity", "x" * 16, "x" * 15),
+    ("hello", "identity", "x" * 64, "x" * 65),
+    ("read", "text", "x" * 4000, "x" * 4001),
+    ("file", "name", "x" * 1024, "x" * 1025),
+    ("stroke", "points", [1.0] * (2 * MOST_POINTS), [1.0] * (2 * MOST_POINTS + 1)),
+    ("viewport", "page", [1e5, -1e5], [1.00001e5, 0.0]),
+    ("viewport", "page", [-1e5, 1e5], [0.0, -1.00001e5]),
+    ("viewport", "pixel_ratio", 32.0, 32.01),
+    ("viewport", "pixel_ratio", 1e-9, 0.0),
+    ("viewport", "metres_per_px", 1e6, 1.000001e6),
+]
+
+
+@pytest.mark.parametrize(("topic", "field", "last", "beyond"), EDGES)
+def test_each_range_and_size_ends_where_it_says(topic: str, field: str, last: object, beyond: object) -> None:
+    checked(of_page(topic, HONEST[topic] | {field: last}))
+    with pytest.raises(RefusedError, match=f"^{topic} {field}"):
+        checked(of_page(topic, HONEST[topic] | {field: beyond}))
+
+
+def test_the_ranges_of_viser_s_own_messages_end_where_they_say() -> None:
+    for field, last, beyond in (("far", 1e12, 1.000001e12), ("image_width", 100_000, 100_001), ("fov", -1e12, -2e12)):
+        checked(frame("ViewerCameraMessage", **CAMERA | {field: last}))
+        with pytest.raises(RefusedError, match=f"^message {field}"):
+            checked(frame("ViewerCameraMessage", **CAMERA | {field: beyond}))
+    checked(frame("CommandTriggerMessage", uuid="u" * 64))
+    with pytest.raises(RefusedError, match=r"^message uuid"):
+        checked(frame("CommandTriggerMessage", uuid="u" * 65))
+    checked(frame("GuiUpdateMessage", uuid="u", updates={"value": 1e300}))
+    with pytest.raises(RefusedError, match=r"^message"):
+        checked(frame("GuiUpdateMessage", uuid="u", updates={"value": 1.1e300}))
 
 
 values = st.recursive(

@@ -7,11 +7,13 @@ from typing import Any, cast
 import pytest
 import viser
 
-from higvf_console.core.commands import EmergencyStop, LoadScenario, OperatorCommand, Pause
+from higvf_console.core.awake import AwakeClock
+from higvf_console.core.commands import ControlChange, EmergencyStop, HandOver, LoadScenario, OperatorCommand, Pause
 from higvf_console.core.edits import DeleteEntity
 from higvf_console.core.interface import PointerSink
 from higvf_console.ui.page import page
 from higvf_console.ui.page.access import Role
+from higvf_console.ui.page.message_filter import FilterSettings
 from higvf_console.ui.page.roles import Roles
 
 CLIENT = 1
@@ -92,3 +94,32 @@ def test_every_role_may_stop(monkeypatch: pytest.MonkeyPatch, role: Role) -> Non
     assert pages.may("key", name="stop", number=1)
     pages.roles.push_of(CLIENT, EmergencyStop())
     assert EmergencyStop in map(type, pages.given)
+
+
+def test_a_page_keeps_control_while_the_console_itself_was_stopped_and_loses_it_by_silence(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wall = [100.0]
+    monkeypatch.setattr("higvf_console.ui.page.roles.AwakeClock", lambda: AwakeClock(lambda: wall[0]))
+
+    def settings_of(_: object) -> FilterSettings:
+        return FilterSettings()
+
+    def dropped(_: object) -> dict[int, int]:
+        return {}
+
+    monkeypatch.setattr("higvf_console.ui.page.roles.settings_of", settings_of)
+    monkeypatch.setattr(page, "dropped", dropped)
+    pages = Pages(monkeypatch, Role.OPERATOR)
+    pages.given.clear()
+    wall[0] += 60.0
+    pages.roles.update()
+    assert pages.roles.steers(CLIENT)
+    assert not pages.given
+    for _ in range(20):
+        wall[0] += 0.5
+        pages.roles.update()
+    assert not pages.roles.steers(CLIENT)
+    assert [command.how for command in pages.given if isinstance(command, HandOver)] == [ControlChange.LOST]
+    pages.listeners["hello"](CLIENT, {"identity": "the only page here"})
+    assert pages.roles.steers(CLIENT)

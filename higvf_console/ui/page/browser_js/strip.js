@@ -64,6 +64,7 @@
       .message time:empty { display: none; }
       .message button { flex: none; height: 1.6em; padding: 0 8px; font-size: 0.92em; }
       .message:not(.unread) button { display: none; }
+      :is(.gone .message, .message.unread, .message.noted) { flex: none; max-width: 70%; } /* before the facts, which may be cut off */
       .message.unread span { font-weight: 600; color: var(--hg-alarm, #ff6b6b); }
       .facts { display: flex; gap: 18px; overflow: hidden; }
       .facts > span { flex: none; }
@@ -83,7 +84,7 @@
       @media (max-width: 1199px) {
         .run { order: 2; flex-basis: 100%; }
         .sub { flex-wrap: wrap; height: auto; gap: 0; }
-        .message, .facts { flex: 0 0 100%; height: 1.75em; }
+        .message, .facts { flex: 0 0 100% !important; max-width: none !important; height: 1.75em; }
       }
       @media (max-width: 700px) {
         .facts > span:nth-child(n + 3) { display: none; }
@@ -180,6 +181,7 @@
     const { time, text, colour, unread } = gone ? { time: "", text: lost, colour: "var(--hg-alarm)" } : told;
     const words = !gone && note ? note : text;
     message.classList.toggle("unread", Boolean(unread) && !note);
+    message.classList.toggle("noted", Boolean(note) && !gone);
     message.querySelector("i").style.background = note && !gone ? "var(--hg-warning)" : colour;
     message.querySelector("time").textContent = note ? "" : time;
     const line = message.querySelector("span");
