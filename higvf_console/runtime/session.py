@@ -49,6 +49,7 @@ from higvf_console.world.setup import Setup
 
 COMMAND_SHARE = 0.25  # of a control period, for the commands of a run in real time
 _WATCH_EVERY = 5  # ticks from one look after the channels to the next
+_TOLD_LOST = 0.05  # the run lags by less than this without a message, which would say 0.0 s [s]
 
 _log = logging.getLogger(__name__)
 
@@ -220,6 +221,8 @@ class Session:
                 self._markers.close()
 
     def _report_lateness(self) -> None:
+        if self._clock.lost < _TOLD_LOST:
+            return
         if count := self._limiter.due("late", perf_counter()):
             delays = f"{count} new delay" + "s" * (count > 1)
             text = f"The computer is busy: the run lags {self._clock.lost:.1f} s behind real time ({delays})."
