@@ -50,6 +50,7 @@ from higvf_console.world.setup import Setup
 HELD_UP = 5.0  # time lost at once that is reported by itself [s]
 COMMAND_SHARE = 0.25  # of a control period, for the commands of a run in real time
 _WATCH_EVERY = 5  # ticks from one look after the channels to the next
+_TOLD_LOST = 0.05  # the run lags by less than this without a message, which would say 0.0 s [s]
 
 _log = logging.getLogger(__name__)
 
@@ -223,6 +224,8 @@ class Session:
                 self._markers.close()
 
     def _report_lateness(self) -> None:
+        if self._clock.lost < _TOLD_LOST:
+            return
         if count := self._limiter.due("late", perf_counter()):
             delays = f"{count} new delay" + "s" * (count > 1)
             text = f"The computer is busy: the run lags {self._clock.lost:.1f} s behind real time ({delays})."

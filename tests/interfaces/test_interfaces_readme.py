@@ -12,8 +12,10 @@ from higvf_interfaces.decisions.actions import ACTIONS
 from higvf_interfaces.decisions.bci import CLASSES
 from higvf_interfaces.decisions.emg import GESTURES, open_emg
 from higvf_interfaces.decisions.interface import OPTIONS as DECISION_OPTIONS
-from higvf_interfaces.formats.reading import GAZE_FORMATS
+from higvf_interfaces.formats.reading import GAZE_FORMATS, GazeFormat
+from higvf_interfaces.formats.records import ANYTHING
 from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, SIGNAL_FORMATS
+from higvf_interfaces.formats.text import look
 from higvf_interfaces.gaze.calibration import read_calibration
 from higvf_interfaces.gaze.interface import OPTIONS as GAZE_OPTIONS
 from higvf_interfaces.recordings.plan import make_recordings
@@ -39,6 +41,16 @@ def test_the_shown_settings_are_accepted(write: Callable[..., str]) -> None:
 
 def test_the_shown_calibration_fits(write: Callable[..., str]) -> None:
     assert read_calibration(Path(write(CALIBRATION))).residual < 0.5
+
+
+def test_the_shown_format_reads_its_file(write: Callable[..., str]) -> None:
+    shown: dict[str, object] = {}
+    exec(re.findall(r"```python\n(.*?)```", README, re.DOTALL)[-1], shown)
+    known, file = shown["FORMAT"], look(write("MY TRACKER\n0 0.5 0.25\n0.01 0.75 0.25\n"))
+    assert isinstance(known, GazeFormat)
+    assert known.matches(file)
+    (block,) = known.stream(file, ANYTHING).blocks
+    assert block.points.tolist() == [[0.5, 0.25], [0.75, 0.25]]
 
 
 def test_the_table_of_eye_trackers_has_every_format_once() -> None:

@@ -435,6 +435,16 @@ def test_each_long_hold_up_of_the_loop_is_reported_by_itself_and_moves_nobody(
     assert session.ticks == 5, "what was lost is not caught up with"
 
 
+def test_a_lag_that_rounds_to_nothing_is_not_reported(team: Scenario) -> None:
+    session = Session(team, [])
+    message = "The computer is busy: the run lags 0.1 s behind real time (1 new delay)."
+    for lost, told in ((0.04, []), (0.06, [message])):
+        session._clock.lost = lost  # pyright: ignore[reportPrivateUsage]
+        session._report_lateness()  # pyright: ignore[reportPrivateUsage]
+        session.tick()
+        assert [event.text for event in session.snapshot.events if event.kind == "late"] == told
+
+
 def test_resets_that_were_given_before_a_stop_do_not_release_it(team: Scenario) -> None:
     session, console = crowded(team)
     console.push(EmergencyStop())

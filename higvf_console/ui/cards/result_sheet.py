@@ -16,10 +16,10 @@ def result_html(result: RunResult, title: str) -> str:
     reason = END_TEXTS[result.reason] if result.reason is not None else "the run goes on"
     rows = [
         ("Order", order_line(result)),
-        ("Clearance", f"{nearness(result.min_clearance)} at least"),
+        ("Safety margin", f"minimum {nearness(result.min_clearance)}"),
     ]
     if result.infeasible_ticks or result.deadlock_s > 0.0:
-        rows.append(("Filter", filter_line(result)))
+        rows.append(("Safety filter", filter_line(result)))
     rows.append(("You", actions_line(result.actions)))
     lines = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in rows)
     return (

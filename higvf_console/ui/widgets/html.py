@@ -26,7 +26,7 @@ html { font-size: calc(92.5% * var(--hg-size)) !important; }
 .hg { padding: 0 10px 8px; font-size: calc(13px * var(--hg-size)); line-height: 1.5; color: var(--hg-text);
   font-variant-numeric: tabular-nums; }
 .hg .dim { color: var(--hg-dim); }
-.hg dl { display: grid; grid-template-columns: 5.7em 1fr; gap: 1px 8px; margin: 0; }
+.hg dl { display: grid; grid-template-columns: 7em 1fr; gap: 1px 8px; margin: 0; }
 .hg dt { color: var(--hg-dim); }
 .hg dd { margin: 0; }
 .hg .dot { display: inline-block; width: 9px; height: 9px; border-radius: 50%; margin-right: 6px; }

@@ -34,6 +34,7 @@ from higvf_interfaces.formats.records import (
     beyond,
     trusted,
 )
+from higvf_interfaces.formats.registry import GAZE, registered
 from higvf_interfaces.formats.text import TextFile, look
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 
@@ -74,6 +75,15 @@ GAZE_FORMATS: tuple[GazeFormat, ...] = (
     GazeFormat(webgazer.NAME, webgazer.TITLE, webgazer.matches, webgazer.stream),
     GazeFormat(gaze_csv.NAME, gaze_csv.TITLE, gaze_csv.matches, gaze_csv.stream),
 )
+
+
+def gaze_formats() -> tuple[GazeFormat, ...]:
+    """Return the formats of other packages, then the console's own, in the order in which a file is asked.
+
+    Raises:
+        InputError: If another package's format cannot be used.
+    """
+    return registered(GAZE, GAZE_FORMATS)
 
 
 class KnownFormat(Protocol):
@@ -165,7 +175,7 @@ def stream_gaze(
         InputError: If the file is missing, empty or unrecognised, or lacks a required part of its format.
     """
     file = look(source)
-    return GazeFile(file.path, choose_format(file, format_name, GAZE_FORMATS).stream(file, wanted), least)
+    return GazeFile(file.path, choose_format(file, format_name, gaze_formats()).stream(file, wanted), least)
 
 
 def read_gaze(source: str, format_name: str | None = None, wanted: Wanted = ANYTHING) -> GazeRecording:

@@ -20,7 +20,7 @@ from higvf_interfaces.decisions.interface import DecisionReplay
 from higvf_interfaces.decisions.interpretation import label_map, plain_label
 from higvf_interfaces.decisions.options import signal_request
 from higvf_interfaces.formats.records import Decision
-from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, read_decisions
+from higvf_interfaces.formats.signals.reading import decision_formats, read_decisions
 from higvf_interfaces.formats.xdf.file import survey
 from higvf_interfaces.inspect import streams as inspect_streams
 from higvf_interfaces.inspect.description import Request, description, write_picture
@@ -40,10 +40,10 @@ _INK, _PAPER = (40, 60, 110), 255
 
 def knows(request: Request) -> bool:
     """Return whether the file is a command log, by the option `format` or by its content."""
-    names = [known.name for known in DECISION_FORMATS]
+    names = [known.name for known in decision_formats()]
     if request.format is not None:
         return request.format in names
-    return any(known.matches(request.file) for known in DECISION_FORMATS)
+    return any(known.matches(request.file) for known in decision_formats())
 
 
 def describe(request: Request) -> Mapping[str, object]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from higvf_interfaces.formats.reading import GAZE_FORMATS, GazeFile, choose_format
+from higvf_interfaces.formats.reading import GazeFile, choose_format, gaze_formats
 from higvf_interfaces.formats.records import MIN_CONFIDENCE, GazeBlock, Wanted
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 from higvf_interfaces.gaze.chunked_fixations import Pixels, classify_blocks
@@ -18,10 +18,10 @@ def knows(request: Request) -> bool:
     """Return whether the file is a gaze recording; an XDF file is one only if it has a gaze stream or `x` is set."""
     options = request.options
     if request.format is not None:
-        return request.format in [known.name for known in GAZE_FORMATS]
+        return request.format in [known.name for known in gaze_formats()]
     if gaze_xdf.matches(request.file):
         return options.has("x") or gaze_xdf.has_gaze(request.file)
-    return any(known.matches(request.file) for known in GAZE_FORMATS)
+    return any(known.matches(request.file) for known in gaze_formats())
 
 
 def describe(request: Request) -> Mapping[str, object]:
@@ -110,7 +110,7 @@ def _unusable(request: Request, counts: SampleCounts, reason: str) -> Mapping[st
     wanted = Wanted(*(str(options.values[key]) if options.has(key) else None for key in ("stream", "x", "y")))
     gaze = GazeFile(
         request.file.path,
-        choose_format(request.file, request.format, GAZE_FORMATS).stream(request.file, wanted),
+        choose_format(request.file, request.format, gaze_formats()).stream(request.file, wanted),
         options.number("min_confidence", MIN_CONFIDENCE, 0.0, 1.0),
     )
     for block in gaze.blocks():

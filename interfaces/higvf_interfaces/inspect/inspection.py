@@ -17,8 +17,8 @@ from higvf_interfaces.decisions.interpretation import Interpreter
 from higvf_interfaces.decisions.options import named_decoder, signal_request
 from higvf_interfaces.emulation import error_model
 from higvf_interfaces.fields import Fields, option_fields
-from higvf_interfaces.formats.reading import GAZE_FORMATS, unknown_format
-from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, SIGNAL_FORMATS
+from higvf_interfaces.formats.reading import gaze_formats, unknown_format
+from higvf_interfaces.formats.signals.reading import decision_formats, signal_formats
 from higvf_interfaces.formats.text import look
 from higvf_interfaces.gaze import interface as gaze
 from higvf_interfaces.inspect import commands as inspect_commands
@@ -77,7 +77,7 @@ def inspect(spec: InputSpec, plot: Path | None = None, steps: bool = False) -> M
         if kind.knows(request):
             kind.check(request.options)
             return kind.describe(request)
-    sought = [(known.name, known.title) for known in (*GAZE_FORMATS, *SIGNAL_FORMATS, *DECISION_FORMATS)]
+    sought = [(known.name, known.title) for known in (*gaze_formats(), *signal_formats(), *decision_formats())]
     if request.options.has("format"):
         one_of("format", request.options.text("format"), [name for name, _ in sought], InputError)
     raise unknown_format(request.file, sought)

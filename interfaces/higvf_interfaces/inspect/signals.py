@@ -10,7 +10,7 @@ from higvf_interfaces.decisions.options import signal_request
 from higvf_interfaces.formats import command_log
 from higvf_interfaces.formats.gaze.plain import TIMES
 from higvf_interfaces.formats.reading import choose_format
-from higvf_interfaces.formats.signals.reading import DECISION_FORMATS, SIGNAL_FORMATS, read_decisions
+from higvf_interfaces.formats.signals.reading import decision_formats, read_decisions, signal_formats
 from higvf_interfaces.formats.signals.records import SignalRecord, pick_channels
 from higvf_interfaces.formats.xdf.file import fitting, survey
 from higvf_interfaces.inspect import commands as inspect_commands
@@ -24,14 +24,14 @@ _SHOWN = 30  # labels
 def knows(request: Request) -> bool:
     """Return whether the file is a recording of raw samples; a command log, or an XDF file of events only, is none."""
     if request.format is not None:
-        return request.format in [known.name for known in SIGNAL_FORMATS]
+        return request.format in [known.name for known in signal_formats()]
     if inspect_streams.knows(request):
         wanted = signal_request(request.options).stream
         meant = fitting(survey(request.file.path).streams, wanted)
         return not meant or not all(stream.marks for stream in meant)
-    played = next((known.name for known in DECISION_FORMATS if known.matches(request.file)), None)
+    played = next((known.name for known in decision_formats() if known.matches(request.file)), None)
     is_log = played == command_log.CSV_NAME and request.file.find(*TIMES) is not None
-    return not is_log and any(known.matches(request.file) for known in SIGNAL_FORMATS)
+    return not is_log and any(known.matches(request.file) for known in signal_formats())
 
 
 def describe(request: Request) -> Mapping[str, object]:
@@ -41,7 +41,7 @@ def describe(request: Request) -> Mapping[str, object]:
         InputError: If it has no samples or no times, or lacks the requested stream or channel.
     """
     wanted = signal_request(request.options)
-    known = choose_format(request.file, request.format, SIGNAL_FORMATS)
+    known = choose_format(request.file, request.format, signal_formats())
     try:
         record = pick_channels(known.read(request.file, wanted), wanted.channels, str(request.file.path))
     except InputError as refusal:
@@ -88,7 +88,7 @@ def _titled(record: SignalRecord) -> list[str]:
 
 def _labels(request: Request) -> Mapping[str, int]:
     """Return the counts of the markers in the same file; empty if there are none."""
-    if not any(known.matches(request.file) for known in DECISION_FORMATS):
+    if not any(known.matches(request.file) for known in decision_formats()):
         return {}
     try:
         log = read_decisions(request.spec.source)

@@ -43,7 +43,9 @@ def described(file: str, **options: str) -> Mapping[str, object]:
         ("openbci-ganglion/ganglion.txt", {"samples": 2010, "duration_s": 10.045, "rate_hz": 200, "warnings": []}),
         ("openbci-decimal-comma/comma.txt", {"samples": 600, "duration_s": 2.995, "warnings": []}),
         ("openbci-no-count/gui2.txt", {"columns": [f"EXG Channel {k} [uV]" for k in range(8)], "rate_hz": 250}),
-        ("openbci-sd/obci_sd_converted.txt", {"samples": 1000, "rate_hz": 250}),
+        # Rows of 17 and 20 columns: OpenBCI's converter writes 9 and 12 for 8 channels, and the second 8 here differ.
+        ("openbci-sd/obci_sd_converted.txt",
+         {"samples": 1000, "rate_hz": 250, "columns": [f"EXG Channel {k} [uV]" for k in range(16)]}),
         ("brainflow-raw/brainflow_raw.csv", {"columns": [f"EXG Channel {k} [uV]" for k in range(8)], "rate_hz": 250}),
         ("edf-latin1-annotation/accent.edf", {"labels": {"fist": 1, "début": 1, "open": 1}, "samples": 2500}),
         ("edf-two-rates/trigno.edf", {"columns": ["EMG1 [uV]", "EMG2 [uV]"], "rate_hz": 1000}),

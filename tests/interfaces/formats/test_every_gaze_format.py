@@ -192,6 +192,33 @@ def test_low_validity_codes_of_tobii_studio_and_eprime_mean_valid(write: Write, 
     assert gaze.time[-1] == pytest.approx(0.066)
 
 
+@pytest.mark.parametrize(
+    ("header", "valid"),
+    [
+        ("RecordingTimestamp\tGazePointX (ADCSpx)\tGazePointY (ADCSpx)\tValidityLeft\tValidityRight",
+         [True, True, False, False, False]),
+        ("Timestamp\tGazePointX\tGazePointY\tValidityLeft\tValidityRight", [True, True, False, False, False]),
+        ("RecordingTimestamp\tGazePointX (ADCSpx)\tGazePointY (ADCSpx)\tPupilLeft\tPupilRight",
+         [True, True, True, False, False]),
+    ],
+)  # fmt: skip
+def test_tobii_studio_without_the_points_of_the_eyes_has_a_combined_one(
+    write: Write, header: str, valid: list[bool]
+) -> None:
+    rows = "0\t5\t6\t0\t4\n16\t5\t6\t4\t1\n33\t5\t6\t2\t3\n50\t\t\t4\t4\n66\t-1\t-1\t0\t0\n"
+    gaze = read_gaze(write(f"{header}\n{rows}"))
+    assert (gaze.format, gaze.frame) == ("tobii-old", "screen")
+    assert gaze.valid.tolist() == valid
+    assert gaze.points[0].tolist() == [5, 6]
+    unjudged = "no validity columns: every sample with coordinates counts as valid"
+    assert (unjudged in gaze.notes) == ("Validity" not in header)
+
+
+def test_tobii_studio_in_the_pixels_of_a_medium_is_refused_with_the_way_out(write: Write) -> None:
+    with pytest.raises(InputError, match=r"GazePointX \(MCSpx\) is in 'mcspx', not in pixels .*ADCSpx in the export"):
+        read_gaze(write("RecordingTimestamp\tGazePointX (MCSpx)\tGazePointY (MCSpx)\n0\t5\t6\n"))
+
+
 def test_eyelink_flags_and_other_samples_than_gaze(write: Write) -> None:
     head = "SAMPLES\tGAZE\tLEFT\tRATE\t1000.00\nMSG\t1 GAZE_COORDS 100 50 1699 949\n"
     gaze = read_gaze(write(head + "1\t200.0\t150.0\t700.0\t...\n2\t 200.0\t150.0\t700.0\tI..\n3\t.\t.\t0.0\tC..\n"))

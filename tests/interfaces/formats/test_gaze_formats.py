@@ -201,7 +201,7 @@ def test_each_cause_of_refusal_has_its_own_message(write: Write, tmp_path: Path)
         read_gaze(write("time,x,y\n,1,2\nabc,1,2\n"))
     with pytest.raises(InputError, match=r"unrecognised format.*first line has: a, b"):
         read_gaze(write("a,b\n1,2\n"))
-    with pytest.raises(InputError, match=r"no gaze columns \(x and y\); has: time, u, v"):
+    with pytest.raises(InputError, match=r"no gaze columns \(x and y, or gaze_x and gaze_y\); has: time, u, v"):
         read_gaze(write("time,u,v\n1,2,3\n"), "gaze-csv")
     with pytest.raises(InputError, match="none of the 2 gaze samples is valid"):
         read_gaze(write("time,x,y\n0,,\n1,,\n"))

@@ -45,6 +45,34 @@ def test_validity_by_other_titles_counts(write: Write, titles: str, row: str) ->
     assert np.flatnonzero(~read_gaze(write(gaze(titles, row))).valid).tolist() == list(range(0, 40, 4))
 
 
+@pytest.mark.parametrize(
+    ("titles", "frame"),
+    [
+        ("time;gaze_x;gaze_y", None), ("timestamp,GazeX,GazeY", None), ("t,eye x,eye y", None),
+        ("timestamps,x_gaze,y_gaze", None), ("time_stamp,por_x,por_y", None),
+        ("timestamp_ms;gaze_x [px];gaze_y [px]", "screen"), ("time,gaze_x_px,gaze_y_px", "screen"),
+        ("time,x_norm,y_norm", "unit"), ("time,gaze_pos_x [m],gaze_pos_y [m]", "arena"),
+    ],
+)  # fmt: skip
+def test_gaze_by_other_titles_is_gaze_and_no_signal(write: Write, titles: str, frame: str | None) -> None:
+    row = "{k},0.{k}7,0.3" if "_ms" in titles else "{t},0.{k}7,0.3"
+    file = write(gaze(titles, row.replace(",", ";") if ";" in titles else row))
+    assert (read_gaze(file).format, read_gaze(file).frame) == ("gaze-csv", frame)
+    with pytest.raises(InputError, match="unrecognised format of a signal"):
+        read_signals(file)
+    if frame is None:
+        with pytest.raises(InputError, match="does not specify the frame of x and y; give frame=arena"):
+            source(file)
+
+
+@pytest.mark.parametrize("titles", ["time,left_gaze_x,left_gaze_y", "time,gaze azimuth,gaze elevation"])
+def test_gaze_by_titles_that_are_not_understood_is_no_signal_either(write: Write, titles: str) -> None:
+    file = write(gaze(titles, "{t},5{k},300", 600))
+    for read in (read_gaze, read_signals):
+        with pytest.raises(InputError, match=f"unrecognised format.*{titles.split(',')[1]}"):
+            read(file)
+
+
 def test_validity_codes_in_the_other_direction_are_refused(write: Write) -> None:
     with pytest.raises(InputError, match="column validity: '4' means neither valid nor invalid"):
         read_gaze(write(gaze("time,x [px],y [px],validity", "{t},5{k},300,4")))

@@ -216,6 +216,45 @@ def test_sizes_of_an_eyelink_screen_are_read_as_last_pixel_or_as_size(write: Wri
         assert read_gaze(write(text)).screen == size
 
 
+def eyelink(*messages: str, rows: str = "10 200.0 150.0 700.0 ...\n") -> str:
+    said = "".join(f"MSG\t1 {message}\n" for message in messages)
+    return f"{said}SAMPLES\tGAZE\tLEFT\tRATE\t1000.00\n{rows}"
+
+
+@pytest.mark.parametrize(
+    ("bounds", "origin", "pixels"),
+    [
+        ("0 0 1919 1079", "top left", [200, 150]),
+        ("0 1079 1919 0", "bottom left", [200, 930]),
+        ("-960.00 540.00 960.00 -540.00", "bottom left", [1160, 390]),
+        ("1919 0 0 1079", "top left", [1719, 150]),
+        ("= 0 0 1919 1079", "top left", [200, 150]),
+        ("= [0, 0, 1919, 1079]", "top left", [200, 150]),
+    ],
+)
+def test_bounds_of_eyelink_say_from_which_side_x_and_y_count(
+    write: Write, bounds: str, origin: str, pixels: list[float]
+) -> None:
+    opened = source(write(eyelink(f"GAZE_COORDS {bounds}")))
+    assert opened.screen.origin == origin
+    assert (opened.screen.shown.width_px, opened.screen.shown.height_px) == (1920, 1080)
+    assert next(shown for _, shown in opened.blocks()).points[0].tolist() == pixels
+    assert opened.notes == ()
+
+
+@pytest.mark.parametrize("bounds", ["0 0 0 0", "left top right bottom", "0 0 1919"])
+def test_bounds_of_eyelink_that_are_not_understood_are_refused_with_the_way_out(write: Write, bounds: str) -> None:
+    file = write(eyelink(f"GAZE_COORDS {bounds}"))
+    with pytest.raises(InputError, match=f"GAZE_COORDS {bounds} is not understood; give screen=WIDTHxHEIGHT"):
+        source(file)
+    assert source(file, screen="1280x1024").screen.shown.width_px == 1280
+
+
+def test_bounds_of_eyelink_that_contradict_each_other_are_refused(write: Write) -> None:
+    with pytest.raises(InputError, match="DISPLAY_COORDS 0 0 1919 1079 contradicts the bounds before it"):
+        source(write(eyelink("GAZE_COORDS 0 1079 1919 0", "DISPLAY_COORDS 0 0 1919 1079")))
+
+
 @pytest.mark.parametrize("title", ["on_surf", "on_srf"])
 def test_gaze_off_a_surface_is_invalid_by_either_title(write: Write, title: str) -> None:
     text = f"gaze_timestamp,x_norm,y_norm,{title},confidence\n1,0.5,0.5,True,0.9\n2,0.5,0.5,False,0.9\n"

@@ -1,11 +1,12 @@
 """EyeLink ASC text written by `edf2asc`: samples, messages and events, one per line.
 
-    MSG     2095865 DISPLAY_COORDS 0 0 1279 1023          the last pixel, so 1280 px wide; GAZE_COORDS alike
+    MSG     2095865 DISPLAY_COORDS 0 0 1279 1023          left, top, right, bottom; GAZE_COORDS alike
     SAMPLES GAZE LEFT RIGHT RATE 1000.00 TRACKING CR      one or two eyes; HREF, PUPIL: not screen coordinates
     2154556   139.6   132.1   784.0 ...                   time [ms]; x, y [px] and pupil per eye; flags; "." = missing
     SBLINK L 2154600 ... EBLINK L 2154600 2154700 100     samples between are invalid, even if finite
 
-The flags C (no corneal reflection) and I (interpolated) mark a point as not measured.
+The bounds name the last pixel, so this screen is 1280 px wide. With a top above the bottom, y counts upwards. The flags
+C (no corneal reflection) and I (interpolated) mark a point as not measured.
 """
 
 import math
@@ -15,13 +16,14 @@ from typing import NamedTuple
 
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.gaze.binocular import NO_EYE, Eye, both
-from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
+from higvf_interfaces.formats.records import BOTTOM_LEFT, TOP_LEFT, Doubt, GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TextFile, number
 
 NAME = "eyelink-asc"
 TITLE = "EyeLink ASC (edf2asc)"
 _SIGNS = re.compile(rb"^(\*\* CONVERTED FROM|SAMPLES[ \t]+|START[ \t]+\d+[ \t]+(LEFT|RIGHT))", re.MULTILINE)
 _COORDINATES = ("GAZE_COORDS", "DISPLAY_COORDS")
+_NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?")
 _UNMEASURED = frozenset("CI")
 _EYES = {"L": 0, "R": 1}
 _TIME = re.compile(r"\d+(\.\d)?")  # [ms]; with a decimal at 2000 Hz
@@ -36,8 +38,12 @@ class _Setting(NamedTuple):
     recording: bool  # between START and END; numbers elsewhere belong to the calibration
     eyes: tuple[int, ...] = ()  # 0 left, 1 right, in the order of the columns
     shut: frozenset[int] = frozenset()  # eyes in a blink
-    origin: tuple[float, float] = (0.0, 0.0)  # [px]
+    left: float = 0.0  # x of the left side [px]
+    along: int = 1  # -1 if x counts from right to left
+    low: float = 0.0  # y of the side from which y counts [px]
+    origin: str = TOP_LEFT
     screen: tuple[float, float] | None = None
+    unclear: str = ""  # bounds that are not understood
 
 
 def matches(file: TextFile) -> bool:
@@ -53,10 +59,22 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     """
     setting = _first_setting(file)
     notes: list[str] = []
-    if setting.screen is None:
+    doubts: tuple[Doubt, ...] = ()
+    if setting.screen is None and setting.unclear:
+        doubts = (Doubt("screen", setting.unclear),)
+    elif setting.screen is None:
         notes.append("the file does not specify the screen size (GAZE_COORDS or DISPLAY_COORDS)")
     columns = ("time [ms]", *(f"{axis} {'LR'[eye]} [px]" for eye in setting.eyes for axis in "xy"), "flags")
-    return GazeStream(NAME, columns, "screen", blocks_of(_rows(file, notes)), notes, screen=setting.screen)
+    return GazeStream(
+        format=NAME,
+        columns=columns,
+        frame="screen",
+        blocks=blocks_of(_rows(file, notes)),
+        notes=notes,
+        origin=setting.origin,
+        screen=setting.screen,
+        doubts=doubts,
+    )
 
 
 def _first_setting(file: TextFile) -> _Setting:
@@ -96,16 +114,16 @@ def _rows(file: TextFile, notes: list[str]) -> Iterator[Row]:
 def _row(cells: list[str], setting: _Setting) -> Row:
     flags = next((cell for cell in cells[3:] if _FLAGS.fullmatch(cell)), "")
     x, y = both(
-        NO_EYE if eye in setting.shut else _point(cells, 1 + 3 * place, setting.origin)
+        NO_EYE if eye in setting.shut else _point(cells, 1 + 3 * place, setting)
         for place, eye in enumerate(setting.eyes or _counted_eyes(cells))
     )
     return number(cells[0]) * 1e-3, x, y, not _UNMEASURED & set(flags), math.nan
 
 
-def _point(cells: list[str], place: int, origin: Eye) -> Eye:
+def _point(cells: list[str], place: int, setting: _Setting) -> Eye:
     if len(cells) < place + 2:
         return NO_EYE
-    return number(cells[place]) - origin[0], number(cells[place + 1]) - origin[1]
+    return setting.along * (number(cells[place]) - setting.left), number(cells[place + 1]) - setting.low
 
 
 def _is_sample(setting: _Setting, cells: list[str]) -> bool:
@@ -129,7 +147,7 @@ def _updated(file: TextFile, setting: _Setting, cells: list[str]) -> _Setting:
         case ["START" | "END" | ">>>>>>>" as word, *_] | ["MSG", _, "!CAL" as word, *_]:  # a calibration ends it too
             return setting._replace(recording=word == "START", shut=frozenset())  # a blink may have no end
         case ["MSG", _, *words]:
-            return _sized(setting, words)
+            return _sized(file, setting, words)
         case ["SBLINK", eye, *_] if eye in _EYES:
             return setting._replace(shut=setting.shut | {_EYES[eye]})
         case ["EBLINK", eye, *_] if eye in _EYES:
@@ -138,14 +156,33 @@ def _updated(file: TextFile, setting: _Setting, cells: list[str]) -> _Setting:
             return setting
 
 
-def _sized(setting: _Setting, words: list[str]) -> _Setting:
-    for name in _COORDINATES:
-        if name in words[:3]:
-            bounds = [number(word) for word in words[words.index(name) + 1 :][:4]]
-            if len(bounds) == 4 and bounds[2] > bounds[0] and bounds[3] > bounds[1]:
-                spans = bounds[2] - bounds[0], bounds[3] - bounds[1]
-                return setting._replace(origin=(bounds[0], bounds[1]), screen=_size(*spans))
-    return setting
+def _sized(file: TextFile, setting: _Setting, words: list[str]) -> _Setting:
+    """Return the state after a message, which may state the bounds: left, top, right, bottom.
+
+    Raises:
+        InputError: If y counts in the other direction than before.
+    """
+    name = next((word for word in words[:3] if word in _COORDINATES), None)
+    if name is None:
+        return setting
+    said = " ".join(words[words.index(name) :])
+    bounds = [float(value) for value in _NUMBER.findall(said)[:4]]
+    if len(bounds) < 4 or bounds[0] == bounds[2] or bounds[1] == bounds[3]:
+        return setting._replace(unclear=said[:60])
+    left, top, right, bottom = bounds
+    origin = BOTTOM_LEFT if top > bottom else TOP_LEFT
+    if setting.screen is not None and origin != setting.origin:
+        raise InputError(
+            f"{file.path}: {said[:60]} contradicts the bounds before it: y counts from the other side; split the file, "
+            "or delete the wrong message"
+        )
+    return setting._replace(
+        left=left,
+        along=1 if right > left else -1,
+        low=min(top, bottom),
+        origin=origin,
+        screen=_size(abs(right - left), abs(bottom - top)),
+    )
 
 
 def _size(width: float, height: float) -> tuple[float, float]:

@@ -1,10 +1,11 @@
 """Plain gaze tables, `time,x,y[,confidence][,valid][,blink]`: a header line, then one row per sample.
 
-The delimiter is comma, semicolon or tab. Times are in seconds unless the title has a unit (`time [ms]`). The unit of x
-and y gives the frame (`x [m]` arena, `x [px]` screen, `x [norm]` unit); without a known one the option `frame` is
-required.
+The delimiter is comma, semicolon or tab. Times are in seconds unless the title has a unit (`time [ms]`, `time_ms`). x
+and y may also be called `gaze_x`, `GazeX`, `eye_x` and the like. Their unit gives the frame (`x [m]` arena, `x [px]` or
+`x_px` screen, `x [norm]` unit); without a known one the option `frame` is required.
 """
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -21,6 +22,19 @@ from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, ep
 NAME = "gaze-csv"
 TITLE = "plain gaze CSV (time,x,y[,confidence])"
 TIMES = ("time", "timestamp", "t", "time_s", "time_ms", "datetime")
+STAMPS = (
+    *TIMES, "timestamps", "timestamp_s", "timestamp_ms", "time_stamp", "lsl_timestamp", "lsl_ts", "unix_ts", "lsl time",
+)  # fmt: skip
+_IN_NAMES = {"time_s": "s", "time_ms": "ms", "timestamp_s": "s", "timestamp_ms": "ms"}  # units
+_POINTS = tuple(  # names of x and y, without blanks and signs
+    (f"{stem}x{end}", f"{stem}y{end}")
+    for stem, end in (
+        ("", ""), ("gaze", ""), ("", "gaze"), ("gazepoint", ""), ("gazeposition", ""), ("gazepos", ""), ("eye", ""),
+        ("por", ""),
+    )
+)  # fmt: skip
+_SIGNS = re.compile(r"[\W_]+")
+_AXIS_UNIT = re.compile(r"[ _](px|pix|pixels?|norm|normali[sz]ed|m|mm|cm|deg)$")  # at the end of a name
 _VALIDITIES = ("valid", "is_valid", "gaze_valid", "validity")
 _METRES = ("m", "metres", "meters")
 _LOOKED_AT = 2000  # rows
@@ -28,8 +42,18 @@ _TELLING = 10  # more times than this are needed to infer their unit
 
 
 def matches(file: TextFile) -> bool:
-    """Return whether the header has the columns time, x and y."""
-    return file.find(*TIMES) is not None and file.find("x") is not None and file.find("y") is not None
+    """Return whether the header has a time, x and y."""
+    return file.find(*STAMPS) is not None and find_point(file) is not None
+
+
+def find_point(file: TextFile) -> tuple[Column, Column] | None:
+    """Return the columns of x and y, with the unit that is joined to a name (`gaze_x_px`) as unit; None without."""
+    axes: dict[str, Column] = {}
+    for column in file.columns:
+        joined = None if column.unit else _AXIS_UNIT.search(column.name)
+        name = column.name if joined is None else column.name[: joined.start()]
+        axes.setdefault(_SIGNS.sub("", name), column if joined is None else column._replace(unit=joined[1]))
+    return next(((axes[x], axes[y]) for x, y in _POINTS if x in axes and y in axes), None)
 
 
 def stream(file: TextFile, _: Wanted) -> GazeStream:
@@ -38,11 +62,12 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     Raises:
         InputError: If the time, x or y column is missing, or the unit of time is unknown or cannot be seconds.
     """
-    time, x, y = file.find(*TIMES), file.find("x"), file.find("y")
+    time, point_columns = file.find(*STAMPS), find_point(file)
     if time is None:
-        raise InputError(f"{file.path}: no time column (one of {', '.join(TIMES)}); has: {file.titles}")
-    if x is None or y is None:
-        raise InputError(f"{file.path}: no gaze columns (x and y); has: {file.titles}")
+        raise InputError(f"{file.path}: no time column (one of {', '.join(STAMPS)}); has: {file.titles}")
+    if point_columns is None:
+        raise InputError(f"{file.path}: no gaze columns (x and y, or gaze_x and gaze_y); has: {file.titles}")
+    x, y = point_columns
     confidence, validity, blink = file.find("confidence"), file.find(*_VALIDITIES), file.find("blink")
     if confidence is not None and confidence.unit:
         raise InputError(
@@ -89,7 +114,7 @@ def seconds_of(path: Path, time: Column | None) -> Callable[[str], float]:
     Raises:
         InputError: If the title has an unknown unit of time; the message begins with `path`.
     """
-    unit = "" if time is None else {"time_s": "s", "time_ms": "ms"}.get(time.name, time.unit)
+    unit = "" if time is None else _IN_NAMES.get(time.name, time.unit)
     if not unit:
         return epoch_seconds
     if unit not in TIME_UNITS:

@@ -1,7 +1,8 @@
 """Tables of Tobii Studio, E-Prime and Tobii SDKs before 3, with validity codes from 0 (found) to 4 (lost).
 
 Low codes mean good data, the opposite of later SDKs. A missing point is -1 and must not enter the mean of both eyes.
-Codes from 2 may belong to the other eye; like Tobii's own filters, the reader treats them as missing.
+Codes from 2 may belong to the other eye; like Tobii's own filters, the reader treats them as missing. An export without
+the points of the eyes has their combined one, `GazePointX (ADCSpx)`, which is valid if that of one eye is.
 """
 
 import math
@@ -29,12 +30,14 @@ _DIALECTS = (
     ("screen", "gazepoint{0}x", "gazepoint{0}y", "validity{0}", ("left", "right")),  # Studio 3
     ("screen", "gazepointx{0}", "gazepointy{0}", "validity{0}", ("left", "right")),  # Studio 2
 )
+_COMBINED = ("gazepointx", "gazepointy")  # Studio
+_SYSTEMS = ("adcs", "mcs")  # coordinate systems by which Studio is known
 
 
 class _EyeColumns(NamedTuple):
     x: Column
     y: Column
-    validity: Column
+    validity: tuple[Column, ...]  # one must mean found; none if the export has none
 
 
 def matches(file: TextFile) -> bool:
@@ -52,8 +55,8 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     clocks = [column for column in (file.find(name) for name in _TIMES) if column is not None]
     if not eyes:
         raise InputError(
-            f"{file.path}: no gaze columns with validity (LGazePos2dx, LGazePos2dy, LValidity or GazePointLeftX, "
-            f"GazePointLeftY, ValidityLeft); has: {file.titles}"
+            f"{file.path}: no gaze columns (LGazePos2dx, LGazePos2dy and LValidity; GazePointLeftX, GazePointLeftY and "
+            f"ValidityLeft; or GazePointX (ADCSpx) and GazePointY (ADCSpx)); has: {file.titles}"
         )
     if not clocks:
         raise InputError(f"{file.path}: no time column (one of {', '.join(_TIMES)}); has: {file.titles}")
@@ -63,7 +66,8 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
             f"{file.path}: {odd.title} is in {odd.unit[:20]!r}, not in pixels of the screen; include the columns in "
             "ADCSpx in the export"
         )
-    notes: list[str] = []
+    judged = all(eye.validity for eye in eyes)
+    notes = [] if judged else ["no validity columns: every sample with coordinates counts as valid"]
     clock = clocks[0]
     scale = seconds_per(file, clock) if clock.unit else 0.0
     if not scale:
@@ -77,25 +81,34 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
             x, y = both(_eye(row, eye) for eye in eyes)
             yield number(cell(row, clock)) * scale, x, y, True, math.nan
 
-    columns = (clock, *(column for eye in eyes for column in eye))
+    columns = (clock, *(column for eye in eyes for column in (eye.x, eye.y, *eye.validity)))
     return GazeStream(NAME, tuple(column.title for column in columns), frame, blocks_of(rows()), notes)
 
 
 def _find_eyes(file: TextFile) -> tuple[str, tuple[_EyeColumns, ...]]:
+    """Return the frame and the eyes of the first dialect found; the combined point counts as one eye."""
     for frame, x, y, validity, names in _DIALECTS:
         eyes: list[_EyeColumns] = []
         for name in names:
-            points = [file.find(t.format(name), units=_PIXELS) or file.find(t.format(name)) for t in (x, y)]
-            found = [*points, file.find(validity.format(name))]
-            known = [column for column in found if column is not None]
-            if len(known) == len(found):
-                eyes.append(_EyeColumns(*known))
+            point, judged = _point(file, x.format(name), y.format(name)), file.find(validity.format(name))
+            if point is not None and judged is not None:
+                eyes.append(_EyeColumns(*point, (judged,)))
         if eyes:
             return frame, tuple(eyes)
+    point = _point(file, *_COMBINED)
+    either = tuple(c for c in (file.find(f"validity{eye}") for eye in ("left", "right")) if c is not None)
+    if point is not None and (either or point[0].unit.startswith(_SYSTEMS)):
+        return "screen", (_EyeColumns(*point, either),)
     return "", ()
+
+
+def _point(file: TextFile, *names: str) -> tuple[Column, Column] | None:
+    """Return the columns of x and y, in pixels if there are such; None if one is missing."""
+    x, y = (file.find(name, units=_PIXELS) or file.find(name) for name in names)
+    return None if x is None or y is None else (x, y)
 
 
 def _eye(row: list[str], eye: _EyeColumns) -> Eye:
     x, y = number(cell(row, eye.x)), number(cell(row, eye.y))
-    found = 0 <= number(cell(row, eye.validity)) <= _FOUND
+    found = not eye.validity or any(0 <= number(cell(row, code)) <= _FOUND for code in eye.validity)
     return (x, y) if found and not x == y == _MISSING else NO_EYE

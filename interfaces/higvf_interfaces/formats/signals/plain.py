@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 
 from higvf_console.core.errors import InputError
-from higvf_interfaces.formats.gaze.plain import TIMES, seconds_of
+from higvf_interfaces.formats.gaze.plain import STAMPS, find_point, seconds_of
 from higvf_interfaces.formats.records import CommandLog
 from higvf_interfaces.formats.signals.records import SignalRecord, SignalRequest, plain_unit
 from higvf_interfaces.formats.signals.table import SampleTable, table_markers, table_signals
@@ -20,7 +20,6 @@ NAME = "signal-csv"
 TITLE = "table of samples (timestamps, one column a channel[, Marker0])"
 MARKED_NAME = "signal-csv-markers"
 MARKED_TITLE = "marker column of a table of samples (timestamps,...,Marker0)"
-STAMPS = (*TIMES, "timestamps", "lsl_timestamp", "lsl_ts", "unix_ts", "time_stamp", "lsl time")
 _MARKERS = ("marker0", "marker", "markers", "stim", "trigger", "status", "event")
 _UNMARKED = ("", "0", "0.0")
 _NO_CHANNEL = {"x", "y", "confidence", "valid", "label", "command"}
@@ -31,7 +30,8 @@ _SLOWEST = 5.0  # below it, times without unit are hardly seconds [Hz]
 
 def matches(file: TextFile) -> bool:
     """Return whether there is a time column and a channel, and the table is neither gaze nor a command log."""
-    return file.find(*STAMPS) is not None and bool(_channels(file)) and not _NO_CHANNEL & _names(file)
+    is_gaze = find_point(file) is not None or any("gaze" in column.name for column in file.columns)
+    return file.find(*STAMPS) is not None and bool(_channels(file)) and not is_gaze and not _NO_CHANNEL & _names(file)
 
 
 def matches_marked(file: TextFile) -> bool:

@@ -7,6 +7,7 @@ from higvf_console.core.arguments import one_of
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats import command_log
 from higvf_interfaces.formats.records import CommandLog
+from higvf_interfaces.formats.registry import DECISIONS, SIGNALS, registered
 from higvf_interfaces.formats.signals import bids_events, brainflow, brainvision, edf, mind_monitor, myo, openbci
 from higvf_interfaces.formats.signals import plain as signal_csv
 from higvf_interfaces.formats.signals.records import SignalRecord, SignalRequest, pick_channels
@@ -83,6 +84,24 @@ DECISION_FORMATS: tuple[SignalFormat[CommandLog], ...] = (
 )  # fmt: skip
 
 
+def signal_formats() -> tuple[SignalFormat[SignalRecord], ...]:
+    """Return the formats of raw samples: those of other packages, then the console's own.
+
+    Raises:
+        InputError: If another package's format cannot be used.
+    """
+    return registered(SIGNALS, SIGNAL_FORMATS)
+
+
+def decision_formats() -> tuple[SignalFormat[CommandLog], ...]:
+    """Return the formats of decisions and events, likewise.
+
+    Raises:
+        InputError: As `signal_formats`.
+    """
+    return registered(DECISIONS, DECISION_FORMATS)
+
+
 def read_signals(source: str, request: SignalRequest = AS_IT_IS) -> SignalRecord:
     """Read a recording of raw samples.
 
@@ -90,8 +109,9 @@ def read_signals(source: str, request: SignalRequest = AS_IT_IS) -> SignalRecord
         InputError: If the file is missing or unrecognised, has no samples or times, or lacks the selected stream or
             channel; the message lists the choices.
     """
-    file = _looked(source, SIGNAL_FORMATS, "a signal")
-    record = _chosen(file, request.format, SIGNAL_FORMATS, "a signal").read(file, request)
+    formats = signal_formats()
+    file = _looked(source, formats, "a signal")
+    record = _chosen(file, request.format, formats, "a signal").read(file, request)
     return pick_channels(record, request.channels, source)
 
 
@@ -101,12 +121,13 @@ def read_decisions(source: str, request: SignalRequest = AS_IT_IS) -> CommandLog
     Raises:
         InputError: As `read_signals`, or if the file holds only raw samples, which need a decoder.
     """
-    file = _looked(source, DECISION_FORMATS, "decisions")
-    if request.format is None and not any(known.matches(file) for known in DECISION_FORMATS):
-        held = next((known for known in SIGNAL_FORMATS if known.matches(file)), None)
+    formats = decision_formats()
+    file = _looked(source, formats, "decisions")
+    if request.format is None and not any(known.matches(file) for known in formats):
+        held = next((known for known in signal_formats() if known.matches(file)), None)
         if held is not None:
             raise InputError(f"{source}: holds raw samples ({held.title}), not decisions; give decoder=lda or ssvep")
-    return _chosen(file, request.format, DECISION_FORMATS, "decisions").read(file, request)
+    return _chosen(file, request.format, formats, "decisions").read(file, request)
 
 
 def _looked(source: str, formats: Sequence[SignalFormat[_Record]], what: str) -> TextFile:
