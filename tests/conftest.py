@@ -73,7 +73,7 @@ def whole_stage() -> Iterator[Stage]:
 @pytest.fixture(scope="session")
 def whole_page(chromium: Browser, whole_stage: Stage) -> Iterator[Page]:
     """The page that most browser tests share; opening one takes seconds."""
-    page = open_console(chromium, whole_stage.url)
+    page = open_console(chromium, whole_stage.url, sharp=True)
     yield page
     page.context.close()
 
