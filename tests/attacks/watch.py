@@ -1,5 +1,7 @@
 """What an attack costs the attacked console."""
 
+import ctypes
+import gc
 import time
 from pathlib import Path
 
@@ -66,6 +68,8 @@ def moves(running: Running) -> bool:
 
 
 def memory_mb() -> float:
-    """Memory that this process holds [MB]."""
+    """Memory that this process holds [MB], without what it has freed and would use again."""
+    gc.collect()
+    ctypes.CDLL(None).malloc_trim(0)
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * 4096 / 1e6
