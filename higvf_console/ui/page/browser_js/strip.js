@@ -149,6 +149,7 @@
   let gone = false; // it does not answer any more
   let since = 0;
   let below = false; // the panel stands below the arena
+  let asked = 0; // when a folded panel was last asked to unfold [ms]: a second click must not fold it again
 
   function face(act, name, words, rest, on) {
     const found = acts[act];
@@ -191,7 +192,7 @@
   // A folded panel is unfolded first, which takes it a moment, or is folding just now: it must stay open for a while.
   function openLog() {
     const end = Date.now() + LOG_MS;
-    let [asked, seen] = [0, 0];
+    let seen = 0;
     const look = () => {
       const now = Date.now();
       const tab = [...document.querySelectorAll("[role=tab]")].find((found) => found.textContent.trim() === "Log");
