@@ -114,8 +114,11 @@ def test_the_alarms_open_the_log_also_where_the_panel_is_folded(
     phone: Page, running: Running, width: int, height: int
 ) -> None:
     phone.set_viewport_size({"width": width, "height": height})
+    sheet = phone.locator('.mantine-Paper-root[style*="position: fixed"]')
+    wait_until(lambda: (sheet.count() > 0) is (height > width))  # viser has laid the panel out anew,
+    phone.get_by_role("tab", name="Steer").first.wait_for()  # and shows it: it would be unfolded else, not folded
     handle = phone.locator("[data-dock-region-collapse]")
-    (phone.get_by_text("Firefighting", exact=True) if height > width else handle).first.dispatch_event("click")
+    (sheet.get_by_text("Firefighting", exact=True) if height > width else handle).first.dispatch_event("click")
     wait_until(lambda: not phone.get_by_role("tab", name="Steer").first.is_visible(), 20.0)
     running.push(Freeze(True), EmergencyStop())  # an alarm whose cause lasts, and no fire that grows to the team
     phone.get_by_role("button", name=re.compile(r"^\d+ alarms?$")).dispatch_event("click")

@@ -3,8 +3,7 @@
 (page, config) => {
   const CHECK_MS = 200;
   const NOTE_MS = 4000;
-  const UNFOLD_MS = 3000; // in which a panel that was asked to has unfolded, also on a busy page
-  const STEADY_MS = 600;
+  const FOLDING_MS = 3000; // in which a panel has folded or unfolded, also on a busy page
   const LOG_MS = 20000; // for which the log is tried to be shown
   // viser's handles that unfold a docked panel.
   const FOLDED = ":is([data-dock-minimize-all], [data-dock-minimize])[aria-expanded=false]";
@@ -198,12 +197,12 @@
       const tab = [...document.querySelectorAll("[role=tab]")].find((found) => found.textContent.trim() === "Log");
       const open = tab?.checkVisibility() ?? false;
       if (open && !seen) page.part("tabs")?.open("Log");
-      if (!open && now - asked > UNFOLD_MS) {
+      if (!open && now - asked > FOLDING_MS) {
         asked = now;
         (document.querySelector(FOLDED) ?? sheet()?.querySelector("[style*=pointer]"))?.click();
       }
       seen = open ? seen || now : 0;
-      if (now < end && !(seen && now - seen > STEADY_MS)) setTimeout(look, 100);
+      if (now < end && !(seen && now - seen > FOLDING_MS)) setTimeout(look, 100);
     };
     look();
   }
