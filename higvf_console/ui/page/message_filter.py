@@ -81,6 +81,15 @@ class FilteredConnection(ServerConnection):
             return True
         return in_pace or (isinstance(message, CommandTriggerMessage) and message.uuid in self._settings.stops)
 
+    async def close(self, code: int = CloseCode.NORMAL_CLOSURE, reason: str = "") -> None:
+        """Closes it, when its reader has ended, and lets go of what was never read.
+
+        A flooder's frames would stay, thousands of them in a cycle of references, until the garbage collector looks
+        through them, which may be in a control period.
+        """
+        await super().close(code, reason)
+        self.recv_messages.frames.queue.clear()
+
     def end(self, reason: str) -> None:
         """Ends the connection; callable from any thread."""
         asyncio.run_coroutine_threadsafe(self._close(reason), self.loop)
