@@ -131,6 +131,15 @@ def _add_run(commands: Any) -> None:
     )  # fmt: skip
     inputs.add_argument("--script", metavar="FILE", help="YAML list of operator actions")
     inputs.add_argument("--demo", action="store_true", help="use the recorded inputs of the scenario")
+    team = run.add_argument_group("team of robots")
+    team.add_argument(
+        "--team", metavar="NAME[=ADDRESS][:OPTION=VALUE,...]",
+        help="drive these robots, e.g. simulated or mqtt=mqtt://127.0.0.1; see `higvf teams`",
+    )  # fmt: skip
+    team.add_argument(
+        "--poses", metavar="NAME[=ADDRESS][:OPTION=VALUE,...]",
+        help="what tells where they are, if the team does not, e.g. a camera",
+    )  # fmt: skip
     headless = run.add_argument_group("headless")
     headless.add_argument(
         "--headless", action="store_true", help="run without a browser as fast as possible and write a report"

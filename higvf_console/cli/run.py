@@ -12,7 +12,7 @@ from contextlib import ExitStack, suppress
 from functools import partial
 from threading import Event as Signal
 from threading import Thread
-from time import sleep
+from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 from higvf_console.cli.output import log, write
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
     from higvf_console.runtime.snapshot import Snapshot
     from higvf_console.scenario.scenario import Scenario
+    from higvf_console.team.driver import TeamDriver
     from higvf_console.ui.page.access import Access
     from higvf_console.world.setup import Setup
 
@@ -59,22 +60,40 @@ def run(given: argparse.Namespace) -> int:
         scenario = scenario.with_forms(forms_named(given.forms))
     setup = scenario.setup(given.seed)  # before the link, since the start may not be safe with this seed
     interfaces = _open_interfaces(given, scenario)
-    recorder = _open_recorder(given, scenario, interfaces)
     with ExitStack() as closing:  # what is open already is closed too when loading the engine is interrupted
         for interface in interfaces:
             closing.callback(interface.close)
+        team = _open_team(given, scenario, setup)
+        if team is not None:
+            closing.callback(team.close)
+        recorder = _open_recorder(given, scenario, interfaces, team)
         if recorder is not None:
             closing.callback(recorder.close)
-        start = partial(_start_session, given, scenario, setup, interfaces, recorder, closing)
+        start = partial(_start_session, given, scenario, setup, interfaces, team, recorder, closing)
         return _run_headless(start, given) if given.headless else _serve(start, scenario.title, given)
 
 
-def _open_recorder(given: argparse.Namespace, scenario: "Scenario", interfaces: list[Any]) -> "Recorder | None":
+def _open_team(given: argparse.Namespace, scenario: "Scenario", setup: "Setup") -> "TeamDriver | None":
+    if given.team is None:
+        if given.poses is not None:
+            raise HigvfError(f"--poses {given.poses} tells where the robots of a team are: give --team too")
+        return None
+    if given.speed != 1.0:
+        raise HigvfError(f"--speed {given.speed:g}: the robots of a team drive in real time; leave --speed out")
+    from higvf_console.runtime.teams import open_driver
+
+    return open_driver(given.team, given.poses, scenario, setup, None if given.headless else monotonic)
+
+
+def _open_recorder(
+    given: argparse.Namespace, scenario: "Scenario", interfaces: list[Any], team: "TeamDriver | None"
+) -> "Recorder | None":
     from higvf_console.channels.input_reports import calibrations_of
     from higvf_console.runtime.recording import Recorder
 
     measured = calibrations_of(interfaces)
-    return Recorder(given.record, scenario, given.seed, measured) if given.record else None
+    rules = None if team is None else team.rules
+    return Recorder(given.record, scenario, given.seed, measured, rules) if given.record else None
 
 
 def _start_session(
@@ -82,6 +101,7 @@ def _start_session(
     scenario: "Scenario",
     setup: "Setup",
     interfaces: list[Any],
+    team: "TeamDriver | None",
     recorder: "Recorder | None",
     closing: ExitStack,
 ) -> "Session":
@@ -109,6 +129,7 @@ def _start_session(
         waits=waits,
         worker=worker,
         interrupted=_interrupted(given, scenario) if attended else None,
+        team=team,
     )
     closing.callback(session.close)
     session.set_speed(given.speed)

@@ -194,14 +194,15 @@ class PackedParameters(Protocol):
         ...
 
 
-def controlled(params: Parameters) -> Parameters:
+def controlled(params: Parameters, budget: float = 0.0) -> Parameters:
     """The same tunables for the point of a robot that is controlled, as that robot measures it.
 
-    Its clearances are those of the body, enlarged by its distance l from the centre and by the largest error e of a
-    measured position (twice both between robots); its speed limit is one that a unicycle can always drive.
+    Its clearances are those of the body, enlarged by its distance l from the centre, by the largest error e of a
+    measured position and by `budget` [m] (twice all between robots); its speed limit is one that a unicycle can always
+    drive. The budget is what else a robot may be away from where it is believed to be.
     """
     robots, safety = params.robots, params.safety
-    margin, limit = robots.look_ahead + robots.position_noise, safety.speed_limit
+    margin, limit = robots.look_ahead + robots.position_noise + budget, safety.speed_limit
     if robots.look_ahead > 0.0:
         half_turn = 0.5 * min(robots.turn_rate_limit * safety.control_period, math.pi)
         limit = min(limit, 2.0 * robots.look_ahead * math.sin(half_turn) / safety.control_period)
@@ -220,12 +221,12 @@ def filter_parameters(params: Parameters) -> SafetyParameters:
 
 
 @lru_cache(maxsize=64)
-def packed(params: Parameters) -> PackedParameters:
+def packed(params: Parameters, budget: float = 0.0) -> PackedParameters:
     """All tunables of the controlled points as an array (1,) of one record with the same names.
 
     One more part, `body`, keeps the safety parameters of the bodies. Equal parameters give the same array.
     """
-    groups = {**controlled(params)._asdict(), "body": params.safety}
+    groups = {**controlled(params, budget)._asdict(), "body": params.safety}
     parts = [
         (name, np.dtype((np.record, [(key, np.float64) for key in part._fields]))) for name, part in groups.items()
     ]

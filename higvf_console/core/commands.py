@@ -159,6 +159,35 @@ class ResetEmergencyStop(Command):
 
 
 @dataclass(frozen=True)
+class AskArm(Command):
+    """First step towards a team that drives: every robot is tried, and must stand when it hears nothing more."""
+
+
+@dataclass(frozen=True)
+class Arm(Command):
+    """Second step: the team may drive."""
+
+
+@dataclass(frozen=True)
+class Disarm(Command):
+    """The team stands, and may not drive before it is armed again."""
+
+
+@dataclass(frozen=True)
+class StopRobot(Command):
+    """Robot `robot` (index from 0) of a team stands until it is released; the others keep clear of it."""
+
+    robot: int
+
+
+@dataclass(frozen=True)
+class ReleaseRobot(Command):
+    """Robot `robot` (index from 0) may drive with the team again."""
+
+    robot: int
+
+
+@dataclass(frozen=True)
 class ClearPath(Command):
     """End the human intention and remove the path."""
 
@@ -375,7 +404,8 @@ OperatorCommand: TypeAlias = (
     | ShapePath | MovePathPoint | TakeUpPath | ForgetPath | Prioritise | NextTask | StartRun | ContinueRun
     | ResetRun | Freeze | Step | SetSpeed | Acknowledge | InjectFault | LoadScenario | Undo | Redo | AddEntity
     | AddOutlines | MoveEntity | ChangeEntity | DeleteEntity | ToggleLink | LinkByRange | SetArena
-    | SetParameters | HandOver
+    | SetParameters | HandOver | AskArm | Arm | Disarm | StopRobot | ReleaseRobot
 )  # fmt: skip
 
+TeamCommand: TypeAlias = AskArm | Arm | Disarm | StopRobot | ReleaseRobot
 Release: TypeAlias = AskReset | ResetEmergencyStop | Resume  # what lets a stopped team move again

@@ -38,7 +38,14 @@ def input_spec(text: str, scenario: Scenario, folder: Path | None = None) -> Inp
     channel = current_channel(channel)
     source, options = _split(rest, folder or Path())
     settings = scenario.inputs.get(channel, {})
-    return InputSpec(channel, source, _options(options, text), settings, scenario.arena, len(scenario.robots.points))
+    return InputSpec(
+        channel,
+        source,
+        options_behind(options, f"--input {text}"),
+        settings,
+        scenario.arena,
+        len(scenario.robots.points),
+    )
 
 
 def inspected_spec(text: str, scenario: Scenario) -> InputSpec:
@@ -107,17 +114,31 @@ def _is_file(path: Path) -> bool:
         return False
 
 
+def split_source(rest: str) -> tuple[str, str]:
+    """Address and options of `ADDRESS:option=value,option=value`, split at the first colon that options follow."""
+    return next(_splits(rest), (rest, ""))
+
+
 def _splits(rest: str) -> Iterator[tuple[str, str]]:
     for colon in re.finditer(":", rest):
         if _OPTIONS.fullmatch(rest[colon.end() :]):
             yield rest[: colon.start()], rest[colon.end() :]
 
 
-def _options(text: str, whole: str) -> dict[str, str]:
+def options_behind(text: str, whole: str) -> dict[str, str]:
+    """The options of `option=value,option=value`.
+
+    Args:
+        text: these.
+        whole: of which they are the end, for the error.
+
+    Raises:
+        InputError: one is given twice.
+    """
     options: dict[str, str] = {}
     for part in text.split(",") if text else ():
         name, _, value = part.partition("=")
         if name in options:
-            raise InputError(f"--input {whole}: option '{name}' is given twice")
+            raise InputError(f"{whole}: option '{name}' is given twice")
         options[name] = value
     return options

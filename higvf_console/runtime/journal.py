@@ -12,6 +12,7 @@ from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.state import Motion
 from higvf_console.runtime.recording import Recorder
 from higvf_console.scenario.scenario import Scenario
+from higvf_console.team.state import TeamReport
 
 EVENTS_KEPT = 2000
 COMMANDS_KEPT = 20_000
@@ -81,6 +82,11 @@ class Journal:
         self.add((calibration_event(channel, report, time),))
         if self._recorder is not None:
             self._record(time, self._recorder.calibration, channel, report)
+
+    def team(self, time: float, report: TeamReport) -> None:
+        """A team was heard, at session `time` [s]."""
+        if self._recorder is not None:
+            self._record(time, self._recorder.team, report)
 
     def step(self, time: float, motion: Motion) -> None:
         """A control period was done, up to session `time` [s]."""

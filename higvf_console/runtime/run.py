@@ -12,10 +12,11 @@ from typing import NamedTuple, TypeAlias
 from higvf_console.analysis.explain import Moved
 from higvf_console.analysis.violation import violation_text
 from higvf_console.control.parameters import Parameters
-from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, Undo
+from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, TeamCommand, Undo
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import Motion, SimState, Trace
+from higvf_console.core.team import Drive
 from higvf_console.runtime.dispatch import Prepared, dispatch
 from higvf_console.runtime.history import History, RunState, Tally
 from higvf_console.runtime.phase import END_TEXTS, FIRST, Phase, RunPhase, after_period
@@ -25,6 +26,11 @@ from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim import simulation
 from higvf_console.sim.certificates import watched
 from higvf_console.sim.events import events_between
+from higvf_console.team.commands import NO_TEAM, commanded_by_hand
+from higvf_console.team.guard import advanced
+from higvf_console.team.state import TeamReport, TeamState, events_of, opened
+from higvf_console.team.supervision import commanded, supervised
+from higvf_console.team.tracking import Rules
 from higvf_console.world.setup import Setup
 
 
@@ -59,6 +65,7 @@ class Run:
         scenario: where it comes from; None for a run that no scenario file describes.
         history: what was done, to be undone.
         phase: where it is between its beginning and its end; `step` advances it in each.
+        team: robots that are not integrated here, as they were last heard of; None = all are.
     """
 
     def __init__(
@@ -69,6 +76,7 @@ class Run:
         phase: RunPhase = FIRST,
         *,
         timed: bool = False,
+        rules: Rules | None = None,
     ) -> None:
         """Starts at tick 0, and computes the first trace ahead.
 
@@ -78,6 +86,7 @@ class Run:
             scenario: where the run comes from.
             phase: where it begins.
             timed: whether a person watches it, so that the scenario's duration ends it.
+            rules: of a team that is not integrated here; None = there is none.
         """
         self.state = setup.start
         self.ticks = 0
@@ -87,6 +96,10 @@ class Run:
         self.history = History()
         self.phase = phase
         self._timed = timed
+        self._rules = rules
+        self.team: TeamState | None = None if rules is None else opened(len(setup.start.motion.position))
+        self._answers = False  # whether a report waits for what the robots are told
+        self._moved = False  # whether a control period has passed since the last report
         self._take(setup)
 
     def _take(self, setup: Setup) -> None:
@@ -137,7 +150,10 @@ class Run:
             prepared: of a LoadScenario, where it was prepared ahead.
         """
         try:
+            if isinstance(command, TeamCommand):
+                return self._command_team(command)
             run_state, history, events = dispatch(self.run_state, self.history, command, prepared)
+            self._keep_robots(run_state)
         except ScenarioError as error:
             return _refused((Event(self.time, Severity.WARNING, "refused", f"Not done: {error}."),), command)
         again = run_state.setup is not self._setup or isinstance(command, ResetRun | Undo | Redo)
@@ -147,10 +163,46 @@ class Run:
             self._take(run_state.setup)
         return _refused(events, command)
 
+    def _command_team(self, command: TeamCommand) -> tuple[Event, ...]:
+        if self.team is None or self._rules is None:
+            raise ScenarioError(NO_TEAM)
+        self.team, text = commanded_by_hand(self.team, command, self._rules)
+        return (Event(self.time, Severity.INFO, "team", text),)
+
+    def _keep_robots(self, become: RunState) -> None:
+        """Refuses what would leave the team with another number of robots."""
+        if self.team is not None and (robots := len(become.state.motion.position)) != len(self.team.stopped):
+            raise ScenarioError(f"the team has {len(self.team.stopped)} robots, and there would be {robots}")
+
+    def hear(self, report: TeamReport) -> tuple[Event, ...]:
+        """Takes in where the team is; to be called once in each beat of the clock, be it that it stands."""
+        if self.team is None or self._rules is None:
+            raise ScenarioError(NO_TEAM)
+        if self._answers:
+            self.command()
+        self.team, told = supervised(self.team, report, self._rules)
+        self._answers, self._moved = True, False
+        return events_of(told, self.time)
+
+    def command(self) -> Drive | None:
+        """What the team is told after its report, and after the control period if one has passed; None = nothing."""
+        self._answers = False
+        if self.team is None or self._rules is None:
+            return None
+        drives = self._moved and not self.state.intent.stopped
+        period = self._setup.params.safety.control_period
+        self.team, command = commanded(self.team, self.state.motion, self._rules, period, drives=drives)
+        return command
+
     def step(self) -> tuple[Event, ...]:
         """Advances by one control period."""
         before = self.state
-        self.state, trace = self._advance(before)
+        if self.team is None or self._rules is None:
+            self.state, trace = self._advance(before)
+        else:
+            world, params = self._setup.world, self._setup.params
+            before, self.state, trace = advanced(before, self.team, world, params, self._rules)
+            self._moved = True
         events = events_between(before, self.state, self._trace_before, trace, self._setup.params, self._violation)
         self.last = Moved(before, self.state.motion, trace)
         self._trace_before = trace

@@ -45,6 +45,7 @@ from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.run import Run
 from higvf_console.runtime.snapshot import snapshot_of
 from higvf_console.scenario.scenario import Scenario
+from higvf_console.team.driver import TeamDriver
 from higvf_console.world.setup import Setup
 
 HELD_UP = 5.0  # time lost at once that is reported by itself [s]
@@ -87,6 +88,7 @@ class Session:
         waits: bool = False,
         worker: Worker | None = None,
         interrupted: Checkpoint | None = None,
+        team: TeamDriver | None = None,
     ) -> None:
         """Sets the run up and publishes its first moment; nothing moves before `tick` or `run`.
 
@@ -101,6 +103,7 @@ class Session:
             waits: whether the clock of the first run waits for a StartRun.
             worker: reads what is loaded during the run, so that the team does not wait; None = the session itself does.
             interrupted: a run to go on with, stopped.
+            team: robots that drive; None = they are integrated here.
 
         Raises:
             ScenarioError: the start is not safe with this seed.
@@ -116,7 +119,9 @@ class Session:
         self.answered = Signal()
         phase = RunPhase(Phase.READY if waits else Phase.RUNNING)
         self.attended, self.waits = attended, waits
-        self._run = Run(scenario.setup(seed), scenario.filter, scenario, phase, timed=attended)
+        self._team = team
+        rules = None if team is None else team.rules
+        self._run = Run(scenario.setup(seed), scenario.filter, scenario, phase, timed=attended, rules=rules)
         self.interrupted = None if interrupted is None else interrupted.time
         if interrupted is not None:
             self._run.restore(*interrupted.stopped())
@@ -185,11 +190,14 @@ class Session:
             advance: False polls, applies and publishes only (between the ticks of a slowed clock).
         """
         started, known = perf_counter(), self._journal.applied
+        self._hear_team()
         self._attend()
         advance = self._clock.advances(wanted=advance)
         if advance and not self._run.stands:
             self._journal.add(self._run.step())
             self._journal.step(self._run.time, self._run.state.motion)
+        if self._team is not None:
+            self._team.send(self._run.command())
         self._journal.keep(self._run.time)
         self._publish(started)
         if self._journal.applied > known:
@@ -214,6 +222,8 @@ class Session:
     def close(self) -> None:
         """Closes the interfaces and completes the recording."""
         try:
+            if self._team is not None:
+                self._team.close()
             self._channels.close()
         finally:
             known = self._journal.events
@@ -235,6 +245,12 @@ class Session:
         """Reports each time for which the loop stood, which no report a minute could tell."""
         text = f"The console was held up for {lost:.1f} s: the run stood meanwhile, and goes on from there."
         self._journal.add((Event(self._run.time, Severity.WARNING, "late", text),))
+
+    def _hear_team(self) -> None:
+        if self._team is not None:
+            report = self._team.report()
+            self._journal.team(self._run.time, report)
+            self._journal.add(self._run.hear(report))
 
     def _attend(self) -> None:
         intent, motion = self._run.state.intent, self._run.state.motion
@@ -287,6 +303,8 @@ class Session:
         self.error = error
         self._clock.halt()
         self._run.state = halted(self._run.state)
+        if self._team is not None:
+            self._team.stop()
         self._journal.add((failure_event(error, self._run.time),))
         self._publish(perf_counter())
 

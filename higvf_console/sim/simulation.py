@@ -118,9 +118,9 @@ class Filtered(NamedTuple):
 _NOT_YET = Filtered(np.zeros((0, 2)), ints([]), bools([]))
 
 
-def advance(state: SimState, world: World, params: Parameters) -> tuple[SimState, Trace]:
-    """The state one control period later, and why."""
-    motion, trace = run_ticks(state.motion, state.intent, world, packed(params), 1, _NO_HISTORY, _NOT_YET)
+def advance(state: SimState, world: World, params: Parameters, budget: float = 0.0) -> tuple[SimState, Trace]:
+    """The state one control period later, and why; clearances grow by `budget` [m], see `controlled`."""
+    motion, trace = run_ticks(state.motion, state.intent, world, packed(params, budget), 1, _NO_HISTORY, _NOT_YET)
     return SimState(motion, state.intent, state.pointer_state), trace
 
 

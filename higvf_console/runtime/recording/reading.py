@@ -11,10 +11,12 @@ from higvf_console.core.commands import OperatorCommand
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import current_channel, renamed_channel
 from higvf_console.core.reading.node import Node
-from higvf_console.runtime.recording import command_fields
+from higvf_console.runtime.recording import command_fields, team_lines
 from higvf_console.runtime.recording.recorder import FORMAT, mark_every
 from higvf_console.scenario.scenario import Scenario, parse_scenario
 from higvf_console.scenario.sections import read_forms
+from higvf_console.team.state import TeamReport
+from higvf_console.team.tracking import Rules
 
 
 class Mark(NamedTuple):
@@ -31,19 +33,21 @@ class Recording(NamedTuple):
         scenario: what was run.
         seed: of its start positions.
         versions: of the console that recorded it.
-        commands: by the tick before which they were applied.
+        commands: by the tick before which they were applied; between them what a team told, in order.
         marks: digests on the way.
         complete: whether the recording has its end.
         warnings: what was read otherwise than it is written.
+        rules: of the team that drove; None = the robots were integrated.
     """
 
     scenario: Scenario
     seed: int
     versions: dict[str, str]
-    commands: dict[int, list[OperatorCommand]]
+    commands: dict[int, list[OperatorCommand | TeamReport]]
     marks: list[Mark]
     complete: bool
     warnings: tuple[str, ...] = ()
+    rules: Rules | None = None
 
 
 def read_recording(file: str | Path) -> Recording:
@@ -77,6 +81,8 @@ def read_recording(file: str | Path) -> Recording:
             marked = tick
             recording.marks.append(Mark(tick, entry["digest"]))
             recording = recording._replace(complete="end" in entry)
+        elif "team" in entry:
+            recording.commands.setdefault(tick, []).append(_report(recording, entry["team"], place))
         elif "calibration" not in entry:
             renamed |= _rename(entry)
             recording.commands.setdefault(tick, []).append(_command(entry, place))
@@ -104,7 +110,14 @@ def _begun(header: dict[str, Any], file: Path) -> Recording:
     scenario = parse_scenario(header["text"], header["source"], polygons)
     if "forms" in header:
         scenario = scenario.with_forms(read_forms(Node(header["forms"], str(file), "forms", InputError)))
-    return Recording(scenario, header["seed"], header["versions"], {}, [], False)
+    rules = team_lines.rules_read(header["team"], str(file)) if "team" in header else None
+    return Recording(scenario, header["seed"], header["versions"], {}, [], False, rules=rules)
+
+
+def _report(recording: Recording, entry: object, place: str) -> TeamReport:
+    if recording.rules is None:
+        raise InputError(f"{place} tells of a team, and the header has none")
+    return team_lines.read(entry, place, len(recording.scenario.robots.points))
 
 
 def _polygons(value: Any, file: Path) -> tuple[Floats, ...]:

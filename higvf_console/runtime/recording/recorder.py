@@ -16,9 +16,11 @@ from higvf_console.core.commands import LoadScenario, OperatorCommand
 from higvf_console.core.errors import InputError
 from higvf_console.core.reports import CalibrationReport
 from higvf_console.core.state import Motion
-from higvf_console.runtime.recording import command_fields
+from higvf_console.runtime.recording import command_fields, team_lines
 from higvf_console.runtime.run import TrajectoryDigest
 from higvf_console.scenario.scenario import Scenario
+from higvf_console.team.state import TeamReport
+from higvf_console.team.tracking import Rules
 
 FORMAT = 1
 NONE_MEASURED: Mapping[str, CalibrationReport] = {}
@@ -34,6 +36,7 @@ class Recorder:
         scenario: Scenario,
         seed: int,
         calibrations: Mapping[str, CalibrationReport] = NONE_MEASURED,
+        rules: Rules | None = None,
     ) -> None:
         """Opens the file and writes the header.
 
@@ -42,6 +45,7 @@ class Recorder:
             scenario: what is run.
             seed: of its start positions.
             calibrations: in use, by input.
+            rules: of the team that drives; None = the robots are integrated.
 
         Raises:
             InputError: the file holds something already, or cannot be written.
@@ -61,10 +65,17 @@ class Recorder:
         self._digest = TrajectoryDigest()
         self._mark_every = mark_every(scenario)
         self._flushed = time.monotonic()
-        header = {"recording": FORMAT, "scenario": scenario.name, "source": scenario.source, "seed": seed}
+        header: dict[str, Any] = {
+            "recording": FORMAT,
+            "scenario": scenario.name,
+            "source": scenario.source,
+            "seed": seed,
+        }
         forms = scenario.params.forms.words()
         polygons = [chain.tolist() for chain in scenario.obstacles.polygons]
         measured = {name: report._asdict() for name, report in calibrations.items()}
+        if rules is not None:
+            header["team"] = team_lines.rules_written(rules)
         self._write({**header, "forms": forms, "versions": versions(), "calibrations": measured,
                      "text": scenario.text, "polygons": polygons})  # fmt: skip
 
@@ -82,6 +93,10 @@ class Recorder:
     def calibration(self, channel: str, report: CalibrationReport) -> None:
         """An input has a new calibration."""
         self._write({"tick": self._ticks, "calibration": channel, **report._asdict()})
+
+    def team(self, report: TeamReport) -> None:
+        """A team was heard before the next tick."""
+        self._write({"tick": self._ticks, "team": team_lines.written(report)})
 
     def step(self, motion: Motion) -> None:
         """A tick was done."""

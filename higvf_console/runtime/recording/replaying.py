@@ -11,6 +11,7 @@ from higvf_console.runtime.interrupts import held_back
 from higvf_console.runtime.recording.reading import Recording
 from higvf_console.runtime.recording.recorder import versions
 from higvf_console.runtime.run import Run, Tick, TrajectoryDigest
+from higvf_console.team.state import TeamReport
 
 
 class Replay(NamedTuple):
@@ -51,7 +52,8 @@ def replay(recording: Recording, each: Callable[[Tick], object] | None = None) -
     """
     instance("recording", recording, Recording)
     announce()
-    run = Run(recording.scenario.setup(recording.seed), recording.scenario.filter, recording.scenario)
+    scenario = recording.scenario
+    run = Run(scenario.setup(recording.seed), scenario.filter, scenario, rules=recording.rules)
     digest = TrajectoryDigest()
     expected = {mark.ticks: mark.digest for mark in recording.marks}
     last = max([*expected, *recording.commands, 0])
@@ -75,9 +77,12 @@ def replay(recording: Recording, each: Callable[[Tick], object] | None = None) -
     return Replay(last, digest.hex(), final, differs_after, recording.complete, tuple(changed))
 
 
-def _repeat(run: Run, command: OperatorCommand, tick: int) -> None:
+def _repeat(run: Run, command: OperatorCommand | TeamReport, tick: int) -> None:
     try:
-        run.apply(command)
+        if isinstance(command, TeamReport):
+            run.hear(command)
+        else:
+            run.apply(command)
     except Exception as error:  # a session does not record what it cannot apply, so the recording was changed
         name = type(command).__name__
         raise InputError(f"{name} at tick {tick} cannot be applied: {type(error).__name__}: {error}") from error
