@@ -95,7 +95,8 @@ class Track(NamedTuple):
 
     def stands(self) -> Bools:
         """(N,) which robots are measured to stand."""
-        return self.seen & (self.measured_at - self.anchored_at >= STANDS_AFTER)
+        since = np.where(self.seen, self.anchored_at, np.inf)
+        return self.measured_at - since >= STANDS_AFTER
 
 
 def nowhere(robots: int) -> Track:
