@@ -14,7 +14,7 @@ from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.team.driver import TeamDriver
-from higvf_console.team.opening import open_poses, open_team
+from higvf_console.team.opening import open_poses, open_team, team_names
 from higvf_console.team.simulated import SimulatedTeam
 from higvf_console.team.tracking import Rules
 from higvf_console.world.setup import Setup
@@ -71,6 +71,11 @@ def team_spec(text: str, flag: str, scenario: Scenario, setup: Setup) -> tuple[T
     return spec, rules
 
 
+def rules_of(spec: TeamSpec, options: RuleOptions) -> Rules:
+    """What the robots of a team can do, and what their poses are worth."""
+    return Rules(spec.speed_limit, spec.look_ahead, spec.body_radius, options.error_m, options.stale_s, options.lost_s)
+
+
 def open_driver(
     team: str, poses: str | None, scenario: Scenario, setup: Setup, clock: Callable[[], float] | None
 ) -> TeamDriver:
@@ -97,8 +102,8 @@ def open_driver(
     source_spec = None
     if poses is not None:
         source_spec, options = team_spec(poses, "--poses", scenario, setup)
-    rules = Rules(spec.speed_limit, spec.look_ahead, spec.body_radius, options.error_m, options.stale_s, options.lost_s)
-    if clock is None and spec.name != SimulatedTeam.name:
+    rules = rules_of(spec, options)
+    if clock is None and spec.name in team_names() and spec.name != SimulatedTeam.name:
         raise InputError(f"--team {team}: drives in real time; only '{SimulatedTeam.name}' drives in a headless run")
     opened = open_team(spec)
     try:

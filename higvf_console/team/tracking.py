@@ -196,7 +196,11 @@ def predicted(
     """
     position, heading = track.position.copy(), track.heading.copy()
     until = np.broadcast_to(np.asarray(until, np.float64), track.measured_at.shape)
-    for k, (at, command) in enumerate(sent):
+    oldest = float(track.measured_at.min(initial=np.inf, where=track.seen))
+    first = len(sent)
+    while first > 0 and sent[first - 1].at + sent[first - 1].command.valid_for + latency > oldest:
+        first -= 1
+    for k, (at, command) in enumerate(sent[first:], first):
         end = at + command.valid_for
         if k + 1 < len(sent):
             end = min(end, sent[k + 1].at)
