@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from threading import Event as Signal
 
 import numpy as np
 
@@ -104,6 +105,18 @@ class Rehearsal:
         self.give(Arm())
         assert self.team.armed, self.texts()
         return self
+
+    def halt(self, error: Exception) -> None:
+        """The engine fails in its loop, once."""
+        stopping, tick = Signal(), self.session.tick
+
+        def fail(*, advance: bool = True) -> None:
+            stopping.set()
+            raise error
+
+        self.session.tick = fail  # type: ignore[method-assign]
+        self.session.run(stopping)
+        self.session.tick = tick  # type: ignore[method-assign]
 
     def texts(self, *severities: Severity) -> list[str]:
         """What was told of the team, and what was refused."""

@@ -38,7 +38,8 @@ class ActiveConstraint(NamedTuple):
 def active_constraints(robot: int, moved: Moved, setup: Setup) -> list[ActiveConstraint]:
     """The active constraints of a robot in one control period, the tightest first: as many as its trace counts.
 
-    Without one the same is done, so that a panel that shows a first moment has loaded all kernels.
+    Without one the same is done, so that a panel that shows a first moment has loaded all kernels. A robot of a team
+    that stands while others drive is held back by that alone, and has none.
     """
     around = _around(moved, setup)
     most = most_constraints(around)
@@ -46,6 +47,8 @@ def active_constraints(robot: int, moved: Moved, setup: Setup) -> list[ActiveCon
     used, _ = constraints_of(robot, around, constraints, cause)
     slack = constraints[:used, 2] - constraints[:used, :2] @ moved.after.velocity[robot]
     tightest = np.argsort(slack, kind="stable")[: moved.trace.active_constraints[robot]]
+    if robot in moved.guard.standing:
+        return []
     pairs = [(int(cause[k, 0]), int(cause[k, 1])) for k in tightest]
     return [_named(robot, other, hazard, around, moved, setup) for other, hazard in pairs]
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.core.arrays import Floats
+from higvf_console.core.arrays import Bools
 from higvf_console.core.errors import InputError
 from higvf_console.core.quantity import Quantity as Q  # noqa: N817
 from higvf_console.core.team import Drive, Poses, RobotLink, TeamSpec, never_seen, options_of, standing
@@ -107,7 +107,7 @@ class SimulatedTeam:
     def close(self) -> None:
         """Nothing has to be closed."""
 
-    def _broken(self, option: str, now: float) -> Floats:
+    def _broken(self, option: str, now: float) -> Bools:
         robot, since = getattr(self._options, option), getattr(self._options, f"{option}_at_s")
         return (np.arange(self._spec.robots) == robot - 1) & (now >= since)
 

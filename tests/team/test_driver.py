@@ -2,6 +2,7 @@
 
 import logging
 import math
+from collections.abc import Callable
 from importlib.metadata import EntryPoint
 from typing import Any
 
@@ -58,6 +59,13 @@ def test_scenarios_that_cannot_be_driven_are_refused() -> None:
         open_driver("simulated", None, scenario, scenario.setup(), None)
 
 
+def _entry_points(teams: list[EntryPoint]) -> Callable[[str], list[EntryPoint]]:
+    def found(group: str) -> list[EntryPoint]:
+        return teams if group == opening.TEAMS else []
+
+    return found
+
+
 def install(monkeypatch: pytest.MonkeyPatch, **openers: Any) -> None:
     """Installs teams for a test."""
 
@@ -65,8 +73,8 @@ def install(monkeypatch: pytest.MonkeyPatch, **openers: Any) -> None:
         def load(self) -> Any:
             return openers[self.name]
 
-    points = [Installed(name, "lab:open", opening.TEAMS) for name in openers]
-    monkeypatch.setattr(opening, "entry_points", lambda group: points if group == opening.TEAMS else [])
+    points: list[EntryPoint] = [Installed(name, "lab:open", opening.TEAMS) for name in openers]
+    monkeypatch.setattr(opening, "entry_points", _entry_points(points))
 
 
 def test_a_team_that_crashes_or_is_none_is_told_apart_from_one_that_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -76,7 +84,10 @@ def test_a_team_that_crashes_or_is_none_is_told_apart_from_one_that_refuses(monk
     def refuse(spec: TeamSpec) -> Any:
         raise InputError(f"{spec.place}: no such port")
 
-    install(monkeypatch, crash=crash, refuse=refuse, nothing=lambda _spec: object())
+    def nothing(_spec: TeamSpec) -> object:
+        return object()
+
+    install(monkeypatch, crash=crash, refuse=refuse, nothing=nothing)
     with pytest.raises(TeamCrashedError, match="team 'crash' does not open: KeyError: 'wheel'"):
         open_team(TeamSpec("crash"))
     with pytest.raises(InputError, match="--team refuse: no such port"):
@@ -90,8 +101,8 @@ def test_a_team_that_crashes_or_is_none_is_told_apart_from_one_that_refuses(monk
 class Liar(SimulatedTeam):
     """Tells of two robots where there is one."""
 
-    def links(self, _now: float) -> tuple[RobotLink, ...]:
-        return (RobotLink(),) * 2
+    def links(self, now: float) -> tuple[RobotLink, ...]:
+        return super().links(now) * 2
 
 
 def test_a_team_that_tells_of_another_number_of_robots_is_asked_no_more() -> None:
@@ -104,8 +115,8 @@ def test_a_team_that_tells_of_another_number_of_robots_is_asked_no_more() -> Non
 class Stuck(SimulatedTeam):
     """Can neither be stopped nor closed."""
 
-    def stop(self, _now: float) -> None:
-        raise OSError("gone")
+    def stop(self, now: float) -> None:
+        raise OSError(f"gone at {now:g} s")
 
     def close(self) -> None:
         raise OSError("gone too")

@@ -108,7 +108,7 @@ def test_stop_stands_within_two_beats_sends_zeros_until_reset_and_its_lamps_foll
 def test_the_engine_fails_and_the_robots_stand() -> None:
     run = Rehearsal().arm()
     run.last(2.0)
-    run.session._halt(RuntimeError("broken"))
+    run.halt(RuntimeError("broken"))
     assert run.moved(0.1) < 0.01  # what was on its way
     assert run.moved(1.0) < STILL
 
@@ -182,6 +182,16 @@ def test_a_robot_that_drives_on_after_stop_is_told() -> None:
     run.last(2.0)
     assert run.texts(Severity.ALARM) == ["Robot 1 drives on, though it was told to stand."]
     assert run.team.disobedient.tolist() == [True, False, False]
+
+
+def test_a_disarmed_robot_that_people_carry_is_not_taken_for_disobedient() -> None:
+    run = Rehearsal()
+    run.last(2.0)
+    begun = run.team.now
+    run.plant.meddle = lambda poses, now: poses._replace(position=poses.position + 0.5 * (now - begun))
+    run.last(2.0)
+    assert not run.team.disobedient.any()
+    assert run.texts(Severity.ALARM) == []
 
 
 def test_a_stale_pose_holds_its_robot_and_a_lost_one_the_team() -> None:
@@ -288,7 +298,7 @@ def test_every_command_expires() -> None:
 
 def test_the_number_of_robots_cannot_change() -> None:
     run = Rehearsal()
-    run.give(AddEntity(EntityKind.ROBOT, (1.5, 1.0)))
+    run.give(AddEntity(EntityKind.ROBOT, np.array([1.5, 1.0])))
     assert "Not done: the team has 3 robots, and there would be 4." in run.texts()
 
 
