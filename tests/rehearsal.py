@@ -110,7 +110,7 @@ class Rehearsal:
         """The engine fails in its loop, once."""
         stopping, tick = Signal(), self.session.tick
 
-        def fail(*, advance: bool = True) -> None:
+        def fail(**_: bool) -> None:
             stopping.set()
             raise error
 

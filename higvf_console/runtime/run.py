@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias
 
 from higvf_console.analysis.explain import Moved
 from higvf_console.analysis.violation import violation_text
-from higvf_console.control.parameters import Parameters
+from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, TeamCommand, Undo
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.events import Event, Severity
@@ -172,9 +172,20 @@ class Run:
         return (Event(self.time, Severity.INFO, "team", text),)
 
     def _keep_robots(self, become: RunState) -> None:
-        """Refuses what would leave the team with another number of robots."""
-        if self.team is not None and (robots := len(become.state.motion.position)) != len(self.team.stopped):
+        """Refuses what would have a team of other robots, or lead them faster, than those that there are."""
+        if self.team is None or self.rules is None:
+            return
+        robots, params = len(become.state.motion.position), become.setup.params
+        if robots != len(self.team.stopped):
             raise ScenarioError(f"the team has {len(self.team.stopped)} robots, and there would be {robots}")
+        if (ahead := params.robots.look_ahead) != self.rules.look_ahead:
+            raise ScenarioError(
+                f"the team's robots are led at {self.rules.look_ahead:g} m ahead of their centres, and it would be "
+                f"{ahead:g} m"
+            )
+        limit, own = controlled(params).safety.speed_limit, self.rules.speed_limit
+        if limit > own:
+            raise ScenarioError(f"the team's robots drive {own:g} m/s, and it would be {limit:g} m/s")
 
     def hear(self, report: TeamReport) -> tuple[Event, ...]:
         """Takes in where the team is; to be called once in each beat of the clock, be it that it stands."""

@@ -21,7 +21,7 @@ from higvf_console.core.commands import (
     Step,
     StopRobot,
 )
-from higvf_console.core.edits import AddEntity, EntityKind
+from higvf_console.core.edits import AddEntity, EntityKind, SetParameters
 from higvf_console.core.events import Severity
 from higvf_console.core.team import VALID_FOR, Poses, RobotLink
 from higvf_console.runtime.recording import read_recording, replay
@@ -300,6 +300,22 @@ def test_the_number_of_robots_cannot_change() -> None:
     run = Rehearsal()
     run.give(AddEntity(EntityKind.ROBOT, np.array([1.5, 1.0])))
     assert "Not done: the team has 3 robots, and there would be 4." in run.texts()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("robots.look_ahead", 0.02, "are led at 0.024 m ahead of their centres, and it would be 0.02 m"),
+        ("robots.turn_rate_limit", 8.0, "drive 0.0959744 m/s, and it would be 0.12 m/s"),
+        ("safety.speed_limit", 0.05, ""),
+    ],
+)
+def test_robots_are_led_no_faster_and_nowhere_else_than_those_that_there_are(
+    name: str, value: float, words: str
+) -> None:
+    run = Rehearsal()
+    run.give(SetParameters({name: value}))
+    assert any(words in text for text in run.texts()) if words else not run.texts()
 
 
 def test_a_reset_leaves_the_robots_where_they_are() -> None:
