@@ -13,6 +13,8 @@ from higvf_console.core.commands import (
     Disarm,
     EmergencyStop,
     Freeze,
+    LoadScenario,
+    OperatorCommand,
     ReleaseRobot,
     ResetEmergencyStop,
     ResetRun,
@@ -303,18 +305,21 @@ def test_the_number_of_robots_cannot_change() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "words"),
+    ("command", "words"),
     [
-        ("robots.look_ahead", 0.02, "are led at 0.024 m ahead of their centres, and it would be 0.02 m"),
-        ("robots.turn_rate_limit", 8.0, "drive 0.0959744 m/s, and it would be 0.12 m/s"),
-        ("safety.speed_limit", 0.05, ""),
+        (
+            LoadScenario(THREE.replace("0.024", "0.02"), "t.yaml"),
+            "0.024 m ahead of their centres, and it would be 0.02 m",
+        ),
+        (SetParameters({"robots.turn_rate_limit": 8.0}), "drive 0.0959744 m/s, and it would be 0.12 m/s"),
+        (SetParameters({"safety.speed_limit": 0.05}), ""),
     ],
 )
 def test_robots_are_led_no_faster_and_nowhere_else_than_those_that_there_are(
-    name: str, value: float, words: str
+    command: OperatorCommand, words: str
 ) -> None:
     run = Rehearsal()
-    run.give(SetParameters({name: value}))
+    run.give(command)
     assert any(words in text for text in run.texts()) if words else not run.texts()
 
 
