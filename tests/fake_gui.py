@@ -1,7 +1,7 @@
 """viser's widgets without a server or a browser: tests read what panels show, and touch it as a page does."""
 
-from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -81,9 +81,8 @@ class Gui:
     ) -> Widget:
         return self._add(label, value=value, **options)
 
-    @contextmanager
-    def add_folder(self, _label: str | None, **_: object) -> Generator[None]:
-        yield
+    def add_folder(self, _label: str | None, **_: object) -> AbstractContextManager[None]:
+        return nullcontext()
 
     @property
     def as_viser(self) -> viser.GuiApi:
