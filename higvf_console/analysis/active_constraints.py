@@ -81,10 +81,8 @@ def _named(robot: int, other: int, hazard: int, around: Surroundings, moved: Mov
 def part_name(part: int, setup: Setup) -> str:
     """What people call a part of the world: a circle, a bar, or a polygon of which it is an edge."""
     obstacles = setup.layout.obstacles
-    circles, bars = len(obstacles.circles), len(obstacles.bars)
-    if part < circles:
-        return f"circle {part + 1}"
-    if part < circles + bars:
-        return f"bar {part - circles + 1}"
+    single = len(obstacles.circles) + len(obstacles.bars)
+    if part < single:
+        return obstacles.name(part)
     ends = np.cumsum([sum(len(chain) for chain in chains) for chains in obstacles_of(obstacles.polygons)])
-    return f"polygon {int(np.searchsorted(ends, part - circles - bars, side='right')) + 1}"
+    return f"polygon {int(np.searchsorted(ends, part - single, side='right')) + 1}"

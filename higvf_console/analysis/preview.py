@@ -151,7 +151,7 @@ def tracks(position: Floats, history: Floats) -> Floats:
     """Tracks (N, K, 2) from `position` (N, 2) through some moments of `history` (T, N, 2), the last among them [m]."""
     ticks, robots = history.shape[:2]
     most = max(_LEAST_POINTS, min(_TRACK_POINTS, _MOST_POINTS // max(robots, 1)))
-    chosen = np.unique(np.linspace(0, ticks, min(most, ticks + 1)).round().astype(np.int64))
+    chosen = np.unique(np.linspace(0, ticks, min(most, ticks + 1)).round().astype(np.int64))  # pyright: ignore[reportUnknownArgumentType, reportUnknownMemberType, reportUnknownVariableType]
     return np.concatenate([position[None], history])[chosen].transpose(1, 0, 2)
 
 

@@ -23,14 +23,9 @@ from higvf_console.operator.path_commands import follow
 from higvf_console.runtime.compiling import announce
 from higvf_console.world import setup as world_setup
 from higvf_console.world.layout import Fire, Layout
+from higvf_console.world.network import check_formation, start_network
 from higvf_console.world.obstacles import SPEED, Courses, Obstacles, course_straight
-from higvf_console.world.placement import (
-    check_barriers,
-    check_formation,
-    check_robots,
-    check_start,
-    start_network,
-)
+from higvf_console.world.placement import check_barriers, check_robots, check_start
 from higvf_console.world.setup import Setup
 
 _MARGIN = 100.0  # of an arena round what is in it, at the usual scale [m]

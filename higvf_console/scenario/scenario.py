@@ -53,6 +53,7 @@ from higvf_console.core.state import NO_PATH, Path, PathEnding, PathKind
 from higvf_console.core.viewport import Arena
 from higvf_console.operator.path_commands import follow
 from higvf_console.scenario.channel_settings import read_inputs
+from higvf_console.scenario.desired_path import read_path
 from higvf_console.scenario.ends import Ends, end_warnings, read_ends
 from higvf_console.scenario.sections import (
     FilterKind,
@@ -65,29 +66,22 @@ from higvf_console.scenario.sections import (
     read_links,
     read_obstacles,
     read_parameters,
-    read_path,
     read_robots,
     read_strokes,
 )
 from higvf_console.scenario.teams import read_teams, unknown_teams
 from higvf_console.world.layout import Fire, Layout, Links
-from higvf_console.world.obstacles import Obstacles
-from higvf_console.world.placement import (
+from higvf_console.world.misfits import buried_fires, late_stand_off, misfits, robot_warnings, unavoidable
+from higvf_console.world.network import (
     Network,
-    buried_fires,
-    check_barriers,
     check_formation,
     check_intention,
-    check_robots,
-    check_start,
     convergent,
     intention_radius,
-    late_stand_off,
-    misfits,
-    robot_warnings,
     start_network,
-    unavoidable,
 )
+from higvf_console.world.obstacles import Obstacles
+from higvf_console.world.placement import check_barriers, check_robots, check_start
 from higvf_console.world.setup import Setup, make_setup
 
 VERSION = 1

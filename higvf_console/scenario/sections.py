@@ -10,17 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from higvf_console.control.forms import FORMS, WORDS, Forms
-from higvf_console.control.guidance.paths import circle_path, ellipse_path, line_path, sketch_path
-from higvf_console.control.parameters import GROUPS, RENAMED, Parameters, PathParameters, defaults_at
+from higvf_console.control.parameters import GROUPS, RENAMED, Parameters, defaults_at
 from higvf_console.core.arrays import Floats, floats
-from higvf_console.core.errors import PathError
-from higvf_console.core.path_terms import ENDINGS, FASTEST, SLOWEST, USUAL_TERMS, PathTerms
 from higvf_console.core.quantity import COORDINATE, Quantity, quantities, with_values
 from higvf_console.core.reading.node import Node
 from higvf_console.core.scale import USUAL_SCALE, Scale
-from higvf_console.core.state import Path
 from higvf_console.core.viewport import Arena
-from higvf_console.operator.path_commands import with_terms
 from higvf_console.scenario.courses import COURSE_KEYS, read_course
 from higvf_console.scenario.irregular import check_edges, read_masks, read_polygons
 from higvf_console.world.layout import Fire, Links
@@ -32,15 +27,12 @@ MOST_FIRES = 1000
 RENAMED_FORMS = {"fire_row": "fire_constraint"}  # of version 0.1, which are still read
 SPEED_LIMIT_FACTOR = 1.5  # v_max of a scenario that names only the cruise speed C
 
-_LENGTH = Quantity("m", 0.001, 1e6, "", "A length.")
+LENGTH = Quantity("m", 0.001, 1e6, "", "A length.")
 _JITTER = Quantity("m", 0.0, 1000.0, "", "Largest shift of a robot along x and along y.")
 _GROWTH = Quantity("m/s", 0.0, 100.0, "", "How fast a fire's radius grows.")
-_ANGLE = Quantity("deg", -360.0, 360.0, "", "An angle.")
+ANGLE = Quantity("deg", -360.0, 360.0, "", "An angle.")
 _BODY = Quantity("m", 0.001, 1000.0, "", "Radius of the circle round a robot's body.")
 _SPEED_LIMIT = Quantity("m/s", 0.001, 1000.0, "", "Speed limit of a robot.")
-_PACE = Quantity("", SLOWEST, FASTEST, "", "Share of their velocity that those who are led take.")
-_DURATION = Quantity("s", 0.0, 1e6, "", "How long a path is followed; 0 = as long as it takes.")
-_SMOOTHING = quantities(PathParameters)["stroke_smoothing"]
 
 
 class FilterKind(StrEnum):
@@ -106,7 +98,11 @@ class ShownStroke(NamedTuple):
 
 
 def read_arena(node: Node) -> tuple[Arena, bool]:
-    """The arena, and whether its sides are walls."""
+    """The arena, and whether its sides are walls.
+
+    Raises:
+        ScenarioError: `size_m` is given together with the sides, or the arena has no area.
+    """
     entries = node.section(("size_m", "x_min", "y_min", "x_max", "y_max", "walls"))
     walls = entries["walls"].flag() if "walls" in entries else True
     if "size_m" in entries:
@@ -126,6 +122,9 @@ def read_robots(node: Node, arena: Arena) -> Robots:
     """Given start points, or a square grid round a centre; one heading for all unicycles, or one for each.
 
     The body and the speed limit set the scale; without them it is the usual one.
+
+    Raises:
+        ScenarioError: points are given together with a grid, or headings or the scale do not fit the team.
     """
     body = ("radius_m", "speed_limit_m_per_s")
     entries = node.section(("start_m", "count", "spacing_m", "centre_m", "jitter_m", "heading_deg", *body))
@@ -140,7 +139,7 @@ def read_robots(node: Node, arena: Arena) -> Robots:
     count = entries["count"].integer(1, MOST_ROBOTS, "a number of robots")
     centre = ((arena.x_min + arena.x_max) / 2, (arena.y_min + arena.y_max) / 2)
     centre = entries["centre_m"].point() if "centre_m" in entries else centre
-    grid = _grid(count, entries["spacing_m"].number(_LENGTH), centre)
+    grid = _grid(count, entries["spacing_m"].number(LENGTH), centre)
     return Robots(grid, jitter, _headings(entries, count), scale)
 
 
@@ -160,8 +159,8 @@ def _headings(entries: dict[str, Node], robots: int) -> Floats:
     if node is None:
         return np.zeros(robots)
     if not isinstance(node.value, list):
-        return np.full(robots, math.radians(node.number(_ANGLE)))
-    given = [math.radians(item.number(_ANGLE)) for item in node.items()]
+        return np.full(robots, math.radians(node.number(ANGLE)))
+    given = [math.radians(item.number(ANGLE)) for item in node.items()]
     if len(given) != robots:
         raise node.error(f"{len(given)} headings for {robots} robots; give one for all robots, or one for each")
     return floats(given)
@@ -176,7 +175,11 @@ def _grid(count: int, spacing: float, centre: tuple[float, float]) -> Floats:
 
 
 def read_links(node: Node, robots: int) -> Links:
-    """Communication links as pairs of robot indices, each once, the smaller index first."""
+    """Communication links as pairs of robot indices, each once, the smaller index first.
+
+    Raises:
+        ScenarioError: a link is no pair of different robots of the team.
+    """
     links: set[tuple[int, int]] = set()
     for item in node.items():
         ends = [end.integer(1, robots, "a robot's number") - 1 for end in item.items()]
@@ -187,7 +190,11 @@ def read_links(node: Node, robots: int) -> Links:
 
 
 def read_formation(node: Node, robots: int) -> Floats:
-    """A shape (N, 2) [m] whose pairwise distances the team keeps."""
+    """A shape (N, 2) [m] whose pairwise distances the team keeps.
+
+    Raises:
+        ScenarioError: there is not one point for each robot.
+    """
     shape = node.points()
     if len(shape) != robots:
         raise node.error(f"{len(shape)} points for {robots} robots; give one for each")
@@ -195,7 +202,11 @@ def read_formation(node: Node, robots: int) -> Floats:
 
 
 def read_fires(node: Node, robots: int, scale: Scale) -> tuple[Fire, ...]:
-    """The fires, in the order of their numbers; the usual growth is that of the scale."""
+    """The fires, in the order of their numbers; the usual growth is that of the scale.
+
+    Raises:
+        ScenarioError: a fire without place or radius, out of range, or that needs more robots than there are.
+    """
     fires: list[Fire] = []
     for item in node.items(MOST_FIRES):
         entries = item.section(("at_m", "radius_m", "growth_m_per_s", "robots_needed"), ("at_m", "radius_m"))
@@ -203,7 +214,7 @@ def read_fires(node: Node, robots: int, scale: Scale) -> tuple[Fire, ...]:
         needs = min(2, robots)
         if "robots_needed" in entries:
             needs = entries["robots_needed"].integer(1, robots, f"within the team of {robots}")
-        fires.append(Fire(entries["at_m"].point(), entries["radius_m"].number(_LENGTH), growth, needs))
+        fires.append(Fire(entries["at_m"].point(), entries["radius_m"].number(LENGTH), growth, needs))
     return tuple(fires)
 
 
@@ -214,6 +225,9 @@ def read_obstacles(node: Node, folders: Sequence[FilePath], polygons: tuple[Floa
         node: the section `obstacles`.
         folders: where the images of masks are looked for.
         polygons: what its polygons and masks came to when they were read before; None = read them.
+
+    Raises:
+        ScenarioError: an obstacle is out of range, a course leads nowhere, or polygons have too many edges.
     """
     entries = node.section(("circles", "bars", "capsules", "polygons", "masks"))
     circles: list[tuple[float, ...]] = []
@@ -221,7 +235,7 @@ def read_obstacles(node: Node, folders: Sequence[FilePath], polygons: tuple[Floa
     for item in entries["circles"].items(MOST_OBSTACLES) if "circles" in entries else ():
         part = item.section(("at_m", "radius_m", *COURSE_KEYS), ("at_m", "radius_m"))
         x, y = part["at_m"].point()
-        circles.append((x, y, part["radius_m"].number(_LENGTH)))
+        circles.append((x, y, part["radius_m"].number(LENGTH)))
         circle_courses.append(read_course(item, part, (x, y)))
     bars: list[tuple[float, ...]] = []
     bar_courses: list[Course | None] = []
@@ -230,7 +244,7 @@ def read_obstacles(node: Node, folders: Sequence[FilePath], polygons: tuple[Floa
     ):
         part = item.section(("from_m", "to_m", "half_width_m", *COURSE_KEYS), ("from_m", "to_m", "half_width_m"))
         (ax, ay), (bx, by) = part["from_m"].point(), part["to_m"].point()
-        bars.append((ax, ay, bx, by, part["half_width_m"].number(_LENGTH)))
+        bars.append((ax, ay, bx, by, part["half_width_m"].number(LENGTH)))
         bar_courses.append(read_course(item, part, ((ax + bx) / 2, (ay + by) / 2)))
     if polygons is None:
         polygons = read_polygons(entries["polygons"]) if "polygons" in entries else ()
@@ -246,7 +260,11 @@ def read_obstacles(node: Node, folders: Sequence[FilePath], polygons: tuple[Floa
 
 
 def read_strokes(node: Node, robots: int) -> tuple[ShownStroke, ...]:
-    """The "show me" strokes."""
+    """The "show me" strokes.
+
+    Raises:
+        ScenarioError: a stroke without a name or with fewer than three points, or for no robot of the team.
+    """
     strokes: list[ShownStroke] = []
     for item in node.items():
         entries = item.section(("name", "robot", "points_m"), ("name", "points_m"))
@@ -255,67 +273,17 @@ def read_strokes(node: Node, robots: int) -> tuple[ShownStroke, ...]:
     return tuple(strokes)
 
 
-def read_path(node: Node, smoothing: float, scale: Scale) -> Path:
-    """The desired path that is in force from the start: a line, circle, ellipse or sketch.
-
-    Args:
-        node: the section `path`.
-        smoothing: standard deviation by which a path may leave its sketch [m].
-        scale: of the team.
-    """
-    kinds = ("line", "circle", "ellipse", "sketch")
-    entries = node.section((*kinds, "direction", "ending", "pace", "duration_s"))
-    backward = "direction" in entries and entries["direction"].choice(("forward", "backward")) == "backward"
-    direction = -1.0 if backward else 1.0
-    given = [name for name in kinds if name in entries]
-    if len(given) != 1:
-        raise node.error(f"give exactly one of: {', '.join(kinds)}")
-    shape = entries[given[0]]
-    try:
-        path = _PATHS[given[0]](shape, direction, smoothing, scale)
-    except PathError as error:
-        raise shape.error(str(error)) from error
-    terms = PathTerms(
-        ending=entries["ending"].choice(tuple(ENDINGS)) if "ending" in entries else USUAL_TERMS.ending,
-        pace=entries["pace"].number(_PACE) if "pace" in entries else USUAL_TERMS.pace,
-        duration=entries["duration_s"].number(_DURATION) if "duration_s" in entries else USUAL_TERMS.duration,
-    )
-    return with_terms(path, terms)
-
-
-def _line(node: Node, direction: float, *_: object) -> Path:
-    entries = node.section(("at_m", "angle_deg"), ("at_m", "angle_deg"))
-    return line_path(*entries["at_m"].point(), math.radians(entries["angle_deg"].number(_ANGLE)), direction)
-
-
-def _circle(node: Node, direction: float, *_: object) -> Path:
-    entries = node.section(("at_m", "radius_m"), ("at_m", "radius_m"))
-    return circle_path(*entries["at_m"].point(), entries["radius_m"].number(_LENGTH), direction)
-
-
-def _ellipse(node: Node, direction: float, *_: object) -> Path:
-    entries = node.section(("at_m", "half_axes_m", "angle_deg"), ("at_m", "half_axes_m"))
-    angle = math.radians(entries["angle_deg"].number(_ANGLE)) if "angle_deg" in entries else 0.0
-    return ellipse_path(*entries["at_m"].point(), *entries["half_axes_m"].point(), angle, direction)
-
-
-def _sketch(node: Node, direction: float, smoothing: float, scale: Scale) -> Path:
-    entries = node.section(("points_m", "closed", "smoothing_m"), ("points_m",))
-    closed = entries["closed"].flag() if "closed" in entries else None
-    smoothing = entries["smoothing_m"].number(_SMOOTHING.at(scale)) if "smoothing_m" in entries else smoothing
-    return sketch_path(entries["points_m"].points(least=3), smoothing, closed, direction, scale)
-
-
-_PATHS = {"line": _line, "circle": _circle, "ellipse": _ellipse, "sketch": _sketch}
-
-
 def read_parameters(node: Node, scale: Scale) -> Parameters:
-    """All parameters: the defaults at the scale and what the file says otherwise."""
+    """All parameters: the defaults at the scale and what the file says otherwise.
+
+    Raises:
+        ScenarioError: a parameter is unknown or out of range, or the boundaries are in the wrong order.
+    """
     params, given = defaults_at(scale), dict[str, dict[str, Node]]()
     for group, section in node.section(GROUPS, renamed=RENAMED).items():
         part, former = getattr(params, group), f"{group}."
         renamed = {old.removeprefix(former): new.removeprefix(former) for old, new in RENAMED.items()}
-        given[group] = section.section(tuple(quantities(type(part))), renamed=renamed)
+        given[group] = section.section(tuple(quantities(type(part))), renamed=renamed)  # pyright: ignore[reportUnknownArgumentType]
         values = {name: entry.value for name, entry in given[group].items()}
         params = params._replace(**{group: with_values(part, values, section.where, scale)})
     if "cruise_speed" in given.get("blending", ()) and "speed_limit" not in given.get("safety", ()):
@@ -330,7 +298,11 @@ def read_parameters(node: Node, scale: Scale) -> Parameters:
 
 
 def read_forms(node: Node) -> Forms:
-    """The forms of the equations: the name of a set, or a section with a word for each equation."""
+    """The forms of the equations: the name of a set, or a section with a word for each equation.
+
+    Raises:
+        ScenarioError: an equation or a form is unknown.
+    """
     if isinstance(node.value, str):
         return FORMS[node.choice(tuple(FORMS))]
     entries = node.section(Forms._fields, renamed=RENAMED_FORMS)

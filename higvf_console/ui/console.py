@@ -22,6 +22,7 @@ from higvf_console.operator.path_commands import in_hand
 from higvf_console.runtime.background.previewer import Choice, Previewer
 from higvf_console.runtime.history import History
 from higvf_console.ui import theme
+from higvf_console.ui.alarms import Alarms, add_alarms
 from higvf_console.ui.cards.run_card import RunCard
 from higvf_console.ui.frame_pace import FramePace
 from higvf_console.ui.interaction import camera, hints, keys, pointer, tools
@@ -46,7 +47,7 @@ from higvf_console.ui.panels.tune import TunePanel
 from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.panels.why import WhyPanel
 from higvf_console.ui.scene.scene import Scene
-from higvf_console.ui.ui_state import Change, UiState, UiStore, add_alarms, begin_scenario, follow_path, keep_choice
+from higvf_console.ui.ui_state import Change, UiState, UiStore, begin_scenario, follow_path, keep_choice
 from higvf_console.ui.widgets.html import style_html
 
 if TYPE_CHECKING:
@@ -112,6 +113,7 @@ class Console:
         self.ui.subscribe(self._wake)
         self._path: Path = NO_PATH
         self._previewer = Previewer(session, self._choice)
+        self._alarms = Alarms(self.ui)
         self._stopped: bool | None = None
         self._history: History | None = None
         self._scenario = session.scenario
@@ -237,6 +239,7 @@ class Console:
         if snapshot.state.intent.influenced != self._influenced:
             self._influenced = snapshot.state.intent.influenced
             hints.happened(self._server, "pick")
+        self._try("alarms", lambda: self._alarms.update(snapshot))
         with self._server.atomic():
             self._try("scene", lambda: self._show_scene(snapshot))
             self._try("calibration", lambda: self._calibration.update(snapshot.inputs.capture))

@@ -1,39 +1,11 @@
-"""The one line that tells the latest message, and how long an alarm stands: until it is read or its cause has ended."""
+"""The one line that tells the latest message, and which events are new."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from higvf_console.core.events import Event, Severity
-from higvf_console.core.interface import ChannelState
-from higvf_console.sim.events import too_near
-
-if TYPE_CHECKING:
-    from higvf_console.runtime.snapshot import Snapshot
 
 STAY_S = {Severity.INFO: 4.0, Severity.GOOD: 6.0, Severity.WARNING: 8.0, Severity.ALARM: 8.0}  # ahead of older alarms
 _ANSWERS = frozenset({"refused", "clipped"})  # to what the operator did last
-_OFF = frozenset({ChannelState.LOST, ChannelState.RECOVERED})
-
-
-def cause_lasts(alarm: Event, snapshot: "Snapshot") -> bool:
-    """Whether what an alarm tells still holds; one whose cause cannot be seen to end lasts until it is read."""
-    match alarm.kind:
-        case "stop":
-            return snapshot.state.intent.stopped
-        case "infeasible":
-            return _in_trouble(alarm, snapshot.trace.infeasible.tolist())
-        case "clearance":
-            return _in_trouble(alarm, too_near(snapshot.trace).tolist())
-        case "channel":
-            states = {health.state for channel, health in snapshot.channels if alarm.channel in ("", channel)}
-            return bool(states & _OFF)
-        case _:
-            return True
-
-
-def _in_trouble(alarm: Event, robots: list[bool]) -> bool:
-    robot = alarm.robot
-    return any(robots) if robot is None or robot >= len(robots) else robots[robot]
 
 
 def _rank(event: Event) -> int:

@@ -7,7 +7,7 @@ one lock. Nothing here reaches the team: that goes by commands alone.
 """
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -15,7 +15,7 @@ from higvf_console.analysis.preview import USUAL
 from higvf_console.control.guidance.field import FieldKind
 from higvf_console.core.arrays import Floats
 from higvf_console.core.commands import StrokeEnd, StrokeUse
-from higvf_console.core.events import Event, Severity
+from higvf_console.core.events import Event
 from higvf_console.core.path_terms import USUAL_TERMS, PathTerms, stroke_end
 from higvf_console.core.state import Path, PathKind
 from higvf_console.operator.path_commands import terms_of
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from higvf_console.runtime.snapshot import Snapshot
 
 MOST_LINKED = 30  # robots of a team whose links are shown unasked
-MOST_ALARMS = 99  # that wait to be acknowledged; older ones are let go
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +51,7 @@ class UiState:
         sights: which fires it sees, and what hides the others.
         look: colours and size of text, on every page.
         background: overhead image on the ground.
-        alarms: those that nobody has acknowledged, oldest first.
+        alarms: those that nobody has acknowledged, oldest first (`ui.alarms` has the rules).
         terms: on which the path is followed that the next stroke becomes.
         commit_at_once: a drawn path is followed when its stroke ends; else it waits.
         horizon: how far the preview looks ahead [s].
@@ -248,22 +247,3 @@ def move_background(place: MaskPlace) -> Change:
     return lambda state: (
         state if state.background is None else replace(state, background=state.background._replace(place=place))
     )
-
-
-def add_alarms(events: Sequence[Event]) -> Change:
-    """The alarms among some events wait to be acknowledged."""
-    alarms = tuple(event for event in events if event.severity == Severity.ALARM)
-    return lambda state: replace(state, alarms=(*state.alarms, *alarms)[-MOST_ALARMS:]) if alarms else state
-
-
-def acknowledge_alarms(text: str | None = None) -> Change:
-    """The alarms with a text are acknowledged; None = all."""
-    return lambda state: replace(
-        state, alarms=tuple(alarm for alarm in state.alarms if text is not None and alarm.text != text)
-    )
-
-
-def withdraw_alarms(ended: Sequence[Event]) -> Change:
-    """The alarms whose cause has ended wait no longer."""
-    gone = {id(alarm) for alarm in ended}
-    return lambda state: replace(state, alarms=tuple(alarm for alarm in state.alarms if id(alarm) not in gone))

@@ -81,6 +81,11 @@ class Obstacles(NamedTuple):
             bars[row, :4] += 0.0 if course is None else np.tile(course.offset(time), 2)
         return self._replace(circles=circles, bars=bars)
 
+    def name(self, row: int) -> str:
+        """What people call a row among circles and then bars: "circle 1", "bar 2"."""
+        circles = len(self.circles)
+        return f"circle {row + 1}" if row < circles else f"bar {row - circles + 1}"
+
     def movers(self) -> list[tuple[int, Course]]:
         """Row among circles and then bars, and course, of each moving obstacle."""
         found = [*enumerate(self.circle_courses), *enumerate(self.bar_courses, len(self.circles))]

@@ -108,7 +108,7 @@ def signed_distance(chains: Sequence[Floats], points: Floats) -> Floats:
         for chain in chains:
             inside ^= enclosed(chain, part)
         nearest = spine_distance(part, spines).min(axis=1)
-        parts.append(np.where(inside, -nearest, nearest))
+        parts.append(np.where(inside, -nearest, nearest))  # pyright: ignore[reportUnknownArgumentType]
     return np.concatenate(parts)
 
 

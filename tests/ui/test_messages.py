@@ -1,67 +1,16 @@
-"""One line tells the latest message; an alarm stands until it is read or its cause has ended."""
+"""One line tells the latest message, or an alarm that still stands."""
 
-from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
-import pytest
-
 from higvf_console.core.events import Event, Severity
-from higvf_console.core.interface import ChannelHealth, ChannelState
-from higvf_console.sim.simulation import advance
-from higvf_console.ui.messages import STAY_S, LatestMessage, cause_lasts, newer
-from tests.teams import team
-
-SETUP = team()
-STATE, TRACE = advance(SETUP.start, SETUP.world, SETUP.params)
+from higvf_console.ui.messages import STAY_S, LatestMessage, newer
 
 
 def event(kind: str, severity: Severity = Severity.INFO, text: str = "It happened.", **about: Any) -> Event:
     return Event(1.0, severity, kind, text, **about)
 
 
-def snapshot(*, stopped: bool = False, gaze: ChannelState = ChannelState.LIVE, **trace: Any) -> Any:
-    return SimpleNamespace(
-        state=STATE._replace(intent=STATE.intent._replace(stopped=stopped)),
-        trace=TRACE._replace(**trace),
-        channels=(("gaze", ChannelHealth(gaze, "why")), ("console", ChannelHealth(ChannelState.LIVE, ""))),
-    )
-
-
 STOP = event("stop", Severity.ALARM)
-NO_VELOCITY = event("infeasible", Severity.ALARM, robot=1)
-NEAR = event("clearance", Severity.ALARM, robot=1)
-LOST = event("channel", Severity.ALARM, channel="gaze")
-
-
-@pytest.mark.parametrize(
-    ("alarm", "cause"),
-    [
-        (STOP, {"stopped": True}),
-        (NO_VELOCITY, {"infeasible": np.array([False, True, False])}),
-        (NEAR, {"barrier": np.array([0.1, -0.1, 0.1])}),
-        (LOST, {"gaze": ChannelState.LOST}),
-        (LOST, {"gaze": ChannelState.RECOVERED}),
-    ],
-)
-def test_an_alarm_stands_as_long_as_its_cause(alarm: Event, cause: dict[str, Any]) -> None:
-    assert cause_lasts(alarm, snapshot(**cause))
-    assert not cause_lasts(alarm, snapshot())
-
-
-def test_the_trouble_of_another_robot_is_another_alarm() -> None:
-    assert not cause_lasts(NO_VELOCITY, snapshot(infeasible=np.array([True, False, True])))
-    assert not cause_lasts(LOST._replace(channel="emg"), snapshot(gaze=ChannelState.LOST))
-
-
-def test_an_alarm_that_is_about_no_robot_or_one_that_is_gone_stands_while_any_is_in_trouble() -> None:
-    trouble = snapshot(infeasible=np.array([True, False, True]))
-    assert cause_lasts(NO_VELOCITY._replace(robot=None), trouble)
-    assert cause_lasts(NO_VELOCITY._replace(robot=7), trouble)
-
-
-def test_an_alarm_whose_cause_cannot_be_seen_to_end_stands_until_it_is_read() -> None:
-    assert cause_lasts(event("failure", Severity.ALARM), snapshot())
 
 
 def test_the_latest_message_is_shown_and_then_the_alarm_that_still_stands() -> None:

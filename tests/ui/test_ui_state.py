@@ -15,7 +15,6 @@ import viser
 from higvf_console.control.guidance.paths import sketch_path
 from higvf_console.core.arrays import floats
 from higvf_console.core.commands import OperatorCommand, ShapePath, StrokeEnd, StrokeUse
-from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import PointerSink
 from higvf_console.core.path_terms import PathTerms, terms_of_stroke
 from higvf_console.core.scale import USUAL_SCALE
@@ -32,18 +31,14 @@ from higvf_console.ui.page.roles import Roles
 from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.theme import LIGHT
 from higvf_console.ui.ui_state import (
-    MOST_ALARMS,
     MOST_LINKED,
     UiState,
     UiStore,
-    acknowledge_alarms,
-    add_alarms,
     begin_scenario,
     change_look,
     end_of_stroke,
     follow_path,
     move_drag,
-    withdraw_alarms,
 )
 from higvf_console.ui.widgets.terms import TermsWidgets
 from tests.page_actions import no_page
@@ -258,25 +253,6 @@ def test_choices_wake_the_view_and_a_drag_waits_for_the_next_frame() -> None:
     assert not answered.is_set()
     wake(console, still, replace(still, trails=False))
     assert answered.is_set()
-
-
-def test_alarms_wait_until_they_are_acknowledged_by_their_text_or_all_at_once() -> None:
-    alarms = [Event(float(k), Severity.ALARM, "stop", f"alarm {k}") for k in range(MOST_ALARMS + 5)]
-    other = Event(0.0, Severity.WARNING, "path", "a warning")
-    state = add_alarms([*alarms, other])(UiState())
-    assert len(state.alarms) == MOST_ALARMS
-    assert state.alarms[-1] is alarms[-1]
-    assert len(acknowledge_alarms("alarm 50")(state).alarms) == MOST_ALARMS - 1
-    assert acknowledge_alarms("something else")(state).alarms == state.alarms
-    assert acknowledge_alarms()(state).alarms == ()
-
-
-def test_alarms_whose_cause_has_ended_are_withdrawn_and_equal_ones_stay() -> None:
-    first, second = (Event(1.0, Severity.ALARM, "stop", "STOP") for _ in range(2))
-    state = add_alarms([first, second])(UiState())
-    left = withdraw_alarms([first])(state).alarms
-    assert len(left) == 1
-    assert left[0] is second
 
 
 def test_the_links_of_a_large_team_are_hidden_at_first() -> None:

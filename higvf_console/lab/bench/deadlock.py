@@ -21,7 +21,7 @@ from higvf_console.lab.bench.scenes import TIME_LIMIT, Kind, Scene, open_scene
 from higvf_console.lab.progress import ProgressBar
 from higvf_console.sim.simulation import roll
 from higvf_console.sim.warm_up import warm_up
-from higvf_console.world.placement import convergent
+from higvf_console.world.network import convergent
 from higvf_console.world.setup import Setup, with_params
 
 FORMS = ("printed", "zero_in", "corrected")

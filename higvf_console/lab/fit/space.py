@@ -16,7 +16,8 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.quantity import quantities
 from higvf_console.scenario.sections import SPEED_LIMIT_FACTOR
-from higvf_console.world.placement import check_barriers, late_stand_off
+from higvf_console.world.misfits import late_stand_off
+from higvf_console.world.placement import check_barriers
 from higvf_console.world.setup import Setup, make_setup
 
 DURATION = 60.0  # [s]; the last fire of the paper is out after about 41 s

@@ -10,17 +10,8 @@ from higvf_console.core.state import MOVER_SPEED, Motion, World
 from higvf_console.core.viewport import Arena
 from higvf_console.world.editing.safe_places import newly_crowded
 from higvf_console.world.layout import Layout
-from higvf_console.world.placement import (
-    check_formation,
-    check_intention,
-    check_rates,
-    check_robots,
-    check_stand_off,
-    check_start,
-    intention_radius,
-    start_network,
-    wall_gaps,
-)
+from higvf_console.world.network import check_formation, check_intention, intention_radius, start_network
+from higvf_console.world.placement import check_rates, check_robots, check_stand_off, check_start, wall_gaps
 
 _SOURCE = "the edit"
 

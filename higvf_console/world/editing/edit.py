@@ -36,7 +36,7 @@ from higvf_console.world.editing.entities import NUMBERS, EntityRef, centres, ho
 from higvf_console.world.editing.parameters import with_parameters
 from higvf_console.world.editing.safe_places import diagonal, held_words, nearest_fit, placed, resettled, robot_fits
 from higvf_console.world.layout import Fire, Layout, with_radii
-from higvf_console.world.placement import unavoidable
+from higvf_console.world.misfits import unavoidable
 from higvf_console.world.setup import Setup, rebuilt
 
 FIRE_RADIUS, FIRE_GROWTH = 20.0, 1.0  # of a new fire at the usual scale [m], [m/s]

@@ -15,7 +15,7 @@ FIXED = ("safety.control_period", "robots.look_ahead")
 def parameter_names() -> tuple[str, ...]:
     """Names of all tunables, as "group.name"."""
     params = Parameters()
-    return tuple(f"{group}.{name}" for group in GROUPS for name in quantities(type(getattr(params, group))))
+    return tuple(f"{group}.{name}" for group in GROUPS for name in quantities(type(getattr(params, group))))  # pyright: ignore[reportUnknownArgumentType]
 
 
 def parameter(params: Parameters, name: str) -> float:
@@ -27,7 +27,7 @@ def parameter(params: Parameters, name: str) -> float:
 def quantity_of(name: str, scale: Scale = USUAL_SCALE) -> Quantity:
     """What the tunable "group.name" means, with its range at a scale."""
     group, key = name.split(".")
-    return quantities(type(getattr(Parameters(), group)))[key].at(scale)
+    return quantities(type(getattr(Parameters(), group)))[key].at(scale)  # pyright: ignore[reportUnknownArgumentType]
 
 
 def with_parameters(layout: Layout, values: Mapping[str, float]) -> tuple[Parameters, str]:

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page
 
 from higvf_console.core.commands import AskReset, EmergencyStop, Freeze, ResetEmergencyStop
-from higvf_console.ui.ui_state import acknowledge_alarms
+from higvf_console.ui.alarms import acknowledge_alarms
 from tests.browser import open_console, screenshot, told, wait_until
 from tests.consoles import Running, console_at_work
 

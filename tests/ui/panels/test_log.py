@@ -1,73 +1,68 @@
-"""Alarms wait to be read, and are withdrawn when their cause has ended."""
+"""The log lists what happened and marks the alarms that stand; its button and a page acknowledge them."""
 
+from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import pytest
-import viser
 
 from higvf_console.core.events import Event, Severity
+from higvf_console.ui.alarms import add_alarms
 from higvf_console.ui.page import page
-from higvf_console.ui.panels import log
-from higvf_console.ui.panels.log import ALARM_S, LogPanel
-from higvf_console.ui.ui_state import UiStore, acknowledge_alarms
+from higvf_console.ui.panels.log import LogPanel
+from higvf_console.ui.ui_state import UiStore
+from tests.fake_gui import PAGE, Gui, Widget
 
 STOP = Event(1.0, Severity.ALARM, "stop", "STOP: all robots stand still.")
+LOST = Event(2.0, Severity.ALARM, "channel", "Input 'gaze' is lost.")
+
+
+class Shown:
+    """A log panel, and what a page sees of it and sends."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.gui, self.ui = Gui(), UiStore()
+        self.read: Callable[[int, Any], None] = lambda *_: None
+        monkeypatch.setattr(page, "listen", self._listen)
+        self.panel = LogPanel(self.gui.as_server(), self.ui)
+        self.button: Widget = self.gui["Acknowledge"]
+
+    def _listen(self, _server: object, topic: str, callback: Callable[[int, Any], None]) -> None:
+        assert topic == "read"
+        self.read = callback
+
+    def update(self, *events: Event) -> str:
+        self.panel.update(SimpleNamespace(events=events))  # pyright: ignore[reportArgumentType]
+        return self.gui.html[0].content
 
 
 @pytest.fixture
-def ui() -> UiStore:
-    return UiStore()
+def shown(monkeypatch: pytest.MonkeyPatch) -> Shown:
+    return Shown(monkeypatch)
 
 
-@pytest.fixture
-def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """A clock that only the test moves."""
-    now = SimpleNamespace(seconds=100.0)
-    monkeypatch.setattr(log.clock, "monotonic", lambda: now.seconds)
-    return now
+def test_before_anything_has_happened_the_log_says_so(shown: Shown) -> None:
+    assert "Nothing has happened yet" in shown.update()
+    assert not shown.button.visible
 
 
-@pytest.fixture
-def panel(monkeypatch: pytest.MonkeyPatch, ui: UiStore, now: SimpleNamespace) -> LogPanel:  # noqa: ARG001
-    def nothing(*_: object) -> None:
-        pass
-
-    def widget(*_: object, **__: object) -> SimpleNamespace:
-        return SimpleNamespace(on_click=nothing)
-
-    monkeypatch.setattr(page, "listen", nothing)
-    gui = SimpleNamespace(add_button=widget, add_html=widget)
-    return LogPanel(cast(viser.ViserServer, SimpleNamespace(gui=gui)), ui)
+def test_an_alarm_stands_out_until_the_button_is_pressed(shown: Shown) -> None:
+    shown.ui.change(add_alarms([STOP, LOST]))
+    assert shown.update(STOP, LOST).count("class=alarm") == 2
+    assert (shown.button.visible, shown.button.label) == (True, "Acknowledge 2 alarms")
+    shown.button.touch()
+    html = shown.update(STOP, LOST)
+    assert "class=alarm" not in html
+    assert STOP.text in html, "what was read stays in the list"
+    assert not shown.button.visible
 
 
-def snapshot(*events: Event, stopped: bool) -> Any:
-    return SimpleNamespace(events=events, state=SimpleNamespace(intent=SimpleNamespace(stopped=stopped)))
+def test_a_page_that_puts_an_alarm_away_acknowledges_it_alone(shown: Shown) -> None:
+    shown.ui.change(add_alarms([STOP, LOST]))
+    shown.read(PAGE, {"text": STOP.text})
+    assert shown.ui.state.alarms == (LOST,)
 
 
-def test_an_alarm_is_withdrawn_when_its_cause_has_ended_but_not_before_it_could_be_seen(
-    panel: LogPanel, ui: UiStore, now: SimpleNamespace
-) -> None:
-    panel.update(snapshot(STOP, stopped=True))
-    now.seconds += 2 * ALARM_S
-    panel.update(snapshot(STOP, stopped=True))
-    assert ui.state.alarms == (STOP,)
-    panel.update(snapshot(STOP, stopped=False))
-    assert ui.state.alarms == ()
-
-
-def test_an_alarm_of_a_short_cause_stands_for_a_while(panel: LogPanel, ui: UiStore, now: SimpleNamespace) -> None:
-    panel.update(snapshot(STOP, stopped=False))
-    now.seconds += 0.9 * ALARM_S
-    panel.update(snapshot(STOP, stopped=False))
-    assert ui.state.alarms == (STOP,)
-    now.seconds += 0.2 * ALARM_S
-    panel.update(snapshot(STOP, stopped=False))
-    assert ui.state.alarms == ()
-
-
-def test_a_withdrawn_or_acknowledged_alarm_does_not_come_back(panel: LogPanel, ui: UiStore) -> None:
-    panel.update(snapshot(STOP, stopped=True))
-    ui.change(acknowledge_alarms())
-    panel.update(snapshot(STOP, stopped=True))
-    assert ui.state.alarms == ()
+def test_the_panel_by_itself_makes_no_event_an_alarm(shown: Shown) -> None:
+    shown.update(STOP)
+    assert shown.ui.state.alarms == ()

@@ -12,10 +12,11 @@ from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import ChannelHealth, ChannelState, PointerSink
 from higvf_console.runtime.phase import Phase, RunPhase
 from higvf_console.sim.simulation import advance
+from higvf_console.ui.alarms import add_alarms
 from higvf_console.ui.page import page
 from higvf_console.ui.panels.run import RunControls
 from higvf_console.ui.panels.status import StatusStrip
-from higvf_console.ui.ui_state import UiStore, add_alarms
+from higvf_console.ui.ui_state import UiStore
 from higvf_console.ui.widgets.html import TIMES
 from tests.teams import team
 
