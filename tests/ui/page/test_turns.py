@@ -146,10 +146,10 @@ def test_no_more_is_read_while_there_is_something_to_parse(monkeypatch: pytest.M
     assert max(longest) <= 2**18, "what the transport reads at once"
 
 
-@pytest.mark.parametrize("frame", [framed(b"", 9), framed(b"", 10), b"\x00\x80" + bytes(4)], ids=["ping", "pong", "part"])
-def test_a_page_that_floods_with_what_no_reader_sees_is_cut_off(
-    frame: bytes, caplog: pytest.LogCaptureFixture
-) -> None:
+@pytest.mark.parametrize(
+    "frame", [framed(b"", 9), framed(b"", 10), b"\x00\x80" + bytes(4)], ids=["ping", "pong", "part"]
+)
+def test_a_page_that_floods_with_what_no_reader_sees_is_cut_off(frame: bytes, caplog: pytest.LogCaptureFixture) -> None:
     first = bytes([0x02]) + framed(b"")[1:]  # a message begins, and does not end
 
     async def test() -> None:
