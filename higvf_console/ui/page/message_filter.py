@@ -5,6 +5,7 @@ piece, one in each turn of the loop, and meanwhile no more is read from it: TCP 
 """
 
 import asyncio
+import logging
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -26,6 +27,8 @@ PIECE_READ = 2048  # bytes of one page that are parsed before the others have th
 FRAMES_IN_A_ROW = 32  # that one page may have passed on before the others have their turn
 LONGEST_STOP = 256  # bytes of a frame
 CLOSING_S = 1.0  # [s] that a page that is cut off has to read why
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -141,13 +144,16 @@ class FilteredConnection(ServerConnection):
         return in_pace or (isinstance(message, CommandTriggerMessage) and message.uuid in self._settings.stops)
 
     async def close(self, code: int = CloseCode.NORMAL_CLOSURE, reason: str = "") -> None:
-        """Closes it, when its reader has ended, and lets go of what was never read.
+        """Closes it, when its reader has ended, and lets go of all that leads back to it.
 
         A flooder's frames would stay, thousands of them in a cycle of references, until the garbage collector looks
         through them, which may be in a control period.
         """
         await super().close(code, reason)
         self.recv_messages.frames.queue.clear()
+        self.recv_messages.pause = self.recv_messages.resume = _nothing
+        self.protocol.logger = self.logger = _log
+        self.recv_exc = self.keepalive_task = None
 
     def end(self, reason: str) -> None:
         """Ends the connection; callable from any thread."""
@@ -174,6 +180,10 @@ def filtering(settings: FilterSettings) -> Callable[..., FilteredConnection]:
         return FilteredConnection(settings, *arguments, **options)
 
     return connection
+
+
+def _nothing() -> None:
+    """What a socket that has ended does to go on."""
 
 
 _settings: "WeakKeyDictionary[viser.ViserServer, FilterSettings]" = WeakKeyDictionary()

@@ -2,8 +2,10 @@
 
 import asyncio
 import base64
+import gc
 import logging
 import socket
+import weakref
 from collections.abc import AsyncGenerator, Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
@@ -22,14 +24,11 @@ PICK, STOP = said("key", name="pick_1", number=0), said("key", name="stop", numb
 SEVERAL = 8  # turns of the loop that a frame may take from the socket to its reader
 PATIENT = Limits(messages=1e6, messages_at_once=1e6)
 
-Seen = list[tuple[int, int]]  # number of the page, frames of it parsed so far
-
 
 class Site:
     """A server of such sockets in a loop, with clients that write without waiting."""
 
     def __init__(self) -> None:
-        self.parsed: list[int] = []  # frames, by page
         self.passed: list[list[bytes]] = []
         self.connections: list[FilteredConnection] = []
         self.port = 0
@@ -166,6 +165,25 @@ def test_a_page_that_floods_with_what_no_reader_sees_is_cut_off(frame: bytes, ca
 
     run(test)
     assert not [record for record in caplog.records if record.name == "asyncio"], "no task failed"
+
+
+def test_a_page_that_was_cut_off_leaves_nothing_for_the_garbage_collector() -> None:
+    async def test() -> None:
+        async with site(Limits(messages=10.0, messages_at_once=20.0)) as made:
+            page = await made.page()
+            page.send(PICK * 1000)
+            left = weakref.ref(made.connections[0])
+            await until(lambda: made.connections[0].protocol.close_sent)
+            page.close()
+            await until(made.connections[0].connection_lost_waiter.done)
+            made.connections.clear()
+            gc.disable()
+            try:
+                await until(lambda: left() is None)
+            finally:
+                gc.enable()
+
+    run(test)
 
 
 def test_a_piece_is_small_beside_what_a_transport_reads_at_once() -> None:
