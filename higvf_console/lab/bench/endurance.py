@@ -184,7 +184,7 @@ def live(name: str, robots: int, observers: int, seconds: float) -> Case:
             watching = server.url.replace(secrets["experimenter"], secrets["observer"])
             with LivePages(server.url, watching, observers) as pages:
                 strokes = (outline_of(robots, turn) for turn in count())
-                pages.fill_history()
+                pages.fill_history(strokes)
                 samples = sample(server.process, lambda now: now < seconds, each=lambda: pages.act(strokes))
     return _case(name, f"{robots} robots live, {observers} observers", samples)
 

@@ -12,7 +12,7 @@ from higvf_console.lab.bench.viser_client import ViserClient
 from higvf_console.runtime.history import KEPT
 
 STROKE_EVERY = 5  # turns
-PICKS, PICK_EVERY = 2 * KEPT, 0.03  # [s]
+AHEAD_EVERY = 0.2  # [s] between the strokes that fill the history; each is to fall into a control period of its own
 
 
 class LivePages:
@@ -43,15 +43,19 @@ class LivePages:
         """Closes all of them."""
         self.close()
 
-    def fill_history(self) -> None:
-        """The page in control picks one robot after the other, until all actions that can be undone are these.
+    def fill_history(self, strokes: Iterator[Floats]) -> None:
+        """The page in control draws, until all actions that can be undone are strokes.
 
-        Each of them holds a state of the whole team: memory would rise until there are as many as are kept.
+        Each of them holds a state of the whole team, 0.2 MB of 1 000 robots: memory would rise until there are as many
+        as are kept. Actions of one control period share their state, so they come one by one.
+
+        Args:
+            strokes: each (n, 2) [m].
         """
         self._pages[0].say("hello", identity=_identity(0))
-        for number in range(PICKS):
-            self._pages[0].say("key", name=f"pick_{1 + number % 2}", number=0)
-            time.sleep(PICK_EVERY)
+        for number in range(KEPT):
+            self._draw(number, next(strokes))
+            time.sleep(AHEAD_EVERY)
 
     def act(self, strokes: Iterator[Floats]) -> None:
         """All give a sign of life; one observer reloads; the page in control draws in every fifth turn.
@@ -71,10 +75,13 @@ class LivePages:
         for number, page in enumerate(self._pages):
             page.say("hello", identity=_identity(number))
         if self._turn % STROKE_EVERY == 0:
-            points = next(strokes).ravel().tolist()
-            for sequence, (phase, some) in enumerate((("start", points[:2]), ("update", points[2:]), ("end", []))):
-                self._pages[0].say("stroke", id=self._turn, sequence=sequence, phase=phase, points=some, group=False)
+            self._draw(KEPT + self._turn, next(strokes))
         self._turn += 1
+
+    def _draw(self, number: int, stroke: Floats) -> None:
+        points = stroke.ravel().tolist()
+        for sequence, (phase, some) in enumerate((("start", points[:2]), ("update", points[2:]), ("end", []))):
+            self._pages[0].say("stroke", id=number, sequence=sequence, phase=phase, points=some, group=False)
 
     def close(self) -> None:
         """Closes all of them."""

@@ -78,3 +78,7 @@ class Pace:
         self.dropped += 1
         messages, volume = self._hard
         return messages.take(1, now) and volume.take(size, now)
+
+    def bears_part(self, now: float) -> bool:
+        """Whether a frame that is no whole message is within the hard limit at `now` [s]."""
+        return self._hard[0].take(1, now)

@@ -1,5 +1,6 @@
 """The suite of long runs: its scenario, its pages, a tiny headless run, its report."""
 
+import itertools
 import json
 from typing import Any, ClassVar
 
@@ -62,13 +63,14 @@ def test_the_pages_say_what_honest_pages_say_and_reload_in_turn(pages: LivePages
     assert all(page.closed for page in FakePage.made)
 
 
-def test_the_history_is_filled_with_picks_ahead(pages: LivePages, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live_pages, "PICK_EVERY", 0.0)
-    pages.fill_history()
-    (greeting, _), *picks = FakePage.made[0].said
-    assert greeting == "hello"
-    assert len(picks) > history.KEPT
-    assert [body["name"] for _, body in picks[:3]] == ["pick_1", "pick_2", "pick_1"]
+def test_the_history_is_filled_with_strokes_ahead(pages: LivePages, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live_pages, "AHEAD_EVERY", 0.0)
+    strokes = (outline_of(10, turn) for turn in itertools.count())
+    pages.fill_history(strokes)
+    pages.act(strokes)
+    drawn = [body["id"] for topic, body in FakePage.made[0].said if topic == "stroke" and body["phase"] == "end"]
+    assert drawn == list(range(history.KEPT + 1))
+    assert FakePage.made[0].said[0][0] == "hello"
 
 
 def test_a_page_that_the_console_closed_ends_the_measurement(pages: LivePages) -> None:

@@ -11,6 +11,8 @@ from higvf_console.core.commands import LoadScenario, ResetRun
 from higvf_console.runtime.phase import Phase
 from higvf_console.scenario.kept import draft_file, write_whole
 from higvf_console.scenario.scenario import scenario_names
+from higvf_console.ui.page.access import Role
+from tests.attacks.test_seats import link_of
 from tests.browser import console_page, press, screenshot, shown, wait_until
 from tests.consoles import Running, console_at_work
 from tests.scenario.test_kept_texts import gone_process
@@ -45,6 +47,18 @@ def page(chromium: Browser, running: Running) -> Iterator[Page]:
 
 def phase(running: Running) -> Phase:
     return running.session.snapshot.phase.phase
+
+
+def test_a_page_that_watches_is_told_who_may_start(chromium: Browser, page: Page, running: Running) -> None:
+    expect(page.locator("#run .act").first).to_be_enabled()
+    with console_page(chromium, link_of(running, Role.OBSERVER)) as watching:
+        card = watching.locator("#run")
+        expect(card).to_contain_text("Page 1 steers: only that page can use these buttons.")
+        for name in ("Start", "Other scenario …", "Open it"):
+            expect(card.get_by_role("button", name=name)).to_be_disabled()
+        expect(card.get_by_role("button", name="Fold")).to_be_enabled()
+        screenshot(watching, "run-ready-watching")
+    expect(page.locator("#run .idle")).to_have_count(0)
 
 
 def test_a_run_waits_is_started_ends_and_is_run_again(page: Page, running: Running) -> None:

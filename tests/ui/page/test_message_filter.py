@@ -22,6 +22,7 @@ def test_what_was_never_read_is_let_go_once_the_socket_is_closed(monkeypatch: py
     monkeypatch.setattr(
         connection, "recv_messages", SimpleNamespace(frames=SimpleNamespace(queue=unread)), raising=False
     )
+    monkeypatch.setattr(connection, "protocol", SimpleNamespace(), raising=False)
     with ThreadPoolExecutor(1) as executor:  # the browser of other tests has a loop that runs on this thread
         executor.submit(asyncio.run, connection.close()).result()
     assert left == [100], "not before its reader has ended"

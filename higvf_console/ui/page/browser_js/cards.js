@@ -31,6 +31,9 @@
         box-shadow: inset 0 0 0 1px var(--hg-card_rule, #343c46); }
       .act.first { color: #fff; background: var(--hg-brand, #3a86b4); box-shadow: none; }
       .act:hover { filter: brightness(1.1); }
+      .act:disabled { cursor: not-allowed; filter: none; background: none; color: var(--hg-dim, #9aa5b1);
+        box-shadow: inset 0 0 0 1px var(--hg-card_rule, #343c46); }
+      .idle { flex: 1 1 100%; margin: 0; color: var(--hg-dim, #9aa5b1); }
       .fold { width: 32px; height: 32px; border-radius: 7px; background: none; color: var(--hg-dim, #9aa5b1); font-size: 18px; }
       .fold:hover { background: var(--hg-key, #2b323c); color: var(--hg-text, #d5dbe2); }
       ul { margin: 0 0 8px; padding-left: 1.2em; }
@@ -70,6 +73,7 @@
   const $ = (selector) => overlay.shadowRoot.querySelector(selector);
   const [run, own, veil] = [$("#run"), $("#own"), $(".veil")];
   let kind = "";
+  let idle = ""; // why the buttons of the run's card do nothing on this page; empty = they work
 
   function place() {
     const rect = page.canvas()?.getBoundingClientRect();
@@ -110,6 +114,15 @@
     button.setAttribute("aria-label", button.title);
   }
 
+  function hold() {
+    for (const button of run.querySelectorAll(".act")) button.disabled = idle !== "";
+    run.querySelector(".idle")?.remove();
+    if (!idle) return;
+    const line = document.createElement("p");
+    [line.className, line.textContent] = ["idle", idle];
+    (run.querySelector("footer") ?? run.querySelector(".body"))?.append(line);
+  }
+
   function close() {
     veil.classList.remove("open");
     own.classList.remove("open");
@@ -138,8 +151,17 @@
       run.classList.toggle("open", card.html !== "");
       run.dataset.kind = kind;
       fold(folded);
+      hold();
       place();
       if (same && run.querySelector(".body")) run.querySelector(".body").scrollTop = scrolled;
+    },
+
+    // Why a page that watches cannot use the card of the run; empty = it steers.
+    watches(reason) {
+      if (reason === idle) return;
+      idle = reason;
+      hold();
+      place();
     },
 
     // A card of this page alone.

@@ -69,6 +69,14 @@
     return [`${who(role)}, ${rest}`, "", [...ask, ["Take over", "take"]]];
   }
 
+  // What the cards say of their buttons.
+  function idle() {
+    if (role.steers) return "";
+    if (role.holder) return `${role.holder} steers: only that page can use these buttons.`;
+    if (role.role === "observer") return "Nobody steers: only a page that does can use these buttons.";
+    return "Nobody steers: take control to use these buttons.";
+  }
+
   const noted = () => now() < note.until;
   const alone = () => role.steers && role.others === 0 && !noted();
 
@@ -78,6 +86,7 @@
     if (bar && host.parentElement !== bar) bar.append(host);
     if (!role) return;
     page.part("strip")?.watches(!role.steers);
+    page.part("cards")?.watches(idle());
     const [says, look, buttons] = face();
     const key = JSON.stringify([says, look, buttons, noted() && note.text]);
     if (key === shown) return;
