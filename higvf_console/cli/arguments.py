@@ -38,6 +38,7 @@ def parser() -> argparse.ArgumentParser:
     compiling.add_argument("--lower-filter", action="store_true", help=argparse.SUPPRESS)
     compiling.set_defaults(command="compile")
     _add_check_interface(commands)
+    _add_teams(commands)
     return whole
 
 
@@ -94,6 +95,26 @@ def _add_check_interface(commands: Any) -> None:
     check.add_argument(
         "--seconds", type=_positive, default=60.0, metavar="S", help="session time to run it [s] (default 60)"
     )
+
+
+def _add_teams(commands: Any) -> None:
+    named = "NAME[=ADDRESS][:OPTION=VALUE,...]"
+    teams = commands.add_parser("teams", help="list the installed teams of robots, or the robots that a network shows")
+    teams.set_defaults(command="teams")
+    teams.add_argument("network", nargs="?", metavar=named, help="list the robots heard there for 2 s")
+    check = commands.add_parser("check-team", help="test a team of robots against its contract")
+    check.set_defaults(command="check_team")
+    check.add_argument("team", metavar=named, help="the team, as for `higvf run --team`")
+    check.add_argument("--poses", metavar=named, help="what tells where they are, if the team does not")
+    check.add_argument(
+        "--drive", action="store_true", help="the robots may move: each turns on the spot, or moves a little along x"
+    )
+    for command in (teams, check):
+        command.add_argument("--json", action="store_true", help="write JSON instead of text")
+        command.add_argument(
+            "--scenario", default="epucks", metavar="SCENARIO",
+            help="scenario that gives arena and robots (default epucks)",
+        )  # fmt: skip
 
 
 def _add_run(commands: Any) -> None:

@@ -1,8 +1,8 @@
 """The command `higvf`: runs scenarios, replays and inspects recordings, reproduces the paper, runs benchmarks.
 
-Exit status: 0 on success; 1 if a replay differs, an interface violates its contract, a guarantee is broken or a long
-run does not stay flat; 2 on invalid input, with a one-line reason on standard error; 130 on Ctrl-C; 141 if the reader
-of the output ended first, as in `higvf ... | head`.
+Exit status: 0 on success; 1 if a replay differs, an interface or a team violates its contract, a guarantee is broken or
+a long run does not stay flat; 2 on invalid input, with a one-line reason on standard error; 130 on Ctrl-C; 141 if the
+reader of the output ended first, as in `higvf ... | head`.
 """
 # ruff: noqa: PLC0415 (each command imports its own modules, so that `--help` does not load the compiler)
 
@@ -227,6 +227,18 @@ def _replay(given: argparse.Namespace) -> int:
     return 1
 
 
+def _teams(given: argparse.Namespace) -> int:
+    from higvf_console.cli.teams import teams
+
+    return teams(given)
+
+
+def _check_team(given: argparse.Namespace) -> int:
+    from higvf_console.cli.teams import check_team
+
+    return check_team(given)
+
+
 def _run(given: argparse.Namespace) -> int:
     from higvf_console.cli.run import run
 
@@ -239,6 +251,8 @@ _COMMANDS = {
     "compile": _compile,
     "bench": _bench,
     "check_interface": _check_interface,
+    "check_team": _check_team,
+    "teams": _teams,
     "run": _run,
     "reproduce": _reproduce,
     "inspect": _inspect,

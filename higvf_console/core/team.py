@@ -124,7 +124,8 @@ def options_of(spec: TeamSpec, kind: type[Options]) -> Options:
 
     Args:
         spec: what it is opened with.
-        kind: a NamedTuple; its fields are texts, or numbers annotated with a `Quantity`, all with a default.
+        kind: a NamedTuple; its fields are texts, annotated with a sentence, or numbers, annotated with a `Quantity`;
+            all have a default.
 
     Raises:
         InputError: an option is unknown, no number, or out of range.
@@ -138,6 +139,18 @@ def options_of(spec: TeamSpec, kind: type[Options]) -> Options:
                 node = node.__class__(float(node.value), node.source, node.place, node.raises)  # noqa: PLW2901
             given[name] = node.number(numbers[name])
     return kind(**given)
+
+
+class Heard(NamedTuple):
+    """A robot that a network shows.
+
+    Attributes:
+        name: as the network calls it.
+        detail: what was heard of it, in a few words.
+    """
+
+    name: str
+    detail: str
 
 
 @runtime_checkable
@@ -163,7 +176,9 @@ class Team(PoseSource, Protocol):
     """Robots that hear commands. An entry point of `higvf_console.teams` is a callable `(TeamSpec) -> Team`.
 
     An opener raises `InputError` where the address or an option cannot be used. A team stands until it hears a command,
-    and again when the last one is older than its `valid_for`.
+    and again when the last one is older than its `valid_for`. What `higvf teams` shows besides the name comes from two
+    attributes that an opener may have: `options`, the NamedTuple that it gives to `options_of`, and
+    `heard(spec: TeamSpec, seconds: float) -> Sequence[Heard]`, the robots that its network shows in that time.
     """
 
     def drive(self, command: Drive, now: float) -> None:

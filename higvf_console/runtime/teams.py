@@ -1,19 +1,21 @@
 """`--team NAME=ADDRESS:option=value,option=value` and `--poses` likewise: the robots that a run drives."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Annotated as A  # noqa: N817 (a table needs narrow columns)
 from typing import NamedTuple
 
 from higvf_console.control.parameters import controlled
 from higvf_console.core.errors import InputError
 from higvf_console.core.quantity import Quantity as Q  # noqa: N817
-from higvf_console.core.team import TeamSpec, options_of
+from higvf_console.core.team import Heard, TeamSpec, options_of
 from higvf_console.runtime.inputs import options_behind, split_source
-from higvf_console.scenario.scenario import Scenario
+from higvf_console.scenario.scenario import Scenario, load_scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.unicycle import body_centres
+from higvf_console.team.check import Finding, check_team
 from higvf_console.team.driver import TeamDriver
+from higvf_console.team.listing import heard_robots
 from higvf_console.team.opening import open_poses, open_team, team_names
 from higvf_console.team.simulated import SimulatedTeam
 from higvf_console.team.tracking import Rules
@@ -112,3 +114,36 @@ def open_driver(
         opened.close()
         raise
     return TeamDriver(opened, spec.robots, rules, clock, spec.period, source)
+
+
+def checked_team(team: str, poses: str | None, scenario: str, *, drive: bool) -> list[Finding]:
+    """Holds a team to its contract.
+
+    Args:
+        team: value of `--team`.
+        poses: value of `--poses`; None = the team knows them.
+        scenario: name or file, which gives arena and robots.
+        drive: whether the robots may move.
+
+    Raises:
+        InputError: one of them cannot be used.
+    """
+    loaded = load_scenario(scenario)
+    setup = loaded.setup(0)
+    spec, options = team_spec(team, "check-team", loaded, setup)
+    motion = setup.start.motion
+    if poses is None:
+        return check_team(spec, rules_of(spec, options), motion, drive=drive)
+    source, options = team_spec(poses, "--poses", loaded, setup)
+    return check_team(spec, rules_of(spec, options), motion, lambda: open_poses(source), drive=drive)
+
+
+def heard_by(network: str, scenario: str, seconds: float) -> Sequence[Heard]:
+    """The robots that a network shows, of a text such as `mqtt=mqtt://127.0.0.1`.
+
+    Raises:
+        InputError: there is no such team, or its address or options cannot be used.
+    """
+    loaded = load_scenario(scenario)
+    spec, _ = team_spec(network, "teams", loaded, loaded.setup(0))
+    return heard_robots(spec, seconds)

@@ -9,7 +9,7 @@ from higvf_console.core.team import PoseSource, Team, TeamSpec
 from higvf_console.team.simulated import SimulatedTeam
 
 TEAMS, POSE_SOURCES = "higvf_console.teams", "higvf_console.pose_sources"
-_BUILT_IN: Mapping[str, Callable[[TeamSpec], Team]] = {SimulatedTeam.name: SimulatedTeam}
+BUILT_IN: Mapping[str, Callable[[TeamSpec], Team]] = {SimulatedTeam.name: SimulatedTeam}
 
 
 class TeamCrashedError(InputError):
@@ -18,7 +18,7 @@ class TeamCrashedError(InputError):
 
 def team_names() -> tuple[str, ...]:
     """Names of the teams: the built-in one and those that are installed."""
-    return tuple(sorted({*_BUILT_IN, *(point.name for point in entry_points(group=TEAMS))}))
+    return tuple(sorted({*BUILT_IN, *(point.name for point in entry_points(group=TEAMS))}))
 
 
 def pose_source_names() -> tuple[str, ...]:
@@ -33,8 +33,8 @@ def open_team(spec: TeamSpec) -> Team:
         InputError: no such team is installed, it cannot be imported, or its address or options cannot be used.
         TeamCrashedError: it raised something else while it opened, or offers what is no team.
     """
-    if spec.name in _BUILT_IN:
-        return _BUILT_IN[spec.name](spec)
+    if spec.name in BUILT_IN:
+        return BUILT_IN[spec.name](spec)
     return _opened(spec, TEAMS, "team", team_names(), ("poses", "drive", "stop", "links", "close"))
 
 

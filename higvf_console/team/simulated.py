@@ -49,6 +49,7 @@ class SimulatedTeam:
     """N robots whose centres move as they are told."""
 
     name = "simulated"
+    options = SimulatedOptions
 
     def __init__(self, spec: TeamSpec) -> None:
         """Starts where the scenario has the robots.
