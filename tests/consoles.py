@@ -1,6 +1,7 @@
 """A whole console for browser tests: session, server and view, live on threads of their own."""
 
 import threading
+import time
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,6 +26,7 @@ from higvf_console.core.state import SimState
 from higvf_console.runtime.background.worker import Worker
 from higvf_console.runtime.persistence.drafts import Drafts
 from higvf_console.runtime.session import Session
+from higvf_console.runtime.teams import open_driver
 from higvf_console.scenario.scenario import load_scenario
 from higvf_console.sim.warm_up import warm_up
 from higvf_console.ui.console import Console
@@ -70,6 +72,7 @@ def console_at_work(
     attended: bool = False,
     folder: Path | None = None,
     worker: Worker | None = None,
+    team: str | None = None,
 ) -> Generator[Running]:
     """A scenario, live, with the console's channel and what else there is.
 
@@ -79,11 +82,13 @@ def console_at_work(
         attended: whether the clock waits for its start and stands at the end; else it runs at once and never stands.
         folder: where drafts and files opened lately are kept; None = nowhere.
         worker: reads what is loaded during the run; None = the session itself does.
+        team: robots that drive, as `--team` has it; None = they are integrated.
     """
     console_channel = open_interface(InputSpec("console"))
-    session = Session(
-        load_scenario(scenario), [console_channel, *interfaces], attended=attended, waits=attended, worker=worker
-    )
+    loaded = load_scenario(scenario)
+    driver = None if team is None else open_driver(team, None, loaded, loaded.setup(), time.monotonic)
+    channels = [console_channel, *interfaces]
+    session = Session(loaded, channels, attended=attended, waits=attended, worker=worker, team=driver)
     warm_up(session.setup.start, session.setup.world, session.setup.params)
     access = access_by(None)
     server = guard.open_server("127.0.0.1", 0, access, "Console")
