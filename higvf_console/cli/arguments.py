@@ -55,6 +55,9 @@ def _add_bench(commands: Any) -> None:
     deadlock.add_argument(
         "--scenes", type=_count, metavar="N", help="number of spaced scenes; other kinds in proportion (default 1000)"
     )
+    deadlock.add_argument(
+        "--scale", type=_positive, metavar="F", help="size of arenas, robots and speeds: 0.00333 of the usual one, ..."
+    )
     deadlock.add_argument("--scene", metavar="KIND:SEED", help="run one scene and report its events, e.g. crowded:17")
     deadlock.add_argument(
         "--save", type=Path, metavar="FILE", help="with --scene: save the scene as a scenario file and exit"

@@ -84,7 +84,12 @@ def _bench(given: argparse.Namespace) -> int:
     from higvf_console.lab.bench import bench
 
     options = {
-        bench.DEADLOCK: {"--scenes": given.scenes, "--scene": given.scene, "--save": given.save},
+        bench.DEADLOCK: {
+            "--scenes": given.scenes,
+            "--scale": given.scale,
+            "--scene": given.scene,
+            "--save": given.save,
+        },
         bench.SAFETY: {"--ticks": given.ticks, "--seed": given.seed, "--recording": given.recording},
         bench.ENDURANCE: {"--minutes": given.minutes, "--hours": given.hours, "--case": given.case},
     }
@@ -100,7 +105,7 @@ def _bench(given: argparse.Namespace) -> int:
         return _safety(given)
     if given.suite == bench.ENDURANCE:
         return _endurance(given)
-    bench.main(given.suite, given.json, given.scenes)
+    bench.main(given.suite, given.json, given.scenes, given.scale or 1.0)
     return 0
 
 

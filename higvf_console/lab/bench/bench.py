@@ -29,24 +29,25 @@ SAFETY, ENDURANCE = "safety", "endurance"  # have a command of their own: `lab.s
 SUITES = (*_TIMINGS, DEADLOCK, PREVIEW, LSL, UI)
 
 
-def main(suite: str, as_json: bool, scenes: int | None = None) -> None:
+def main(suite: str, as_json: bool, scenes: int | None = None, factor: float = 1.0) -> None:
     """Runs a suite and prints its table, or one JSON object."""
-    print(run_suite(suite, as_json, scenes))
+    print(run_suite(suite, as_json, scenes, factor))
 
 
-def run_suite(name: str, as_json: bool, scenes: int | None = None) -> str:
+def run_suite(name: str, as_json: bool, scenes: int | None = None, factor: float = 1.0) -> str:
     """The table of a suite, or its JSON.
 
     Args:
         name: one of `SUITES`.
         as_json: whether to return JSON instead of a table.
         scenes: number of spaced scenes of `DEADLOCK` to run, and the same share of the others; None = all.
+        factor: size of these scenes, relative to the usual one.
 
     Raises:
         HigvfError: no such suite, the message lists them; or a package of an extra that it needs is missing.
     """
     if name == DEADLOCK:
-        outcomes = bench_deadlock.run_all(scenes)
+        outcomes = bench_deadlock.run_all(scenes, factor=factor)
         return deadlock_report.as_json(outcomes) if as_json else deadlock_report.table(outcomes)
     if name == PREVIEW:
         measured = bench_preview.run()

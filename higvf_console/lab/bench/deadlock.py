@@ -12,12 +12,12 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import NamedTuple
 
 from higvf_console.control.forms import forms_named
-from higvf_console.control.parameters import Parameters
+from higvf_console.control.parameters import Parameters, defaults_at
 from higvf_console.core.errors import HigvfError
 from higvf_console.core.state import PathStatus
 from higvf_console.lab.bench.pockets import pocket_scene
 from higvf_console.lab.bench.scene_file import scene_setup
-from higvf_console.lab.bench.scenes import TIME_LIMIT, Kind, Scene, open_scene
+from higvf_console.lab.bench.scenes import TIME_LIMIT, Kind, Scene, open_scene, scaled
 from higvf_console.lab.progress import ProgressBar
 from higvf_console.sim.simulation import roll
 from higvf_console.sim.warm_up import warm_up
@@ -64,9 +64,10 @@ class Outcome(NamedTuple):
         return self.clearance < -_TOLERANCE
 
 
-def make_scene(kind: Kind, seed: int) -> Scene:
-    """The random scene of a kind and seed."""
-    return pocket_scene(seed) if kind == Kind.POCKETS else open_scene(kind, seed)
+def make_scene(kind: Kind, seed: int, factor: float = 1.0) -> Scene:
+    """The random scene of a kind and seed, at `factor` times its usual size."""
+    scene = pocket_scene(seed) if kind == Kind.POCKETS else open_scene(kind, seed)
+    return scene if factor == 1.0 else scaled(scene, factor)
 
 
 def scene_named(text: str) -> Scene:
@@ -100,27 +101,29 @@ def _run(scene: Scene, form: str, setup: Setup) -> Outcome:
 
 
 def params_of(form: str, scene: Scene) -> Parameters:
-    """The default parameters in one of `FORMS`, with weights for which the printed intention update converges."""
-    return convergent(Parameters(forms=_FORMS[form]), scene.robots, None, scene.influenced)[0]
+    """The defaults at the scale of a scene in one of `FORMS`, with weights for which the printed update converges."""
+    params = defaults_at(scene.scale)._replace(forms=_FORMS[form])
+    return convergent(params, scene.robots, None, scene.influenced)[0]
 
 
-def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS) -> list[Outcome]:
+def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS, factor: float = 1.0) -> list[Outcome]:
     """Runs the suite on all cores; returns the outcomes in the order of forms, kinds and seeds.
 
     Args:
         scenes: number of spaced scenes, and the same share of each other kind, at least one; None = all of `SCENES`.
         forms: forms to run, of `FORMS`.
+        factor: size of arena, robots and speeds, relative to the usual one.
     """
     share = 1.0 if scenes is None else scenes / SCENES[Kind.SPACED]
     jobs = [(kind, seed) for kind, count in SCENES.items() for seed in range(max(1, round(share * count)))]
-    scene = make_scene(*jobs[0])
+    scene = make_scene(*jobs[0], factor)
     first = scene_setup(scene, params_of(forms[0], scene))
     warm_up(first.start, first.world, first.params)  # compiles once, before the processes start
     bar = ProgressBar("scenes", len(jobs))
     outcomes: list[Outcome] = []
     with ProcessPoolExecutor() as pool:
         batches = [jobs[k : k + _BATCH] for k in range(0, len(jobs), _BATCH)]
-        for future in as_completed([pool.submit(_run_batch, batch, forms) for batch in batches]):
+        for future in as_completed([pool.submit(_run_batch, batch, forms, factor) for batch in batches]):
             found = future.result()
             outcomes += found
             bar.advance(len(found) // len(forms))
@@ -128,11 +131,11 @@ def run_all(scenes: int | None = None, forms: Sequence[str] = FORMS) -> list[Out
     return sorted(outcomes, key=lambda one: (forms.index(one.form), kinds.index(one.kind), one.seed))
 
 
-def _run_batch(jobs: Sequence[tuple[Kind, int]], forms: Sequence[str]) -> list[Outcome]:
+def _run_batch(jobs: Sequence[tuple[Kind, int]], forms: Sequence[str], factor: float) -> list[Outcome]:
     """Runs some scenes in all forms; the world of a scene is the same in all forms and is built once."""
     outcomes: list[Outcome] = []
     for kind, seed in jobs:
-        scene = make_scene(kind, seed)
+        scene = make_scene(kind, seed, factor)
         setup = scene_setup(scene, params_of(forms[0], scene))
         outcomes += [_run(scene, form, with_params(setup, params_of(form, scene))) for form in forms]
     return outcomes

@@ -25,7 +25,7 @@ def scene_setup(scene: Scene, params: Parameters) -> Setup:
     )
     setup = make_setup(layout, scene.robots)
     start = setup.start._replace(intent=setup.start.intent._replace(influenced=scene.influenced))
-    path = sketch_path(scene.stroke, params.path.stroke_smoothing, closed=False)
+    path = sketch_path(scene.stroke, params.path.stroke_smoothing, closed=False, scale=scene.scale)
     return setup._replace(start=follow(start, path))
 
 

@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from higvf_console.control.parameters import SafetyParameters
 from higvf_console.core.arrays import Floats, floats
+from higvf_console.core.scale import BODY_RADIUS, SPEED_LIMIT, USUAL_SCALE, Scale
 from higvf_console.core.viewport import Arena
 from higvf_console.lab.bench.geometry import Shape, capsule, clear_of, disc, distances, hull, polygon
 
@@ -42,7 +43,7 @@ _ARENA = {Kind.SPACED: (1200.0, 700.0), Kind.CROWDED: (1000.0, 600.0)}  # [m]; i
 
 
 class Scene(NamedTuple):
-    """One scene: N robots, P circles, Q bars, M fires. All lengths are multiples of 1 cm.
+    """One scene: N robots, P circles, Q bars, M fires. All lengths are multiples of 1 cm at the usual scale.
 
     Attributes:
         kind: kind of difficulty.
@@ -55,6 +56,7 @@ class Scene(NamedTuple):
         polygons: corners (n, 2) of each [m].
         fires: (M, 4) x, y, radius at the start [m], growth [m/s].
         stroke: (n, 2) the operator's stroke [m].
+        scale: of the robots.
     """
 
     kind: Kind
@@ -67,6 +69,21 @@ class Scene(NamedTuple):
     polygons: tuple[Floats, ...]
     fires: Floats
     stroke: Floats
+    scale: Scale = USUAL_SCALE
+
+
+def scaled(scene: Scene, factor: float) -> Scene:
+    """The same scene with all lengths and speeds multiplied, those of the robots included."""
+    return scene._replace(
+        arena=Arena(*(factor * side for side in scene.arena)),
+        robots=factor * scene.robots,
+        circles=factor * scene.circles,
+        bars=factor * scene.bars,
+        polygons=tuple(factor * corners for corners in scene.polygons),
+        fires=factor * scene.fires,
+        stroke=factor * scene.stroke,
+        scale=Scale(factor * BODY_RADIUS, factor * SPEED_LIMIT),
+    )
 
 
 _Sampler = Callable[[np.random.Generator, Arena], Floats]

@@ -28,7 +28,8 @@ def everywhere(status: PathStatus = PathStatus.FINISHED) -> list[Outcome]:
 def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """A suite that runs nothing."""
 
-    def run_all(_: int | None) -> list[Outcome]:
+    def run_all(_: int | None, *, factor: float) -> list[Outcome]:
+        assert factor == 1.0
         return everywhere()
 
     monkeypatch.setattr(bench_deadlock, "run_all", run_all)
@@ -130,3 +131,11 @@ def test_a_progress_bar_shows_a_note_and_ends_its_line_before_the_last_step() ->
     bar.end()
     assert "] 2/4 smallest objective 0.50" in terminal.getvalue()
     assert terminal.getvalue().endswith("] 2/4\x1b[K\n")
+
+
+def test_a_scene_at_the_scale_of_a_table_ends_alike() -> None:
+    for seed in range(2):
+        usual, small = (run_scene(make_scene(Kind.SPACED, seed, factor), "corrected") for factor in (1.0, 1 / 300))
+        assert small.status == usual.status
+        assert small.seconds == pytest.approx(usual.seconds, rel=0.02)
+        assert small.clearance == pytest.approx(usual.clearance / 300, rel=0.1)
