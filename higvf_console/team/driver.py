@@ -9,11 +9,13 @@ from higvf_console.core.team import Drive, Poses, PoseSource, RobotLink, Team, n
 from higvf_console.team.state import TeamReport
 from higvf_console.team.tracking import Rules
 
+RETRY_AFTER = 1.0  # from a failure until the team is asked again [s]
+
 _log = logging.getLogger(__name__)
 
 
 class TeamDriver:
-    """A team and, where it does not know its poses, what tells them; one that raises is asked no more.
+    """A team and, where it does not know its poses, what tells them; one that raises is asked again a second later.
 
     Attributes:
         name: of the team.
@@ -38,11 +40,13 @@ class TeamDriver:
         self.name, self.robots, self.rules = team.name, robots, rules
         self._team, self._poses = team, poses or team
         self._clock, self._period, self._now = clock, period, 0.0
-        self._failure = ""
+        self._failure, self._failed_at, self._logged = "", 0.0, ""
 
     def report(self) -> TeamReport:
-        """What is known now."""
+        """What is known now. A failure is told as long as it lasts, and disarms the team, which resumes by hand alone."""
         self._now = now = self._now + self._period if self._clock is None else self._clock()
+        if now - self._failed_at >= RETRY_AFTER:
+            self._failure = ""
         poses = self._ask("poses", lambda: _checked_poses(self._poses.poses(now), self.robots), never_seen(self.robots))
         links = self._ask(
             "links", lambda: _checked_links(self._team.links(now), self.robots), (RobotLink(),) * self.robots
@@ -89,8 +93,11 @@ class TeamDriver:
         try:
             return ask()
         except Exception as error:  # whatever an adapter raises: the team is disarmed, and the run goes on
-            _log.error("team '%s' failed in %s", self.name, name, exc_info=error)
             self._failure = f"team '{self.name}' failed in {name}: {type(error).__name__}: {error}"
+            self._failed_at = self._time()
+            if self._logged != self._failure:
+                self._logged = self._failure
+                _log.error("team '%s' failed in %s", self.name, name, exc_info=error)
             self.stop()
             return otherwise
 

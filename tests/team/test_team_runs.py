@@ -260,7 +260,7 @@ def test_a_pose_that_cannot_be_is_refused_counted_and_told_once(
     assert not run.team.faults.any()
 
 
-def test_a_team_that_raises_is_stopped_disarmed_and_the_run_goes_on() -> None:
+def test_a_team_that_raises_is_stopped_disarmed_and_can_be_armed_again_when_it_answers() -> None:
     run = Rehearsal().arm()
     run.last(1.0)
     stops = run.plant.stops
@@ -275,8 +275,16 @@ def test_a_team_that_raises_is_stopped_disarmed_and_the_run_goes_on() -> None:
         "The team is disarmed: team 'simulated' failed in poses: OSError: cable pulled."
     ]
     before = run.session.ticks
-    run.last(1.0)
-    assert run.session.ticks == before + 50
+    run.last(2.5)
+    assert run.session.ticks == before + 125
+    assert run.team.failure
+    assert len(run.texts(Severity.ALARM)) == 1
+    run.plant.meddle = lambda poses, _now: poses
+    run.last(1.5)
+    assert run.team.failure == ""
+    assert run.team.arming is Arming.DISARMED
+    assert run.moved(1.0) < STILL
+    run.arm()
 
 
 def test_disarming_and_closing_stop_the_robots() -> None:
