@@ -43,7 +43,7 @@ class TeamDriver:
         self._failure, self._failed_at, self._logged = "", 0.0, ""
 
     def report(self) -> TeamReport:
-        """What is known now. A failure is told as long as it lasts, and disarms the team, which resumes by hand alone."""
+        """What is known now. A failure is told as long as it lasts, and disarms the team."""
         self._now = now = self._now + self._period if self._clock is None else self._clock()
         if now - self._failed_at >= RETRY_AFTER:
             self._failure = ""
