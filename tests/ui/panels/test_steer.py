@@ -104,7 +104,7 @@ def test_paths_drawn_so_far_can_be_followed_again_or_forgotten(shown: Shown) -> 
 
 
 def test_a_shown_stroke_is_drawn_for_its_robot_and_goes_with_its_scenario(shown: Shown) -> None:
-    shown.panel.update(snapshot(scenario(ShownStroke("the gap", 1, floats(LINE)))))
+    shown.panel.update(snapshot(scenario(ShownStroke(name="the gap", robot=1, points=floats(LINE)))))
     button = shown.gui["Show me: the gap"]
     button.touch()
     begin, points, end = shown.given
