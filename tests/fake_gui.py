@@ -17,7 +17,7 @@ class Widget:
 
     def __init__(self, label: str = "", **options: object) -> None:
         self.label, self.told, self.removed = label, list[str](), False
-        self.visible = True
+        self.visible, self.disabled = True, False
         self.value: Any = None
         self.content = self.options = cast(Any, None)
         self._react = cast(Any, None)
@@ -28,14 +28,17 @@ class Widget:
 
     on_click = on_update
 
+    def _tell(self, _title: str, text: str, **_: object) -> None:
+        self.told.append(text)
+
     def remove(self) -> None:
         self.removed = True
 
     def touch(self, value: object = None, page: int | None = PAGE) -> None:
         """A page gives the widget a value; what it is told comes to `told`."""
         self.value = value
-        told = SimpleNamespace(add_notification=lambda _title, text, **_: self.told.append(text))
-        event = SimpleNamespace(client_id=page, client=told, target=self)
+        client = SimpleNamespace(add_notification=self._tell)
+        event = SimpleNamespace(client_id=page, client=client, target=self)
         try:
             self._react(event).send(None)  # runs to its end: a reaction awaits nothing
         except StopIteration:
@@ -57,7 +60,7 @@ class Gui:
         self.widgets[label] = Widget(label, **options)
         return self.widgets[label]
 
-    def add_html(self, content: str, **options: object) -> Widget:
+    def add_html(self, content: str, **options: Any) -> Widget:
         self.html.append(Widget(content=content, **options))
         return self.html[-1]
 

@@ -194,7 +194,15 @@ def fire_values(motion: Motion, priority: Floats, world: World, params: Paramete
 
 @kernel
 def guide(leader: int, w: float, motion: Motion, intent: Intent, params: Parameters) -> Floats:
-    """Human intention v_h (N, 2), [9]: the guiding vector of the `leader` (NOBODY for none); zero for all others."""
+    """Human intention v_h (N, 2), [9]: the guiding vector of the `leader`; zero for all others.
+
+    Args:
+        leader: the influenced robot while it follows a path, or NOBODY.
+        w: path parameter [m].
+        motion: holds the positions.
+        intent: holds the path.
+        params: body radius and path parameters.
+    """
     human = np.zeros(motion.position.shape)
     if leader != NOBODY:
         x, y = motion.position[leader, 0], motion.position[leader, 1]
@@ -245,7 +253,16 @@ def share(
 
 @kernel
 def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to: Ints, params: Parameters) -> Floats:
-    """Formation velocities v_f (N, 2) [m/s], [14], scaled by `grip` (N,), the formation weight of each robot."""
+    """Formation velocities v_f (N, 2) [m/s], [14], scaled by the formation weight of each robot.
+
+    Args:
+        position: (N, 2) [m].
+        grip: (N,) formation weights, from 0 to 1.
+        world: holds the desired formation.
+        start: (N + 1,) with `to`, the links whose messages arrive, in compressed rows.
+        to: (F,) the neighbour at the other end of each.
+        params: formation and form parameters.
+    """
     formation = np.zeros(position.shape)
     for i in range(position.shape[0]):
         formation[i, 0], formation[i, 1] = formation_velocity(
@@ -259,7 +276,18 @@ def keep_formation(position: Floats, grip: Floats, world: World, start: Ints, to
 def blend(
     intention: Floats, formation: Floats, steered: Bools, pace: float, params: Parameters
 ) -> tuple[Floats, Floats]:
-    """Blended velocities (N, 2) [m/s] and weights lambda (N,), [17]-[19]; `pace` scales the steered robots."""
+    """Blended velocities and their weights, [17]-[19].
+
+    Args:
+        intention: (N, 2) shared intentions v_s.
+        formation: (N, 2) formation velocities v_f [m/s].
+        steered: (N,) whether a human intention acts on the robot.
+        pace: scales the velocities of the steered robots.
+        params: blending and form parameters.
+
+    Returns:
+        Blended velocities (N, 2) [m/s], and lambda (N,).
+    """
     blended, weight = np.zeros(intention.shape), np.zeros(intention.shape[0])
     for i in range(intention.shape[0]):
         blended[i, 0], blended[i, 1], weight[i] = blended_velocity(
@@ -279,6 +307,16 @@ def go_round(
 
     The fire that a robot targets is no obstacle to it, unless the human intention acts on its component: such a robot
     heads for the destination of the path, and the path may pass the fire.
+
+    Args:
+        blended: (N, 2) [m/s].
+        at: targets, who is steered, and the path parameter.
+        circulation: (N, K) see `Motion`.
+        boundaries: reactive and repulsive boundaries of this period.
+        motion: holds the positions.
+        intent: holds the path.
+        world: obstacles and fire positions.
+        params: boundary and form parameters.
     """
     nominal = np.zeros(blended.shape)
     path_goal = destination(intent.path, at.path_parameter)

@@ -157,7 +157,7 @@ def defaults_at(scale: Scale) -> Parameters:
     params = Parameters(scale=scale)
     for group in GROUPS:
         part = getattr(params, group)
-        factors = {name: scale.factor(meaning.unit) for name, meaning in quantities(type(part)).items()}
+        factors = {name: scale.factor(meaning.unit) for name, meaning in quantities(type(part)).items()}  # pyright: ignore[reportUnknownArgumentType]
         changed = {name: factor * getattr(part, name) for name, factor in factors.items()}
         params = params._replace(**{group: part._replace(**changed)})
     period = Parameters().safety.control_period

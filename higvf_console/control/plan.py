@@ -104,7 +104,20 @@ def planned(
     at: Situation, robot: Floats, human: Floats, formation: Floats, intention: Floats, blended: Floats,
     blending: Floats, circulation: Ints, recovery_stage: Ints, nominal: Floats,
 ) -> Plan:  # fmt: skip
-    """Collects the results of one control period."""
+    """Collects the results of one control period.
+
+    Args:
+        at: what was known at its start.
+        robot: (N, 2) v_t.
+        human: (N, 2) v_h.
+        formation: (N, 2) v_f [m/s].
+        intention: (N, 2) v_s.
+        blended: (N, 2) [m/s].
+        blending: (N,) lambda.
+        circulation: (N, K) see `Motion`.
+        recovery_stage: (N,) for the next period.
+        nominal: (N, 2) [m/s].
+    """
     return Plan(
         nominal=nominal,
         intention=intention,

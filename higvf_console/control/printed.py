@@ -39,7 +39,7 @@ def compute(motion: Motion, intent: Intent, world: World, params: Parameters) ->
     blended, blending = blend(intention, formation, at.steered, intent.path.pace, params)
     boundaries = find_boundaries(motion, world, params.safety.obstacle_clearance)
     circulation = agree_circulation(
-        blended, motion.position, motion.circulation, at.component, at.leader, np.zeros(team, np.bool_), boundaries,
+        blended, motion.position, motion.circulation, at.component, at.leader, np.zeros(team, np.bool_), boundaries,  # pyright: ignore[reportUnknownArgumentType]
         params.boundaries,
     )  # fmt: skip
     nominal = limit_speed(blended, intent, params)

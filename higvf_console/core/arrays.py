@@ -150,9 +150,9 @@ _EMPTY = {"fiu": np.float64, "iu": np.int64, "b": np.bool_}
 
 def _plain(value: object) -> Any:
     """What NumPy may make an array of; masked values are refused, not read as what lies under the mask."""
-    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):  # pyright: ignore[reportUnknownArgumentType]
         raise TypeError
-    return value
+    return value  # pyright: ignore[reportUnknownVariableType]
 
 
 def _found(value: object, array: NDArray[Any]) -> str:

@@ -81,7 +81,7 @@ def with_values(parameters: Any, values: Mapping[str, object], place: str, scale
     Raises:
         ScenarioError: an unknown name (the message lists the known ones) or a value out of range.
     """
-    known = quantities(type(parameters))
+    known = quantities(type(parameters))  # pyright: ignore[reportUnknownArgumentType]
     for name in values:
         if name not in known:
             raise ScenarioError(f"{place}.{name}: unknown key; known keys: {', '.join(known)}")

@@ -65,15 +65,15 @@ def _given_parameters(params: Parameters, name: str) -> Parameters:
     for group, default in Parameters()._asdict().items():
         if group == "scale":
             continue
-        part = instance(f"{name}.{group}", getattr(params, group), type(default))
-        known = quantities(type(default))
+        part = instance(f"{name}.{group}", getattr(params, group), type(default))  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
+        known = quantities(type(default))  # pyright: ignore[reportUnknownArgumentType]
         values: dict[str, float] = {}
         for key, value in cast(Any, part)._asdict().items():
             place = f"{name}.{group}.{key}"
             if key in known:
                 try:
-                    found = value.item() if isinstance(value, np.number) else value
-                    values[key] = checked(place, found, known[key].at(scale))
+                    found = value.item() if isinstance(value, np.number) else value  # pyright: ignore[reportUnknownVariableType]
+                    values[key] = checked(place, found, known[key].at(scale))  # pyright: ignore[reportUnknownArgumentType]
                 except ScenarioError as problem:
                     raise ArgumentError(str(problem)) from problem
             elif key == "seed":

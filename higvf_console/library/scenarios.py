@@ -43,9 +43,9 @@ def make_scenario(
     texts = {"name": name, "title": title or name, "description": description}
     content: dict[str, object] = {key: instance(key, value, str) for key, value in texts.items()}
     content["duration_s"] = number("duration", duration, 0.001, 1e6)
-    settings = instance("inputs", inputs, Mapping)
+    settings = instance("inputs", inputs, Mapping)  # pyright: ignore[reportUnknownVariableType]
     if settings:
-        content["inputs"] = {key: dict(instance(f"inputs.{key}", part, Mapping)) for key, part in settings.items()}
+        content["inputs"] = {key: dict(instance(f"inputs.{key}", part, Mapping)) for key, part in settings.items()}  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
     try:
         lines = [f"{key}: {json.dumps(value, ensure_ascii=False)}\n" for key, value in content.items() if value]
     except TypeError as problem:

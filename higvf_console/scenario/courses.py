@@ -26,6 +26,9 @@ def read_course(item: Node, entries: Mapping[str, Node], place: tuple[float, flo
         item: the obstacle, for errors.
         entries: its keys.
         place: centre of a circle, or middle of a bar, at time 0 [m].
+
+    Raises:
+        ScenarioError: a path is given together with a velocity, or without a speed, or it leads nowhere.
     """
     given = [key for key in COURSE_KEYS if key in entries]
     if "velocity_m_per_s" in given:
@@ -47,7 +50,7 @@ def read_course(item: Node, entries: Mapping[str, Node], place: tuple[float, flo
 
 
 def _straight(node: Node) -> Course:
-    if not isinstance(node.value, list) or len(node.value) != 2:
+    if not isinstance(node.value, list) or len(node.value) != 2:  # pyright: ignore[reportUnknownArgumentType, reportUnknownMemberType]
         raise node.wrong("a velocity [vx, vy] in m/s")
     vx, vy = (item.number(_VELOCITY) for item in node.items())
     speed = float(np.hypot(vx, vy))

@@ -24,7 +24,11 @@ _MASK_KEYS = ("image", "at_m", "metres_per_pixel", "threshold", "obstacle", "tol
 
 
 def read_polygons(node: Node) -> tuple[Floats, ...]:
-    """The section `polygons`: each counter-clockwise, followed by its free areas, clockwise."""
+    """The section `polygons`: each counter-clockwise, followed by its free areas, clockwise.
+
+    Raises:
+        ScenarioError: an outline is no polygon.
+    """
     return tuple(chain for item in node.items() for chain in _polygon(item))
 
 
@@ -50,7 +54,11 @@ def _outline(node: Node) -> Floats:
 
 
 def read_masks(node: Node, folders: Sequence[Path]) -> tuple[Floats, ...]:
-    """The section `masks`, traced; images are looked for in `folders`, in this order."""
+    """The section `masks`, traced; images are looked for in `folders`, in this order.
+
+    Raises:
+        ScenarioError: an image is missing or cannot be used, or there is no obstacle in it.
+    """
     return tuple(chain for item in node.items() for chain in _mask(item, folders))
 
 

@@ -220,7 +220,7 @@ def _parameters(params: Parameters) -> Section:
     usual = defaults_at(params.scale)
     for group in GROUPS:
         part, default = getattr(params, group), getattr(usual, group)
-        changed = {name: getattr(part, name) for name in quantities(type(part))}
+        changed = {name: getattr(part, name) for name in quantities(type(part))}  # pyright: ignore[reportUnknownArgumentType]
         sections[group] = {name: value for name, value in changed.items() if value != getattr(default, name)}
     if "cruise_speed" in sections["blending"]:
         sections["safety"]["speed_limit"] = params.safety.speed_limit

@@ -7,6 +7,8 @@ intention bound  |v_s| against its bound, independent of N                      
 connectivity     lambda_2 of the communication links: 0 = the team is split into parts without a link
 barrier          the smallest h so far: never negative
 """
+# SciPy's sparse graphs have no types.
+# pyright: reportUnknownArgumentType=false, reportUnknownMemberType=false, reportUnknownVariableType=false
 
 import math
 from typing import NamedTuple

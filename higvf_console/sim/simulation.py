@@ -168,7 +168,19 @@ _NO_HISTORY = _empty_history(0, 0, 0)
 def tick(
     motion: Motion, intent: Intent, now: World, after: World, params: PackedParameters, filtered: Filtered
 ) -> tuple[Motion, Trace]:
-    """Perceive, compute, filter, move, burn; `now` and `after` are the world at the start and the end of the period."""
+    """One control period: perceive, compute, filter, move, burn.
+
+    Args:
+        motion: at its start.
+        intent: what the operator asks for.
+        now: the world at its start.
+        after: the world at its end.
+        params: all tunable parameters.
+        filtered: the answer of the centralised filter; empty where the distributed one is to be asked.
+
+    Returns:
+        The motion at its end, and why.
+    """
     plan, crew, rate, seen = decide(motion, intent, now, params)
     velocity, active_constraints, infeasible = filtered.velocity, filtered.active_constraints, filtered.infeasible
     if velocity.shape[0] == 0:
@@ -202,7 +214,23 @@ def settle(
     motion: Motion, intent: Intent, plan: Plan, crew: Ints, rate: Floats, velocity: Floats, active_constraints: Ints,
     infeasible: Bools, world: World, packed_params: PackedParameters,
 ) -> tuple[Motion, Trace]:  # fmt: skip
-    """All after the safety filter: controlled points move, bodies with them, fires burn, metrics are taken."""
+    """All after the safety filter: controlled points move, bodies with them, fires burn, metrics are taken.
+
+    Args:
+        motion: at the start of the period.
+        intent: whether the team is stopped.
+        plan: from the controller.
+        crew: (M,) robots at work on each fire.
+        rate: (M,) growth of each fire [m/s].
+        velocity: (N, 2) commanded velocities [m/s].
+        active_constraints: (N,) how many shaped the robot's velocity.
+        infeasible: (N,) no velocity met all constraints.
+        world: at the end of the period.
+        packed_params: all tunable parameters.
+
+    Returns:
+        The motion at the end of the period, and its trace.
+    """
     params = packed_params[0]
     if intent.stopped:
         velocity = np.zeros(velocity.shape)
@@ -315,9 +343,18 @@ def run_ticks(
     motion: Motion, intent: Intent, world: World, params: PackedParameters, ticks: int, history: Rollout,
     filtered: Filtered,
 ) -> tuple[Motion, Trace]:  # fmt: skip
-    """The motion after `ticks` > 0 periods, and the trace of the last; the first periods are noted in `history`.
+    """The motion after some control periods, and the trace of the last.
 
     One entry for single steps and for rolls: the whole controller is compiled once, and both are bit for bit the same.
+
+    Args:
+        motion: now.
+        intent: what the operator asks for, the same in all periods.
+        world: of any tick.
+        params: all tunable parameters.
+        ticks: how many control periods, at least 1.
+        history: receives the first periods, as many as it has room for.
+        filtered: as of `tick`.
     """
     period = params[0].safety.control_period
     now = world_at(world, motion.tick, period)

@@ -173,7 +173,7 @@ def _confusion(options: Fields) -> float | dict[str, dict[str, float]]:
         good = {str(name): float(share) for name, share in shares.items() if is_number(share) and 0 <= share <= 1}
         if not shares or len(good) < len(shares) or sum(good.values()) > 1 + 1e-9:
             options.fail(
-                f"confusion: {label}: {shown(row)} is not a mapping from labels to probabilities of sum 1 or less"
+                f"confusion: {label}: {shown(row)} is not a mapping from labels to probabilities of sum 1 or less"  # pyright: ignore[reportUnknownArgumentType]
             )
         rows[str(label).strip().casefold()] = good
     return rows

@@ -104,7 +104,11 @@ def test_a_scenario_that_cannot_be_read_is_refused_and_not_recorded(executed: Ex
 def test_with_a_loader_a_scenario_is_prepared_elsewhere_and_taken_when_it_is_ready(team: Scenario) -> None:
     submitted: list[LoadScenario] = []
     ready: list[Loaded] = []
-    loader = SimpleNamespace(submit=lambda _channel, command, _seed: submitted.append(command), take=lambda: ready)
+
+    def submit(_channel: str, command: LoadScenario, _seed: int) -> None:
+        submitted.append(command)
+
+    loader = SimpleNamespace(submit=submit, take=lambda: ready)
     executed = Executed(team, cast(Loader, loader))
     command = LoadScenario(OTHER, "other.yaml")
     assert executed.give(command) == []

@@ -5,6 +5,7 @@ a traceback. Here the folder's name is the digest of all sources that can hold a
 """
 # Numba has no public way to do this.
 # pyright: reportPrivateUsage=false, reportIncompatibleMethodOverride=false
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false
 
 import hashlib
 import os

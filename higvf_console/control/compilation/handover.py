@@ -5,6 +5,7 @@ lowers the safety filter and leaves it in the cache.
 """
 # Numba has no public way to do this.
 # pyright: reportPrivateUsage=false, reportIncompatibleMethodOverride=false
+# pyright: reportUnknownVariableType=false
 
 import itertools
 import secrets
@@ -17,14 +18,15 @@ from numba.core.bytecode import FunctionIdentity
 from numba.core.compiler import CompileResult, compile_result
 
 from higvf_console.control.compilation.cache import KernelCache
-from higvf_console.control.compilation.dispatcher import LinkedLibrary
+from higvf_console.control.compilation.dispatcher import LinkedLibrary, uncollected
 from higvf_console.control.kernel import Kernel
 
 
 def lower(function: Callable[..., Any], *arguments: Any) -> None:
     """Lowers a kernel for arguments of these types, without calling it."""
     if isinstance(function, Kernel):
-        function.dispatchers.linked.compile(tuple(typeof(argument) for argument in arguments))
+        with uncollected():
+            function.dispatchers.linked.compile(tuple(typeof(argument) for argument in arguments))
 
 
 def hand_over(function: Callable[..., Any]) -> None:

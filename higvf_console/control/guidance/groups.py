@@ -4,6 +4,8 @@ Computed once per world. Two parts with a gap below 2 R_o belong to one group, a
 such a gap; the vector field circulates round the hull of a group. A robot inside a hull (in a U, between two arms)
 leaves along the shortest way that keeps R_o, found by Dijkstra's algorithm on a grid.
 """
+# SciPy's sparse graphs have no types.
+# pyright: reportUnknownArgumentType=false, reportUnknownMemberType=false, reportUnknownVariableType=false
 
 import math
 from typing import NamedTuple

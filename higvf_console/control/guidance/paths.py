@@ -4,6 +4,8 @@ A path is the zero level set of a signed distance e, positive to the right of in
 themselves: the search for the nearest point is limited to a window around the last w, so that w never jumps between
 branches.
 """
+# SciPy's splines have no types.
+# pyright: reportUnknownArgumentType=false, reportUnknownMemberType=false, reportUnknownVariableType=false
 
 import math
 from collections.abc import Callable

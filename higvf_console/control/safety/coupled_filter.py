@@ -8,6 +8,8 @@ Slower than the distributed filter, and in Python: no fast preview. Where no vel
 constraints, or the program cannot be solved, the distributed filter answers for this tick; it takes the least violation
 and flags the robots.
 """
+# OSQP and SciPy's sparse matrices have no types.
+# pyright: reportUnknownMemberType=false
 
 from typing import NamedTuple
 
@@ -20,7 +22,7 @@ from higvf_console.control.parameters import SafetyParameters
 from higvf_console.control.safety.barriers.speed_limit import clipped
 from higvf_console.control.safety.barriers.surroundings import Surroundings, survey
 from higvf_console.control.safety.coupled_constraints import constraint_list, listed_constraints
-from higvf_console.control.safety.hazards import AX, AY, BX, BY, FIRE, KIND, RADIUS, VX, VY, bounded
+from higvf_console.control.safety.hazards import AX, AY, BX, BY, RADIUS, VX, VY, bounded, radius_varies
 from higvf_console.control.safety.nearest_point import OPTIMAL, Constraints, residual
 from higvf_console.control.safety.polish import polish
 from higvf_console.control.safety.safety_filter import filter_velocities
@@ -131,7 +133,7 @@ class _Program:
         if around.safety != made.safety or around.position.shape != made.position.shape or now.shape != then.shape:
             return False
         changed = now != then
-        changed[now[:, KIND] == FIRE, RADIUS] = False
+        changed[radius_varies(now), RADIUS] = False  # counted in the activation distance
         moves = now[:, [VX, VY]].any(axis=1) | then[:, [VX, VY]].any(axis=1)
         for column in (AX, AY, BX, BY, VX, VY):
             changed[moves, column] = False

@@ -162,6 +162,11 @@ def bounded(hazards: Floats) -> Bools:
     return hazards[:, KIND] != WALL
 
 
+def radius_varies(hazards: Floats) -> Bools:
+    """(H,) which hazards have a radius of their own in every tick: fires."""
+    return hazards[:, KIND] == FIRE
+
+
 def hazard_gap(x: float, y: float, hazard: Floats) -> float:
     """Distance [m] from (x, y) to the surface of a hazard (9,); negative inside an obstacle, or beyond a wall."""
     if hazard[KIND] == WALL:

@@ -3,6 +3,8 @@
 The types are those of YAML 1.2: `on`, `no` and `12:30` are text, `1e3` is a number. A key given twice is an error.
 Nesting is bounded, and so is what aliases stand for: a short text must not take minutes or fill the memory.
 """
+# PyYAML has no types.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false
 
 import gc
 import re

@@ -1,4 +1,6 @@
 """A value at its place in a file: every check raises an error that names file, place, value and choices."""
+# PyYAML has no types.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false
 
 import math
 from collections.abc import Mapping, Sequence
@@ -87,18 +89,30 @@ class Node:
         return entries
 
     def missing(self, name: str, known: Sequence[str]) -> NoReturn:
-        """Raises the error that a key is missing."""
+        """Raises the error that a key is missing.
+
+        Raises:
+            HigvfError: always.
+        """
         raise self.error(f"the key '{name}' is missing; known keys: {', '.join(known)}")
 
     def mapping(self) -> "dict[str, Node]":
-        """The entries of a mapping whose keys are free."""
+        """The entries of a mapping whose keys are free.
+
+        Raises:
+            HigvfError: of class `raises`: it is none.
+        """
         if not isinstance(self.value, Mapping):
             raise self.wrong("a mapping")
         values: Mapping[Any, Any] = self.value
         return {name: self.entry(str(name), value) for name, value in values.items()}
 
     def items(self, most: int = MOST_ITEMS) -> "list[Node]":
-        """The items of a list, which may have `most` of them."""
+        """The items of a list, which may have `most` of them.
+
+        Raises:
+            HigvfError: of class `raises`: it is none, or longer.
+        """
         if not isinstance(self.value, list):
             raise self.wrong("a list")
         values: list[Any] = self.value
@@ -110,17 +124,29 @@ class Node:
         ]
 
     def number(self, quantity: Quantity) -> float:
-        """A number within the range of `quantity`."""
+        """A number within the range of `quantity`.
+
+        Raises:
+            HigvfError: of class `raises`: it is none, or out of range.
+        """
         return checked(self.where, self.value, quantity, self.raises)
 
     def numbers(self, count: int, quantity: Quantity = COORDINATE) -> list[float]:
-        """A list of `count` numbers within the range of `quantity`."""
+        """A list of `count` numbers within the range of `quantity`.
+
+        Raises:
+            HigvfError: of class `raises`: it is none, of another length, or a number is out of range.
+        """
         if not isinstance(self.value, list) or len(self.items()) != count:
             raise self.wrong(f"a list of {count} numbers")
         return [item.number(quantity) for item in self.items()]
 
     def integer(self, low: int, high: int | None = None, what: str = "") -> int:
-        """A whole number from `low` up, or to `high`; `what` says what it stands for."""
+        """A whole number from `low` up, or to `high`; `what` says what it stands for.
+
+        Raises:
+            HigvfError: of class `raises`: it is none, or out of range.
+        """
         value = self.value
         if isinstance(value, bool) or not isinstance(value, int) or value < low or (high is not None and value > high):
             wanted = f"a whole number from {low} " + ("up" if high is None else f"to {high}")
@@ -128,19 +154,31 @@ class Node:
         return value
 
     def flag(self) -> bool:
-        """True or false."""
+        """True or false.
+
+        Raises:
+            HigvfError: of class `raises`: it is neither.
+        """
         if not isinstance(self.value, bool):
             raise self.wrong("true or false")
         return self.value
 
     def text(self, *, blank: bool = True) -> str:
-        """A text; `blank` says whether it may be empty."""
+        """A text; `blank` says whether it may be empty.
+
+        Raises:
+            HigvfError: of class `raises`: it is none, or blank.
+        """
         if not isinstance(self.value, str) or not (blank or self.value.strip()):
             raise self.wrong("a text")
         return self.value
 
     def choice(self, words: Sequence[str], renamed: Mapping[str, str] = NOTHING_RENAMED) -> str:
-        """One of `words`; a former word that is `renamed` is read with a warning."""
+        """One of `words`; a former word that is `renamed` is read with a warning.
+
+        Raises:
+            HigvfError: of class `raises`: it is none of them.
+        """
         value = self.value
         if isinstance(value, str) and value in renamed:
             self.warnings.append(f"{self.where}: {value} is renamed; write {renamed[value]}")
@@ -148,14 +186,22 @@ class Node:
         return one_of(self.where, value, words, self.raises)
 
     def point(self) -> tuple[float, float]:
-        """A ground point [x, y] in m."""
+        """A ground point [x, y] in m.
+
+        Raises:
+            HigvfError: of class `raises`: it is none, or a coordinate is out of range.
+        """
         if not isinstance(self.value, list) or len(self.items()) != 2:
             raise self.wrong("a point [x, y]")
         x, y = (item.number(COORDINATE) for item in self.items())
         return x, y
 
     def points(self, least: int = 0) -> Floats:
-        """A list of at least `least` ground points, shape (n, 2) [m]."""
+        """A list of at least `least` ground points, shape (n, 2) [m].
+
+        Raises:
+            HigvfError: of class `raises`: it is none, or there are fewer.
+        """
         points = [item.point() for item in self.items()]
         if len(points) < least:
             raise self.error(f"{len(points)} points are too few; give at least {least}")

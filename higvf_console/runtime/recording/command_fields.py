@@ -96,7 +96,7 @@ def _exactly(kind: type) -> Callable[[Any], Any]:
 
 def _number(value: Any) -> float:
     if isinstance(value, dict):
-        (value,) = [text for key, text in value.items() if key == _NUMBER and isinstance(text, str)]
+        (value,) = [text for key, text in value.items() if key == _NUMBER and isinstance(text, str)]  # pyright: ignore[reportUnknownVariableType]
     elif type(value) not in (int, float):
         raise TypeError
     return float(value)
@@ -133,12 +133,12 @@ def _plain(value: Any) -> Any:
     """A field's value as JSON has it."""
     match value:
         case np.ndarray():
-            array: Floats = value
+            array: Floats = value  # pyright: ignore[reportUnknownVariableType]
             return [None if np.isnan(number) else _plain(number) for number in array.ravel().tolist()]
         case tuple() | list():
-            return [_plain(item) for item in value]
+            return [_plain(item) for item in value]  # pyright: ignore[reportUnknownVariableType]
         case Mapping():
-            return {name: _plain(item) for name, item in value.items()}
+            return {name: _plain(item) for name, item in value.items()}  # pyright: ignore[reportUnknownVariableType]
         case np.generic():
             return _plain(value.item())
         case float() if not math.isfinite(value):

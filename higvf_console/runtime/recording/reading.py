@@ -131,7 +131,7 @@ def _is_count(value: object) -> bool:
 
 
 def _is_versions(value: object) -> bool:
-    return isinstance(value, dict) and all(isinstance(text, str) for text in value.values())
+    return isinstance(value, dict) and all(isinstance(text, str) for text in value.values())  # pyright: ignore[reportUnknownVariableType]
 
 
 # What a header must have: what each value must meet, and that in words.
@@ -159,7 +159,7 @@ def _parsed(line: str) -> dict[str, Any] | None:
         entry = json.loads(line)
     except (ValueError, RecursionError):
         return None
-    return entry if isinstance(entry, dict) else None
+    return entry if isinstance(entry, dict) else None  # pyright: ignore[reportUnknownVariableType]
 
 
 def _command(entry: dict[str, Any], place: str) -> OperatorCommand:

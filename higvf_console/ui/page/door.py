@@ -212,7 +212,7 @@ def respond(status: HTTPStatus, body: str, content_type: str) -> Response:
 
 def _address(connection: ServerConnection) -> str:
     address = connection.remote_address
-    return str(address[0]) if isinstance(address, tuple) and address else "an unknown address"
+    return str(address[0]) if isinstance(address, tuple) and address else "an unknown address"  # pyright: ignore[reportUnknownArgumentType]
 
 
 def _is_address(name: str) -> bool:

@@ -9,6 +9,8 @@ viser has no public way to do either, so this module alone uses its message clas
 
 viser replays scripts whenever a page reconnects; `browser_js/page.js` keeps one instance of each.
 """
+# viser's private interface has no types.
+# pyright: reportUnknownMemberType=false
 
 import hashlib
 import json

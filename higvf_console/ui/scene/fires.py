@@ -111,8 +111,8 @@ def progress_arcs(at: Floats, radius: Floats, look: FireLook, gap: float) -> Flo
     """Arcs (s, 2, 2), clockwise from the top, round the fires that are being extinguished."""
     arcs: list[Floats] = []
     for fire in np.flatnonzero(look.burning & (look.progress > 0.0)):
-        turn = np.pi / 2 - np.linspace(0.0, 2 * np.pi * look.progress[fire], 49)
-        arc = at[fire] + (radius[fire] + gap) * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        turn = np.pi / 2 - np.linspace(0.0, 2 * np.pi * look.progress[fire], 49)  # pyright: ignore[reportUnknownVariableType]
+        arc = at[fire] + (radius[fire] + gap) * np.stack([np.cos(turn), np.sin(turn)], axis=1)  # pyright: ignore[reportUnknownArgumentType]
         arcs.append(shapes.segments(arc))
     return joined(arcs)
 

@@ -66,9 +66,9 @@ def inflated(hull: Floats, margin: float, corners: int = 48) -> Floats:
     before = np.roll(angle, 1)
     turn = (angle - before) % (2 * np.pi)
     arcs = [
-        corner + margin * np.stack([np.cos(bearings), np.sin(bearings)], axis=1)
+        corner + margin * np.stack([np.cos(bearings), np.sin(bearings)], axis=1)  # pyright: ignore[reportUnknownArgumentType]
         for corner, start, sweep in zip(hull, before, turn, strict=True)
-        for bearings in [start + np.linspace(0.0, sweep, max(2, math.ceil(sweep / (2 * np.pi) * corners)))]
+        for bearings in [start + np.linspace(0.0, sweep, max(2, math.ceil(sweep / (2 * np.pi) * corners)))]  # pyright: ignore[reportUnknownVariableType]
     ]
     return closed(np.concatenate(arcs))
 
@@ -137,11 +137,11 @@ def chevrons(polyline: Floats, spacing: float, size: float, direction: float) ->
         return Triangles(floats([], 0, 2), ints([], 0, 3))
     count = max(1, round(float(arc[-1]) / spacing))
     middle = (np.arange(count) + 0.5) * arc[-1] / count
-    at = [np.stack([np.interp(middle + s, arc, polyline[:, k]) for k in (0, 1)], 1) for s in (-size / 2, 0, size / 2)]
+    at = [np.stack([np.interp(middle + s, arc, polyline[:, k]) for k in (0, 1)], 1) for s in (-size / 2, 0, size / 2)]  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
     along = direction * (at[2] - at[0])
     along /= np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-9)[:, None]
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    centre = at[1]
+    centre = at[1]  # pyright: ignore[reportUnknownVariableType]
     nose, notch = centre + 0.6 * size * along, centre - 0.1 * size * along
     left, right = centre - size * (0.4 * along - 0.5 * across), centre - size * (0.4 * along + 0.5 * across)
     vertices = np.stack([nose, left, notch, right], axis=1).reshape(-1, 2)

@@ -45,14 +45,14 @@ def chart_svg(curves: list[Curve], x_unit: str, y_unit: str) -> str:
     legend, pen = [], _LEFT
     for curve in curves:
         dash = ' stroke-dasharray="4 3"' if curve.dashed else ""
-        legend.append(
+        legend.append(  # pyright: ignore[reportUnknownMemberType]
             f'<path d="M{pen} 8h18" stroke="{curve.colour}" stroke-width="2"{dash}/>'
             f'<text x="{pen + 23}" y="12">{text(curve.name)}</text>'
         )
         pen += 40 + round(6.3 * len(curve.name))
     return (
         f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" width="100%" role="img" fill="none">'
-        f"{''.join(parts)}{''.join(legend)}</svg>"
+        f"{''.join(parts)}{''.join(legend)}</svg>"  # pyright: ignore[reportUnknownArgumentType]
     )
 
 

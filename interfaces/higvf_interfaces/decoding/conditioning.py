@@ -1,4 +1,6 @@
 """Causal streaming filters: a band pass, and notches at the mains frequency and its harmonics."""
+# SciPy's filters have no types.
+# pyright: reportUnknownVariableType=false
 
 from typing import Any
 

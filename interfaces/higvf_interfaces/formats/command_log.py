@@ -137,7 +137,7 @@ def _log(
         notes.append(f"{len(entries) - len(usable)} entries without time or label dropped")
     order, times, epoch, repaired = event_times(floats([entry.time for entry in usable]), from_epoch=True)
     decisions = tuple(
-        Decision(time, usable[row].label, _confidence(file, usable[row]))
+        Decision(time, usable[row].label, _confidence(file, usable[row]))  # pyright: ignore[reportUnknownArgumentType, reportUnknownMemberType]
         for row, time in zip(order.tolist(), times.tolist(), strict=True)
     )
     if not unit and like_milliseconds(floats([number(str(entry.written)) for entry in usable])):

@@ -93,16 +93,16 @@ def calibrate(
     centre, spread = points_px.mean(axis=0), points_px.std() or 1.0
     fitted = cast(object, cv2.findHomography((points_px - centre) / spread, points_m)[0])
     spanned = not _on_a_line(points_px) and not _on_a_line(points_m)
-    if not isinstance(fitted, np.ndarray) or not np.isfinite(fitted).all() or not spanned:
+    if not isinstance(fitted, np.ndarray) or not np.isfinite(fitted).all() or not spanned:  # pyright: ignore[reportUnknownArgumentType]
         raise InputError(f"{place}: no homography fits these points; at least four must not be collinear")
     normal = np.array([[1 / spread, 0, -centre[0] / spread], [0, 1 / spread, -centre[1] / spread], [0, 0, 1]])
-    homography = floats(floats(fitted) @ normal)
+    homography = floats(floats(fitted) @ normal)  # pyright: ignore[reportUnknownArgumentType]
     weights = _weights(homography, floats([[0, 0], [screen[0], 0], [screen[0], screen[1]], [0, screen[1]]]))
     if weights.min() <= _NEAREST_HORIZON * weights.max():
         raise InputError(f"{place}: the horizon of the fitted homography crosses the screen; repeat the calibration")
     calibration = Calibration(homography, screen, points_px, points_m, 0.0)
     missed = to_arena(calibration, points_px) - points_m
-    return calibration._replace(residual=float(np.sqrt(np.mean(np.sum(missed**2, axis=1)))))
+    return calibration._replace(residual=float(np.sqrt(np.mean(np.sum(missed**2, axis=1)))))  # pyright: ignore[reportUnknownArgumentType]
 
 
 def to_arena(calibration: Calibration, pixels: Floats) -> Floats:
@@ -117,7 +117,7 @@ def residual_px(calibration: Calibration) -> float:
     back = np.linalg.inv(calibration.homography)
     mapped = np.column_stack([calibration.points_m, np.ones(len(calibration.points_m))]) @ back.T
     missed = mapped[:, :2] / mapped[:, 2:] - calibration.points_px
-    return float(np.sqrt(np.mean(np.sum(missed**2, axis=1))))
+    return float(np.sqrt(np.mean(np.sum(missed**2, axis=1))))  # pyright: ignore[reportUnknownArgumentType]
 
 
 def calibration_report(calibration: Calibration) -> CalibrationReport:

@@ -76,11 +76,11 @@ class ChunkClassifier:
         found = classify(*held, self._px_per_deg, method=self._method, begin=begin)
         end = max(begin, _settled(found))
         if end == begin and full:
-            end = int(np.searchsorted(held.time, held.time[-1] - HORIZON))
+            end = int(np.searchsorted(held.time, held.time[-1] - HORIZON))  # pyright: ignore[reportUnknownArgumentType]
         self._lasting = float(held.time[-1]) if end == begin else -math.inf
         if end == begin:
             return None
-        kept = int(np.searchsorted(held.time, held.time[end - 1] - HORIZON))
+        kept = int(np.searchsorted(held.time, held.time[end - 1] - HORIZON))  # pyright: ignore[reportUnknownArgumentType]
         self._held = Pixels(held.time[kept:], held.points[kept:], held.valid[kept:])
         self._begin = end - kept
         return _chunk(found, begin, end)
@@ -120,7 +120,7 @@ def _joined(first: Pixels, then: Pixels) -> Pixels:
 def _settled(found: Classified) -> int:
     """Return the number of samples that later ones can no longer change."""
     time = found.time
-    near = int(np.searchsorted(time, time[-1] - HORIZON))
+    near = int(np.searchsorted(time, time[-1] - HORIZON))  # pyright: ignore[reportUnknownArgumentType]
     complete = int(np.searchsorted(found.last, near))  # number of fixations that end before
     if complete < len(found.first):
         near = min(near, int(found.first[complete]))

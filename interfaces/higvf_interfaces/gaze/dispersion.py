@@ -32,7 +32,7 @@ def still_stretches(
     for start, stop in zip(*_unbroken(time, steady, longest_gap), strict=True):
         begin = start
         while begin <= stop:
-            last = int(np.searchsorted(time, time[begin] + shortest))
+            last = int(np.searchsorted(time, time[begin] + shortest))  # pyright: ignore[reportUnknownArgumentType]
             if last > stop:
                 break
             if _dispersion(points[begin : last + 1]) > within:

@@ -5,6 +5,8 @@ smoothing spline (Dierckx; `scipy.interpolate.make_splprep`) whose distance to t
 weights pin its ends to the first and last centroid. This fit serves the inspection only; the console fits its own path
 to the same centroids.
 """
+# SciPy's splines have no types.
+# pyright: reportUnknownArgumentType=false, reportUnknownMemberType=false, reportUnknownVariableType=false
 
 from typing import Any, NamedTuple
 

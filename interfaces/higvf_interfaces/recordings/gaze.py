@@ -85,7 +85,7 @@ def synthetic_gaze(
 def along(points: Floats, shares: Floats) -> Floats:
     """Return the points (k, 2) at the fractions `shares` (k,) of the arc length of the polyline `points` (n, 2)."""
     reached = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    return np.stack([np.interp(shares * reached[-1], reached, points[:, axis]) for axis in range(2)], axis=1)
+    return np.stack([np.interp(shares * reached[-1], reached, points[:, axis]) for axis in range(2)], axis=1)  # pyright: ignore[reportUnknownArgumentType]
 
 
 def _scan(start: float, end: float, screen: Viewport, rng: np.random.Generator, px_per_deg: float) -> list[_Fixation]:

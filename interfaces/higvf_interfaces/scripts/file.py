@@ -115,7 +115,7 @@ def read_script(path: Path) -> Script:
         ScriptError: with file, entry number, key, value and the known keys.
     """
     root = read_yaml(read_text(path, ScriptError), str(path), ScriptError)
-    if not isinstance(root.value, list) or not root.value:
+    if not isinstance(root.value, list) or not root.value:  # pyright: ignore[reportUnknownMemberType]
         raise root.error("a script is a list of entries, each with do: and at_s: or when:")
     entries = tuple(
         _entry(replace(item, source=f"{path}, entry {number}", place=""))

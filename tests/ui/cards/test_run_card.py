@@ -25,15 +25,13 @@ class Shown:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, drafts: Any = None) -> None:
         self.cards, self.given, self.chosen = list[tuple[str, str]](), list[Any](), list[int]()
-        self.press: Callable[..., None] = lambda *_: None
         self.session: Any = SimpleNamespace(
             interrupted=None, attended=True, baseline=None, waits=True, scenario=SimpleNamespace(text="", name="mine")
         )
         monkeypatch.setattr(cards, "install", self._install)
-        monkeypatch.setattr(cards, "show", lambda _server, kind, html: self.cards.append((kind, html)))
-        monkeypatch.setattr(run_card, "ready_html", lambda _snapshot, offer: f"briefing {offer}")
-        monkeypatch.setattr(run_card, "run_result", lambda *_: None)
-        monkeypatch.setattr(run_card, "result_html", lambda *_: "result")
+        monkeypatch.setattr(cards, "show", self._show)
+        for name in ("ready_html", "run_result", "result_html"):
+            monkeypatch.setattr(run_card, name, self._nothing)
         self.card = RunCard(
             Gui().as_server(get_clients=dict[int, Any]),
             cast(Session, self.session),
@@ -43,7 +41,16 @@ class Shown:
         )
 
     def _install(self, _server: object, act: Callable[[int, str, str], None]) -> None:
-        self.press = lambda name, value="": act(PAGE, name, value)
+        self._act = act
+
+    def press(self, name: str, value: str = "") -> None:
+        self._act(PAGE, name, value)
+
+    def _show(self, _server: object, kind: str, html: str) -> None:
+        self.cards.append((kind, html))
+
+    def _nothing(self, *_: object) -> str:
+        return ""
 
     def show(self, phase: Phase) -> None:
         snapshot: Any = SimpleNamespace(

@@ -36,8 +36,8 @@ class Shown:
         self.answer: object = None
         monkeypatch.setattr(page_files, "install", self._install)
         monkeypatch.setattr(module, "submitted", self._submitted)
-        monkeypatch.setattr(module, "settings_of", lambda _: SimpleNamespace(refusals=SimpleNamespace(tell=print)))
-        monkeypatch.setattr(module, "tell", lambda _client, text: self.told.append(text))
+        monkeypatch.setattr(module, "settings_of", self._settings)
+        monkeypatch.setattr(module, "tell", self._tell)
         session: Any = SimpleNamespace(
             snapshot=SimpleNamespace(setup=SETUP, state=None), scenario=SimpleNamespace(name="mine"), setup=SETUP,
             waits=False, worker=None,
@@ -55,6 +55,15 @@ class Shown:
         self.kinds = kinds
         return lambda kind, client: self.downloads.append(f"choose {kind} on {client}")
 
+    def _settings(self, _server: object) -> object:
+        return SimpleNamespace(refusals=SimpleNamespace(tell=print))
+
+    def _tell(self, _client: object, text: str) -> None:
+        self.told.append(text)
+
+    def _download(self, name: str, *_: object, **__: object) -> None:
+        self.downloads.append(name)
+
     def _submitted(self, *_: object) -> Future[Any]:
         outcome: Future[Any] = Future()
         if isinstance(self.answer, Exception):
@@ -64,7 +73,7 @@ class Shown:
         return outcome
 
     def press(self, label: str) -> None:
-        client = SimpleNamespace(send_file_download=lambda name, *_, **__: self.downloads.append(name))
+        client = SimpleNamespace(send_file_download=self._download)
         event = SimpleNamespace(client_id=PAGE, client=client)
         with ThreadPoolExecutor(1) as server:  # this thread may have a loop of a browser test
             server.submit(lambda: asyncio.run(cast(Any, self.gui[label])._react(event))).result()
@@ -93,7 +102,10 @@ def test_a_file_that_is_no_text_is_refused(shown: Shown, content: bytes, reason:
 
 
 def test_the_scenario_is_saved_under_its_name(shown: Shown, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "scenario_yaml", lambda *_, **__: "version: 1")
+    def written(*_: object, **__: object) -> str:
+        return "version: 1"
+
+    monkeypatch.setattr(module, "scenario_yaml", written)
     shown.press("Save scenario")
     assert shown.downloads == ["mine.yaml"]
     assert shown.saved == [SETUP]

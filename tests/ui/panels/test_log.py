@@ -22,14 +22,13 @@ class Shown:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.gui, self.ui = Gui(), UiStore()
-        self.read: Callable[[int, Any], None] = lambda *_: None
         monkeypatch.setattr(page, "listen", self._listen)
         self.panel = LogPanel(self.gui.as_server(), self.ui)
         self.button: Widget = self.gui["Acknowledge"]
 
     def _listen(self, _server: object, topic: str, callback: Callable[[int, Any], None]) -> None:
         assert topic == "read"
-        self.read = callback
+        self.read = callback  # a page sends what it has put away
 
     def update(self, *events: Event) -> str:
         self.panel.update(SimpleNamespace(events=events))  # pyright: ignore[reportArgumentType]

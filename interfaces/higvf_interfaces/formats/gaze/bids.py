@@ -173,7 +173,7 @@ def _presentation(path: Path) -> _Presentation:
     sides = [float(s) for s in cast(list[object], size) if is_number(s)] if isinstance(size, list) else []
     if len(sides) == 2 and min(sides) >= 1:
         return _Presentation((sides[0], sides[1]), origin, doubts)
-    unknown = () if size is None else (Doubt("screen", f"ScreenResolution {str(size)[:60]}"),)
+    unknown = () if size is None else (Doubt("screen", f"ScreenResolution {str(size)[:60]}"),)  # pyright: ignore[reportUnknownArgumentType]
     return _Presentation(None, origin, (*doubts, *unknown))
 
 

@@ -78,7 +78,7 @@ def _content(file: TextFile, notes: list[str]) -> list[_Object]:
         document, broken = [], 0
         for line in lines:
             try:
-                document.append(json.loads(line))
+                document.append(json.loads(line))  # pyright: ignore[reportUnknownMemberType]
             except (ValueError, RecursionError):
                 broken += 1
         if broken:

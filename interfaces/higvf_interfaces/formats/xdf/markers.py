@@ -70,5 +70,5 @@ def several_texts(channels: int) -> list[str]:
 
 def _text(value: object) -> str:
     if isinstance(value, float | np.floating):
-        return as_label(float(value))
+        return as_label(float(value))  # pyright: ignore[reportUnknownArgumentType]
     return as_label(value) if isinstance(value, str) else shown(value)

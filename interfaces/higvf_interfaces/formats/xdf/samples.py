@@ -2,6 +2,8 @@
 
 pyxdf gets the intact chunks only, because it trusts the lengths and numbers of a damaged file.
 """
+# pyxdf has no types.
+# pyright: reportUnknownMemberType=false
 
 import io
 import itertools
