@@ -36,7 +36,7 @@ _ECHO_EVERY = 0.1  # [s]
 _KEEPALIVE = 2  # after which an idle connection is tried [s]
 _FREE = 200  # messages a second that are read at full speed, beside those of the robots
 _PAUSE = 0.002  # after each further one [s]
-_UNSENT = 8  # messages to each topic that wait to leave, at most
+_UNSENT = 32  # messages that wait to leave, at most, for each topic that is heard
 
 
 class Connection:
