@@ -213,7 +213,8 @@ def test_stamps_of_another_clock_are_used_where_that_is_asked_for(broker: Broker
     team = MqttTeam(spec(broker, prefix=prefix, stamp="sent"))
     robots = Robots(broker, START, prefix, clock=1e6)
     try:
-        measured = soon(lambda: t if np.isfinite(t := team.poses(0.0).measured_at).all() else None)
+        soon(lambda: bool(np.isfinite(team.poses(0.0).measured_at).all()))
+        measured = team.poses(0.0).measured_at
         assert (np.abs(measured - time.monotonic()) < 60.0).all()
     finally:
         robots.close()
