@@ -22,6 +22,7 @@ from tests.browser import (
     open_stage,
     wait_for_stop,
 )
+from tests.mqtt import NO_MOSQUITTO
 
 settings.register_profile("untimed", deadline=None)  # how long an example takes is no property of ours
 settings.load_profile("untimed")

@@ -95,7 +95,8 @@ class Track(NamedTuple):
 
     def stands(self) -> Bools:
         """(N,) which robots are measured to stand."""
-        return self.seen & (self.measured_at - self.anchored_at >= STANDS_AFTER)
+        seen = self.seen
+        return seen & (np.where(seen, self.measured_at, 0.0) - np.where(seen, self.anchored_at, 0.0) >= STANDS_AFTER)
 
 
 def nowhere(robots: int) -> Track:
