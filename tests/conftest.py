@@ -22,6 +22,7 @@ from tests.browser import (
     open_stage,
     wait_for_stop,
 )
+from tests.mqtt import NO_MOSQUITTO
 
 settings.register_profile("untimed", deadline=None)  # how long an example takes is no property of ours
 settings.load_profile("untimed")
@@ -33,6 +34,8 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     skipped = [report for report in terminalreporter.stats.get("skipped", []) if NO_CHROMIUM in str(report.longrepr)]
     if skipped:
         terminalreporter.write_line(f"WARNING: {len(skipped)} browser tests were skipped: {NO_CHROMIUM}", yellow=True)
+    if any(NO_MOSQUITTO in str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])):
+        terminalreporter.write_line(f"WARNING: the tests with an MQTT broker were skipped: {NO_MOSQUITTO}", yellow=True)
     if any(NO_NGINX in str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])):
         terminalreporter.write_line(f"WARNING: the tests behind nginx were skipped: {NO_NGINX}", yellow=True)
 

@@ -7,11 +7,11 @@ import shutil
 import socket
 import subprocess
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Event, Lock, Thread
-from typing import Any
+from typing import Any, TypeVar
 
 import paho.mqtt.client as paho
 import pytest
@@ -19,7 +19,13 @@ from paho.mqtt.enums import CallbackAPIVersion
 
 from tests.browser import wait_until
 
+Value = TypeVar("Value")
 NO_MOSQUITTO = "no mosquitto: install the package 'mosquitto'"
+
+
+def soon(value: Callable[[], Value]) -> Value:
+    """The first true answer, which must come within 20 s."""
+    return wait_until(value, 20.0)
 
 
 class Broker:

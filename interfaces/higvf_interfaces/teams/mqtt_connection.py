@@ -36,7 +36,7 @@ _ECHO_EVERY = 0.1  # [s]
 _KEEPALIVE = 2  # after which an idle connection is tried [s]
 _FREE = 200  # messages a second that are read at full speed, beside those of the robots
 _PAUSE = 0.002  # after each further one [s]
-_UNSENT = 8  # messages to each topic that wait to leave, at most
+_UNSENT = 32  # messages that wait to leave, at most, for each topic that is heard
 
 
 class Connection:
@@ -123,6 +123,7 @@ class Connection:
         client.reconnect_delay_set(1, 2)
         client.suppress_exceptions = True
         client.on_connect, client.on_disconnect = self._on_connect, self._on_disconnect
+        client.on_subscribe = self._on_subscribe
         client.on_connect_fail, client.on_message, client.on_publish = self._on_fail, self._on_message, self._on_publish
         if will is not None:
             client.will_set(will[0], will[1], qos=0, retain=False)
@@ -141,6 +142,17 @@ class Connection:
         else:
             options = subscribeoptions.SubscribeOptions(qos=0, retainHandling=2)
             client.subscribe([(topic, options) for topic in (*self._topics, self._echo)])
+            return
+        self._answered.set()
+
+    def _on_subscribe(self, _client: Any, _data: Any, _mid: int, reasons: Any, _properties: Any) -> None:
+        """From now on messages come."""
+        refused = [
+            topic for topic, reason in zip((*self._topics, self._echo), reasons, strict=True) if reason.is_failure
+        ]
+        if refused:
+            self._trouble = f"it does not let this account hear {refused[0]}"
+        else:
             self._left, self._asked, self._trouble = self._said, None, ""  # what waited is forgotten
             self._connected = True
         self._answered.set()
