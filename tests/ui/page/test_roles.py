@@ -91,6 +91,14 @@ def test_commands_of_widgets_that_change_the_world_do_too(monkeypatch: pytest.Mo
     assert pages.told == ([] if role is Role.EXPERIMENTER else ["lacks"] * 3)
 
 
+@pytest.mark.parametrize("act", ["ask", "take"])
+def test_an_observer_gets_no_control(monkeypatch: pytest.MonkeyPatch, act: str) -> None:
+    pages = Pages(monkeypatch, Role.OBSERVER)
+    pages.listeners["control"](CLIENT, {"act": act, "page": ""})
+    assert not [command for command in pages.given if isinstance(command, HandOver)]
+    assert pages.told == ["lacks"]
+
+
 def test_an_observer_that_goes_by_the_identity_of_the_page_in_control_may_still_not_steer(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
