@@ -12,7 +12,8 @@ from higvf_console.lab.bench.viser_client import ViserClient
 from higvf_console.runtime.history import KEPT
 
 STROKE_EVERY = 5  # turns
-AHEAD_EVERY = 0.2  # [s] between the strokes that fill the history; each is to fall into a control period of its own
+AHEAD = 3 * KEPT // 2  # strokes that fill the history; a console that still loads takes none
+AHEAD_EVERY = 0.2  # [s] between two of them, so that each falls into a control period of its own
 
 
 class LivePages:
@@ -52,8 +53,8 @@ class LivePages:
         Args:
             strokes: each (n, 2) [m].
         """
-        self._pages[0].say("hello", identity=_identity(0))
-        for number in range(KEPT):
+        for number in range(AHEAD):
+            self._pages[0].say("hello", identity=_identity(0))
             self._draw(number, next(strokes))
             time.sleep(AHEAD_EVERY)
 
@@ -75,7 +76,7 @@ class LivePages:
         for number, page in enumerate(self._pages):
             page.say("hello", identity=_identity(number))
         if self._turn % STROKE_EVERY == 0:
-            self._draw(KEPT + self._turn, next(strokes))
+            self._draw(AHEAD + self._turn, next(strokes))
         self._turn += 1
 
     def _draw(self, number: int, stroke: Floats) -> None:

@@ -13,9 +13,9 @@ from collections.abc import AsyncGenerator, Iterable, Sequence
 from contextlib import suppress
 from typing import Any
 
-from viser._messages import Message
 from viser.infra import _infra  # pyright: ignore[reportPrivateUsage]
 from viser.infra._async_message_buffer import AsyncMessageBuffer
+from viser.infra._messages import Message
 
 
 class LoopEvent(asyncio.Event):

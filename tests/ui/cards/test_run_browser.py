@@ -53,7 +53,7 @@ def test_a_page_that_watches_is_told_who_may_start(chromium: Browser, page: Page
     expect(page.locator("#run .act").first).to_be_enabled()
     with console_page(chromium, link_of(running, Role.OBSERVER)) as watching:
         card = watching.locator("#run")
-        expect(card).to_contain_text("Page 1 steers: only that page can use these buttons.")
+        expect(card).to_contain_text("Browser 1 steers: only that page can use these buttons.")
         for name in ("Start", "Other scenario …", "Open it"):
             expect(card.get_by_role("button", name=name)).to_be_disabled()
         expect(card.get_by_role("button", name="Fold")).to_be_enabled()

@@ -66,7 +66,7 @@ def test_a_new_page_looks_at_what_is_there_not_at_all_that_ever_was() -> None:
             looked.append(key)
             return super().get(key, default)
 
-    async def first() -> list[str]:
+    async def first() -> list[str | None]:
         buffer = SafeBuffer(asyncio.get_running_loop(), persistent_messages=True)
         for turn in range(1000):
             buffer.push(label(f"{turn}"))

@@ -8,7 +8,15 @@ import pytest
 import viser
 
 from higvf_console.core.awake import AwakeClock
-from higvf_console.core.commands import ControlChange, EmergencyStop, HandOver, LoadScenario, OperatorCommand, Pause
+from higvf_console.core.commands import (
+    ControlChange,
+    EmergencyStop,
+    HandOver,
+    InjectFault,
+    LoadScenario,
+    OperatorCommand,
+    Pause,
+)
 from higvf_console.core.edits import DeleteEntity
 from higvf_console.core.interface import PointerSink
 from higvf_console.ui.page import page
@@ -54,6 +62,10 @@ class Pages:
     def role_of(self, _server: object, _client: int) -> Role:
         return self._role
 
+    def become(self, role: Role) -> None:
+        """As a page of another login that says the same identity."""
+        self._role = role
+
     def may(self, topic: str, **body: Any) -> bool:
         assert self.allows is not None
         return self.allows(CLIENT, topic, body)
@@ -74,8 +86,28 @@ def test_commands_of_widgets_that_change_the_world_do_too(monkeypatch: pytest.Mo
     pages.roles.push(Pause())
     pages.roles.push(DeleteEntity("fire", 0))
     pages.roles.push(LoadScenario(text="", name=""))
-    assert len(pages.given) == (3 if role is Role.EXPERIMENTER else 1)
-    assert pages.told == ([] if role is Role.EXPERIMENTER else ["lacks", "lacks"])
+    pages.roles.push(InjectFault("console"))
+    assert len(pages.given) == (4 if role is Role.EXPERIMENTER else 1)
+    assert pages.told == ([] if role is Role.EXPERIMENTER else ["lacks"] * 3)
+
+
+@pytest.mark.parametrize("act", ["ask", "take"])
+def test_an_observer_gets_no_control(monkeypatch: pytest.MonkeyPatch, act: str) -> None:
+    pages = Pages(monkeypatch, Role.OBSERVER)
+    pages.listeners["control"](CLIENT, {"act": act, "page": ""})
+    assert not [command for command in pages.given if isinstance(command, HandOver)]
+    assert pages.told == ["lacks"]
+
+
+def test_an_observer_that_goes_by_the_identity_of_the_page_in_control_may_still_not_steer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pages = Pages(monkeypatch, Role.OPERATOR)
+    assert pages.may("key", name="pick_1", number=0)
+    pages.become(Role.OBSERVER)
+    assert not pages.roles.steers(CLIENT)
+    assert not pages.may("key", name="pick_1", number=0)
+    assert pages.may("key", name="stop", number=0)
 
 
 @pytest.mark.parametrize("role", Role)

@@ -63,7 +63,8 @@ async def until(reached: Callable[[], object]) -> None:
 
 @asynccontextmanager
 async def site(limits: Limits) -> AsyncGenerator[Site]:
-    made, of = Site(), filtering(FilterSettings(limits=limits))
+    made = Site()
+    of: Any = filtering(FilterSettings(limits=limits))
     logger = logging.getLogger("test of turns")
     async with serve(made.read, "127.0.0.1", 0, create_connection=of, compression=None, logger=logger) as server:
         made.port = next(iter(server.sockets)).getsockname()[1]
