@@ -25,6 +25,7 @@ _RECORDING = "recording"  # key in the first line of the console's own recording
 _POINTS = re.compile(r"\d{1,3}([.,]\d{3})+")  # a fraction, or groups of thousands
 _GROUPED = re.compile(r"\d{1,3}(\.\d{3})+,\d+|\d{1,3}(,\d{3})+\.\d+")  # groups of thousands and a fraction
 _WAY_OUT = "a log without times needs period=SECONDS"
+_GAZE = "this looks like a table of gaze, which the channel gaze reads (gaze=FILE), not like a log of commands"
 
 
 class _Entry(NamedTuple):
@@ -57,7 +58,8 @@ def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
     """
     time, label, confidence = file.find(*TIMES), file.find(*LABELS), file.find("confidence")
     if time is None and period is None:
-        raise InputError(f"{file.path}: no time column (one of {', '.join(TIMES)}); {_WAY_OUT}; has: {file.titles}")
+        way_out = _GAZE if "gaze" in file.titles.casefold() else _WAY_OUT
+        raise InputError(f"{file.path}: no time column (one of {', '.join(TIMES)}); {way_out}; has: {file.titles}")
     if label is None:
         raise InputError(f"{file.path}: no label column (one of {', '.join(LABELS)}); has: {file.titles}")
     seconds = seconds_of(file.path, time)
