@@ -60,7 +60,8 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     """Open the table.
 
     Raises:
-        InputError: If the time, x or y column is missing, or the unit of time is unknown or cannot be seconds.
+        InputError: If the time, x or y column is missing, a title stands twice, or the unit of time is unknown or
+            cannot be seconds.
     """
     time, point_columns = file.find(*STAMPS), find_point(file)
     if time is None:
@@ -69,6 +70,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         raise InputError(f"{file.path}: no gaze columns (x and y, or gaze_x and gaze_y); has: {file.titles}")
     x, y = point_columns
     confidence, validity, blink = file.find("confidence"), file.find(*_VALIDITIES), file.find("blink")
+    file.check_single(time, x, y, confidence, validity, blink)
     if confidence is not None and confidence.unit:
         raise InputError(
             f"{file.path}: the unit {confidence.unit[:40]!r} of the confidence is not understood; write a share from 0 "
