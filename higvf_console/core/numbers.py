@@ -10,6 +10,11 @@ def grouped(value: float, digits: int = 0) -> str:
     return f"{value:,.{digits}f}".replace(",", SEPARATOR)
 
 
+def percent(share: float, digits: int = 0) -> str:
+    """A share, 0 to 1, in percent; the sign stays on the line of its number."""
+    return f"{100.0 * share:.{digits}f}\u00a0%"
+
+
 def measured(value: float) -> str:
     """A length, an area or a speed, of a small arena too: whole from 10 on, below with two digits that count."""
     return grouped(value) if not math.isfinite(value) or abs(value) >= 9.5 else f"{float(f'{value:.2g}') + 0.0:g}"

@@ -14,7 +14,7 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.commands import ShapePath
 from higvf_console.core.errors import PathError
 from higvf_console.core.events import Event
-from higvf_console.core.numbers import measured
+from higvf_console.core.numbers import measured, percent
 from higvf_console.core.path_terms import ENDINGS, FASTEST, SLOWEST, PathTerms, changed_terms
 from higvf_console.core.scale import USUAL_SCALE, Scale
 from higvf_console.core.state import ACTING, Path, PathEnding, PathKind, PathStatus, SimState
@@ -145,7 +145,7 @@ def path_words(path: Path) -> str:
     words = "an endless line" if path.length == math.inf else f"{shape}, {measured(path.length)} m"
     words += ", in reverse" if path.direction < 0 else ""
     words += "" if path.ending == PathEnding.RELEASE else f", {ending_word(path)} at its end"
-    words += "" if path.pace == 1.0 else f", at {path.pace:.0%} pace"
+    words += "" if path.pace == 1.0 else f", at {percent(path.pace)} pace"
     return words + ("" if path.duration == math.inf else f", for {path.duration:g} s")
 
 

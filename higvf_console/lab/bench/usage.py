@@ -20,7 +20,8 @@ WARM_UP = 0.25  # share of the time that is left out at the beginning
 MEMORY_RISE = 0.01  # of its mean, that memory may rise by
 COUNT_RISE = 1.0  # that a number of handles or threads may rise by
 RULE = (
-    f"after the first {WARM_UP:.0%} of the time, the line of least squares rises by less than {MEMORY_RISE:.0%} of the "
+    f"after the first {100 * WARM_UP:.0f} % of the time, the line of least squares rises by less than "
+    f"{100 * MEMORY_RISE:.0f} % of the "
     f"mean (memory) or by less than {COUNT_RISE:g} (handles, threads)"
 )
 _MEGABYTE = 1e6

@@ -2,6 +2,7 @@
 
 import math
 
+from higvf_console.core.numbers import percent
 from higvf_console.runtime.history import Entry
 from higvf_console.runtime.phase import END_TEXTS
 from higvf_console.runtime.result import RunResult, WithoutOperator
@@ -64,7 +65,7 @@ def _beside(loss: float, other: float) -> str:
     if abs(gap) < 0.5:
         return f'<td>{area(other)}</td><td class="dim">same</td>'
     sign, mood = ("+", "warn") if gap > 0 else (_MINUS, "good")
-    share = f" ({sign}{100 * abs(gap) / other:.1f}\u00a0%)" if other > 0.0 else ""
+    share = f" ({sign}{percent(abs(gap) / other, 1)})" if other > 0.0 else ""
     return f'<td>{area(other)}</td><td class="{mood}">{sign}{area(abs(gap))}{share}</td>'
 
 

@@ -8,7 +8,7 @@ import viser
 from higvf_console.analysis.preview import FiresOut, Preview
 from higvf_console.core.commands import Confirm, Discard
 from higvf_console.core.interface import PointerSink
-from higvf_console.core.numbers import measured
+from higvf_console.core.numbers import measured, percent
 from higvf_console.core.state import NOBODY
 from higvf_console.operator.reducer import proposal, waiting
 from higvf_console.ui.widgets.callbacks import chosen, reaction
@@ -90,7 +90,7 @@ def burnt_line(preview: Preview) -> str:
         change = '<span class="dim">as without it</span>'
     else:
         sign, mood = ("+", "warn") if gap > 0 else (_MINUS, "good")
-        share = f", {sign}{100 * abs(gap) / otherwise:.1f}%" if otherwise > 0.0 else ""
+        share = f", {sign}{percent(abs(gap) / otherwise, 1)}" if otherwise > 0.0 else ""
         change = f'<span class="{mood}">{sign}{area(abs(gap))} m²{share}</span>'
     return f"{area(loss)} m² {change}"
 

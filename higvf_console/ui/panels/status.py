@@ -10,6 +10,7 @@ import viser
 from higvf_console.control.guidance.paths import point_at
 from higvf_console.core.events import Event
 from higvf_console.core.interface import ChannelState
+from higvf_console.core.numbers import percent
 from higvf_console.core.state import Motion, Path, PathKind, PathStatus, SimState
 from higvf_console.sim.events import too_near
 from higvf_console.ui.messages import LatestMessage, newer
@@ -120,7 +121,7 @@ def _progress(path: Path, motion: Motion) -> str:
         return ""
     done = motion.path_parameter if path.direction > 0 else path.length - motion.path_parameter
     share = min(max(done / path.length, 0.0), 1.0)
-    return f", {share:.0%}" if share >= 0.005 else ""
+    return f", {percent(share)}" if share >= 0.005 else ""
 
 
 def margin_line(now: float, minimum: float) -> str:

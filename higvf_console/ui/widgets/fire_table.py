@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from higvf_console.core.numbers import percent
 from higvf_console.ui.scene.fires import fire_look
 from higvf_console.ui.theme import CSS
 from higvf_console.ui.widgets.html import DASH, area, block, dot
@@ -19,7 +20,7 @@ def fire_table_html(snapshot: "Snapshot") -> str:
         if not burning:
             state = f"{dot(CSS.scorched_edge)}out"
         elif fought or look.progress[fire] > 0.0:
-            state = f"{dot(CSS.progress if fought else CSS.fire_edge)}{look.progress[fire]:.0%} put out"
+            state = f"{dot(CSS.progress if fought else CSS.fire_edge)}{percent(look.progress[fire])} put out"
         else:
             state = f"{dot(CSS.fire_edge)}burning"
         crew = f"{snapshot.trace.crew[fire]}/{snapshot.setup.world.fire_needs[fire]}" if burning else DASH

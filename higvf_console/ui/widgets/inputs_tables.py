@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from higvf_console.core.interface import ChannelHealth
+from higvf_console.core.numbers import percent
 from higvf_console.core.reports import AttentionReport, CalibrationReport, CaptureReport, DecisionReport
 from higvf_console.ui.widgets.channel_mark import CHANNEL_MARK
 from higvf_console.ui.widgets.html import DASH, text
@@ -109,7 +110,7 @@ def attention_html(report: AttentionReport | None) -> str:
 
 
 def _share(spent: float, total: float) -> str:
-    return f"{spent / total:.0%}" if total > 0.0 else DASH
+    return percent(spent / total) if total > 0.0 else DASH
 
 
 def _bar(spent: float, total: float) -> str:
@@ -133,7 +134,7 @@ def calibration_html(calibrations: Sequence[tuple[str, CalibrationReport]], capt
     if not lines:
         lines.append('<div class="dim">None in use.</div>')
     if capture is not None and capture.target is not None:
-        lines.append(f"<div>Target {capture.number} of {capture.targets}, {capture.progress:.0%}</div>")
+        lines.append(f"<div>Target {capture.number} of {capture.targets}, {percent(capture.progress)}</div>")
     elif capture is not None and (capture.refusal or capture.outcome):
         lines.append(f'<div class="dim">{text(capture.refusal or capture.outcome)}</div>')
     return f'<div class="title">Calibration</div>{"".join(lines)}'

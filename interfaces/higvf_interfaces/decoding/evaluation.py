@@ -162,12 +162,12 @@ def verdict(result: Score) -> str:
     if low <= result.chance:
         return "The signal is unusable for control: the accuracy is not above chance."
     if result.accuracy < STEERING:
-        return f"The signal is too weak for control, which commonly requires an accuracy of {STEERING:.0%}."
+        return f"The signal is too weak for control, which commonly requires an accuracy of {100 * STEERING:.0f} %."
     if result.reached < STEERING * result.trials:
         given = f"only {result.reached} of {result.trials} trials gave their command"
         return f"The decisions are accurate but rarely pass the debouncer: {given}."
     if low < STEERING:
-        return f"Inconclusive: with so few trials, an accuracy below {STEERING:.0%} cannot be ruled out."
+        return f"Inconclusive: with so few trials, an accuracy below {100 * STEERING:.0f} % cannot be ruled out."
     return "The signal suffices for control."
 
 

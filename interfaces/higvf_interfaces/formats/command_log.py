@@ -25,6 +25,7 @@ _RECORDING = "recording"  # key in the first line of the console's own recording
 _POINTS = re.compile(r"\d{1,3}([.,]\d{3})+")  # a fraction, or groups of thousands
 _GROUPED = re.compile(r"\d{1,3}(\.\d{3})+,\d+|\d{1,3}(,\d{3})+\.\d+")  # groups of thousands and a fraction
 _WAY_OUT = "a log without times needs period=SECONDS"
+_GAZE = "this looks like a table of gaze, which the channel gaze reads (gaze=FILE), not like a log of commands"
 
 
 class _Entry(NamedTuple):
@@ -33,6 +34,7 @@ class _Entry(NamedTuple):
     time: float
     label: str
     confidence: object  # as in the file; None or empty means unknown
+    has_unit: bool  # whether the file states the unit of the time
 
 
 def matches_labels(file: TextFile) -> bool:
@@ -57,17 +59,19 @@ def read_csv(file: TextFile, period: float | None = None) -> CommandLog:
     """
     time, label, confidence = file.find(*TIMES), file.find(*LABELS), file.find("confidence")
     if time is None and period is None:
-        raise InputError(f"{file.path}: no time column (one of {', '.join(TIMES)}); {_WAY_OUT}; has: {file.titles}")
+        way_out = _GAZE if "gaze" in file.titles.casefold() else _WAY_OUT
+        raise InputError(f"{file.path}: no time column (one of {', '.join(TIMES)}); {way_out}; has: {file.titles}")
     if label is None:
         raise InputError(f"{file.path}: no label column (one of {', '.join(LABELS)}); has: {file.titles}")
+    file.check_single(time, label, confidence)
     seconds = seconds_of(file.path, time)
     entries: list[_Entry] = []
     notes: list[str] = []
     for index, row in enumerate(file.rows(notes), start=1):
         content = as_label(cell(row, label)), cell(row, confidence)
         written = cell(row, time)
-        entries.append(_Entry(f"row {index}", written, seconds(written), *content))
-    return _log(file, entries, CSV_NAME, notes, period, unit=seconds is not epoch_seconds)
+        entries.append(_Entry(f"row {index}", written, seconds(written), *content, seconds is not epoch_seconds))
+    return _log(file, entries, CSV_NAME, notes, period)
 
 
 def read_jsonl(file: TextFile, period: float | None = None) -> CommandLog:
@@ -103,7 +107,8 @@ def _objects(file: TextFile, broken: list[int]) -> Iterator[_Entry]:
             raise InputError(f"{file.path}: is a recording of this console; play it with: higvf replay {file.path}")
         label = next((fields[key] for key in LABELS if key in fields), "")
         written = next((fields[key] for key in TIMES if key in fields), "")
-        yield _Entry(f"line {index}", written, _time(fields), as_label(label), fields.get("confidence"))
+        stated = next((key for key in TIMES if key in fields), "") == "time_ms"
+        yield _Entry(f"line {index}", written, _time(fields), as_label(label), fields.get("confidence"), stated)
 
 
 def _time(fields: Mapping[str, object]) -> float:
@@ -119,9 +124,7 @@ def _number(value: object) -> float:
     return float(value) if is_number(value) else math.nan
 
 
-def _log(
-    file: TextFile, entries: list[_Entry], name: str, notes: list[str], period: float | None, *, unit: bool = False
-) -> CommandLog:
+def _log(file: TextFile, entries: list[_Entry], name: str, notes: list[str], period: float | None) -> CommandLog:
     if not any(is_time(entry.time) for entry in entries):
         if period is None:
             written = next((entry.written for entry in entries if entry.written not in ("", None)), None)
@@ -140,7 +143,7 @@ def _log(
         Decision(time, usable[row].label, _confidence(file, usable[row]))  # pyright: ignore[reportUnknownArgumentType, reportUnknownMemberType]
         for row, time in zip(order.tolist(), times.tolist(), strict=True)
     )
-    if not unit and like_milliseconds(floats([number(str(entry.written)) for entry in usable])):
+    if like_milliseconds(floats([number(str(entry.written)) for entry in usable if not entry.has_unit])):
         lasts = f"times without unit are taken as seconds, so that the log lasts {times[-1] - times[0]:.0f} s"
         notes.append(ClockNote(f"{lasts}; if they are milliseconds, call them time_ms"))
     return CommandLog(decisions, epoch, name, (*notes, *repaired))

@@ -81,6 +81,18 @@ class TextFile(NamedTuple):
                     return column
         return None
 
+    def check_single(self, *columns: Column | None) -> None:
+        """Refuse a header that gives the title of one of these columns to another one, too.
+
+        Raises:
+            InputError: naming the title; which of the columns is meant cannot be known.
+        """
+        for column in filter(None, columns):
+            if sum((other.name, other.unit) == (column.name, column.unit) for other in self.columns) > 1:
+                raise InputError(
+                    f"{self.path}: several columns are called {column.title[:60]!r}; rename those that are not meant"
+                )
+
     def lines(self, notes: list[str] | None = None, *, blank: bool = False) -> Iterator[str]:
         """Yield the lines without line breaks.
 

@@ -115,6 +115,7 @@ def _unusable(request: Request, counts: SampleCounts, reason: str) -> Mapping[st
     )
     for block in gaze.blocks():
         counts.add(block)
+    doubtful = any(doubt.option == "origin" for doubt in gaze.stream.doubts)
     picture = ("no picture: the frame is unknown or no sample is usable",) if request.plot is not None else ()
     return description(
         format_name=gaze.stream.format,
@@ -125,7 +126,7 @@ def _unusable(request: Request, counts: SampleCounts, reason: str) -> Mapping[st
         duration=counts.duration,
         rate=counts.rate,
         frame=gaze.stream.frame,
-        origin=None if any(doubt.option == "origin" for doubt in gaze.stream.doubts) else gaze.stream.origin,
+        origin=None if gaze.stream.frame is None or doubtful else gaze.stream.origin,
         valid_share=counts.valid / max(counts.samples, 1),
         screen_px=gaze.stream.screen and list(gaze.stream.screen),
         epoch_s=gaze.epoch,

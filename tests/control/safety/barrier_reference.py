@@ -166,10 +166,9 @@ def projection_by_enumeration(velocity: Floats, rows: Floats, speed_limit: float
         if abs(bound[k]) <= speed_limit:
             end = math.sqrt(speed_limit**2 - bound[k] ** 2) * np.array([-normal[k, 1], normal[k, 0]])
             tried += [bound[k] * normal[k] + end, bound[k] * normal[k] - end]
-        for j in range(k):
-            if abs(np.linalg.det(normal[[k, j]])) > 1e-9:
-                tried.append(floats(np.linalg.solve(normal[[k, j]], bound[[k, j]])))
-    points = np.array(tried)
+    pairs = np.stack(np.tril_indices(len(rows), -1), axis=1)
+    pairs = pairs[np.abs(np.linalg.det(normal[pairs])) > 1e-9]
+    points = np.concatenate([np.array(tried), np.linalg.solve(normal[pairs], bound[pairs][..., None])[..., 0]])
     allowed = (points @ normal.T <= bound + 1e-9 * speed_limit).all(axis=1)
     allowed &= np.hypot(*points.T) <= speed_limit * (1.0 + 1e-9)
     if not allowed.any():

@@ -89,6 +89,25 @@ def test_a_command_log_with_a_further_column_of_numbers_is_inspected_as_a_comman
     assert inspect(InputSpec("file", write(marked)))["kind"] == "signals"
 
 
+def test_a_gaze_table_that_is_given_as_a_log_is_led_to_its_channel(write: Write) -> None:
+    table = "Recording timestamp [ms]\tEvent\tGaze point X [DACS px]\tGaze point Y [DACS px]\n1\tstart\t2\t3\n"
+    with pytest.raises(InputError, match=r"looks like a table of gaze, which the channel gaze reads \(gaze=FILE\)"):
+        read_decisions(write(table))
+
+
+def test_a_title_that_stands_twice_is_refused(write: Write) -> None:
+    with pytest.raises(InputError, match="several columns are called 'label'; rename those that are not meant"):
+        read_decisions(write("time,label,label\n1,fist,open\n"))
+    with pytest.raises(InputError, match="several columns are called 'x \\[px\\]'"):
+        read_gaze(write("time,x [px],y [px],x [px]\n0,1,2,900\n0.01,1,2,900\n0.02,1,2,900\n"))
+
+
+def test_milliseconds_that_are_called_so_are_not_doubted(write: Write) -> None:
+    log = read_decisions(write('{"time_ms": 1000, "label": "fist"}\n{"time_ms": 6000, "label": "open"}\n'))
+    assert [decision.time for decision in log.decisions] == [1.0, 6.0]
+    assert log.notes == ()
+
+
 def test_a_log_without_times_or_labels_is_refused(write: Write) -> None:
     with pytest.raises(InputError, match="no entry has a time"):
         read_decisions(write("time,label\n,fist\n"))

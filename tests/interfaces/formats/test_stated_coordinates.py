@@ -209,6 +209,18 @@ def test_pro_lab_gaze_without_unit_is_on_the_screen_only_if_a_screen_is_stated(w
         source(write(prolab("", "")))
 
 
+def test_a_plain_table_states_its_origin_in_a_column(write: Write) -> None:
+    def table(*origins: str) -> str:
+        rows = (f"{k / 100},{500 + k},{400 + k},{origins[k % len(origins)]}\n" for k in range(20))
+        return write("time,x [px],y [px],origin\n" + "".join(rows))
+
+    assert read_gaze(table("bottom-left", "")).origin == BOTTOM_LEFT
+    assert read_gaze(table("")).origin == TOP_LEFT
+    for unknown in (("somewhere",), ("top-left", "bottom-left")):
+        with pytest.raises(InputError, match=r"the column origin '.*give origin="):
+            source(table(*unknown))
+
+
 def test_sizes_of_an_eyelink_screen_are_read_as_last_pixel_or_as_size(write: Write) -> None:
     for bounds, size in (("0 0 1919 1079", (1920, 1080)), ("0.00 0.00 1920.00 1080.00", (1920, 1080)),
                          ("100 50 1465 817", (1366, 768)), ("0 0 1366 768", (1366, 768))):  # fmt: skip

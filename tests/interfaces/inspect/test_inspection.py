@@ -35,6 +35,11 @@ def drawn_by_eye() -> str:
     return write_gaze_tsv(synthetic_gaze(strokes, 20.0, fit(InputSpec("g").arena, 1920, 1080), seed=3), (1920, 1080))
 
 
+def test_the_origin_of_an_unknown_frame_is_unknown(write: Write) -> None:
+    told = inspected(write("time,x,y\n0,1,2\n0.01,3,4\n0.02,5,6\n"))
+    assert told["frame"] is told["origin"] is None
+
+
 def test_a_gaze_recording_is_described_with_rate_validity_gaps_and_conversion(write: Write) -> None:
     told = inspected(write(drawn_by_eye()))
     assert set(told) >= KEYS

@@ -126,7 +126,7 @@ def test_the_command_reports_a_table_or_json_and_fails_where_something_rises(
     assert (report["flat"], report["cases"][0]["memory_mb"]["per_hour"]) == (True, 0.5)
     assert main(["bench", "--suite", "endurance", "--case", "headless", "--minutes", "3"]) == 1
     rule, title, memory, handles, _ = capsys.readouterr().out.splitlines()
-    assert "least squares rises by less than 1% of the mean" in rule
+    assert "least squares rises by less than 1 % of the mean" in rule
     assert title == "4 h headless: 61 samples in 60 s"
     assert memory.split()[-1] == "flat"
     assert handles.endswith("NOT FLAT")

@@ -109,6 +109,18 @@ def test_a_message_of_viser_is_told_in_the_line_and_not_over_the_arena(phone: Pa
     assert not phone.locator(".mantine-Notification-root").first.is_visible()
 
 
+def test_how_webgl_renders_is_no_message_of_the_run(phone: Page) -> None:
+    phone.evaluate("""() => {
+      const toast = Object.assign(document.createElement("div"), { id: "webgl" });
+      toast.className = "mantine-Notification-root";
+      toast.innerHTML = '<b class="mantine-Notification-title">Software WebGL rendering detected</b><button></button>';
+      toast.lastChild.onclick = () => toast.remove();
+      document.body.append(toast);
+    }""")
+    wait_until(lambda: phone.locator("#webgl").count() == 0)  # the strip has read it
+    assert not told(phone, "WebGL")()
+
+
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (1280, 720)])
 def test_the_alarms_open_the_log_also_where_the_panel_is_folded(
     phone: Page, running: Running, width: int, height: int

@@ -74,7 +74,8 @@ def test_a_label_is_never_markup() -> None:
 
 def test_attention_is_told_in_seconds_and_shares() -> None:
     html = attention_html(attention([3.0, 0.0], [1.0], 4.0))
-    for words in ("Fire 1", "Robot 1", "Elsewhere", "3.0", "38%", "12%", "50%", "2.50 /s", "310 ms", "0.42"):
+    shares = ("38\u00a0%", "12\u00a0%", "50\u00a0%")
+    for words in ("Fire 1", "Robot 1", "Elsewhere", "3.0", *shares, "2.50 /s", "310 ms", "0.42"):
         assert words in html
     assert "No input reports" in attention_html(None)
 
@@ -101,4 +102,4 @@ def test_the_calibration_is_told_with_its_error_and_file() -> None:
     for words in ("5 points", "4.2 px", "1.50 m", "a&lt;b.yaml", "2026-03-02", "in use"):
         assert words in html
     assert "None in use" in calibration_html([], CaptureReport("gaze is replayed"))
-    assert "Target 2 of 5, 50%" in calibration_html([], CaptureReport("", floats([1, 2]), 2, 5, 0.5))
+    assert "Target 2 of 5, 50\u00a0%" in calibration_html([], CaptureReport("", floats([1, 2]), 2, 5, 0.5))

@@ -48,8 +48,8 @@ def test_the_steering_line_names_robot_and_progress_either_way_round() -> None:
     quarter = state._replace(motion=state.motion._replace(path_parameter=50.0, path_status=int(PathStatus.FOLLOWING)))
     back = quarter._replace(intent=quarter.intent._replace(path=path._replace(direction=-1.0)))
     done = quarter._replace(motion=quarter.motion._replace(path_status=int(PathStatus.FINISHED)))
-    assert "robot 3</span>, on its path, 25%" in steering_line(quarter, near=300.0)
-    assert "75%" in steering_line(back, near=300.0)
+    assert "robot 3</span>, on its path, 25\u00a0%" in steering_line(quarter, near=300.0)
+    assert "75\u00a0%" in steering_line(back, near=300.0)
     assert "finished" in steering_line(done, near=300.0)
     assert 'robot 1</span>, <span class="dim">no path yet' in steering_line(STATE, near=300.0)
 
@@ -60,7 +60,7 @@ def test_a_robot_far_from_its_path_is_heading_for_it() -> None:
     far = state._replace(motion=state.motion._replace(path_status=int(PathStatus.FOLLOWING), path_parameter=0.0))
     assert steering_line(far, near=40.0).endswith("heading for its path")
     half_way = far._replace(motion=far.motion._replace(path_parameter=100.0))
-    assert steering_line(half_way, near=40.0).endswith("heading for its path, 50%")
+    assert steering_line(half_way, near=40.0).endswith("heading for its path, 50\u00a0%")
     on_it = far.motion.position.copy()
     on_it[0] = (100.0, 139.0)
     assert steering_line(far._replace(motion=far.motion._replace(position=on_it)), near=40.0).endswith("on its path")
@@ -156,7 +156,7 @@ def test_the_fire_table_tells_burning_fought_and_out_apart() -> None:
     shown = SimpleNamespace(setup=SETUP, state=STATE._replace(motion=motion), trace=TRACE, loss_area=burnt)
     html = fire_table_html(shown)  # pyright: ignore[reportArgumentType]
     assert ">out<" in html
-    assert "50% put out" in html
+    assert "50\u00a0% put out" in html
     assert "0/2" in html
     assert "1\u202f257" in html
 
@@ -180,7 +180,7 @@ def preview(**changes: Any) -> Preview:
 def test_the_preview_compares_with_doing_nothing() -> None:
     html = preview_html(preview())
     assert "3\u202f000 m²" in html
-    assert "\u22121\u202f000 m², \u221225.0%" in html
+    assert "\u22121\u202f000 m², \u221225.0\u00a0%" in html
     assert "2 \u2192 1" in html
     assert "(without your path: 1)" in html
     assert "2.5 m" in html

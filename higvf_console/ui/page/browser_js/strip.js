@@ -219,13 +219,15 @@
     below = height > 0;
   }
 
-  // What viser itself has to say is told in the line, too, rather than over the arena.
+  // What viser itself has to say is told in the line, too, rather than over the arena; but not how WebGL renders: the
+  // console looks the same, and whoever has no graphics card cannot help it.
   function takeToasts() {
     for (const toast of document.querySelectorAll(".mantine-Notification-root")) {
       const words = [".mantine-Notification-title", ".mantine-Notification-description"];
-      [noted, fresh] = [Date.now(), false];
-      note = words.map((part) => toast.querySelector(part)?.textContent ?? "").filter(Boolean).join(": ");
+      const said = words.map((part) => toast.querySelector(part)?.textContent ?? "").filter(Boolean).join(": ");
       toast.querySelector("button")?.click();
+      if (said.startsWith("Software WebGL")) continue;
+      [note, noted, fresh] = [said, Date.now(), false];
       tell();
     }
   }

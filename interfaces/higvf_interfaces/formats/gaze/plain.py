@@ -14,9 +14,9 @@ import numpy as np
 from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats.clock import unit_by_steps
-from higvf_interfaces.formats.coordinates import Coordinates, stated_frame
+from higvf_interfaces.formats.coordinates import Coordinates, stated_frame, stated_origin
 from higvf_interfaces.formats.gaze.binocular import says_yes
-from higvf_interfaces.formats.records import GazeStream, Row, Wanted, blocks_of
+from higvf_interfaces.formats.records import TOP_LEFT, Doubt, GazeStream, Row, Wanted, blocks_of
 from higvf_interfaces.formats.text import TIME_UNITS, Column, TextFile, cell, epoch_seconds, number
 
 NAME = "gaze-csv"
@@ -60,7 +60,8 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     """Open the table.
 
     Raises:
-        InputError: If the time, x or y column is missing, or the unit of time is unknown or cannot be seconds.
+        InputError: If the time, x or y column is missing, a title stands twice, or the unit of time is unknown or
+            cannot be seconds.
     """
     time, point_columns = file.find(*STAMPS), find_point(file)
     if time is None:
@@ -69,6 +70,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         raise InputError(f"{file.path}: no gaze columns (x and y, or gaze_x and gaze_y); has: {file.titles}")
     x, y = point_columns
     confidence, validity, blink = file.find("confidence"), file.find(*_VALIDITIES), file.find("blink")
+    file.check_single(time, x, y, confidence, validity, blink)
     if confidence is not None and confidence.unit:
         raise InputError(
             f"{file.path}: the unit {confidence.unit[:40]!r} of the confidence is not understood; write a share from 0 "
@@ -78,6 +80,7 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
     if seconds is epoch_seconds:
         _check_steps(file, time)
     stated = Coordinates("arena") if x.unit in _METRES and y.unit in _METRES else stated_frame((x.unit, y.unit))
+    origin, doubts = _stated_origin(file)
     assumed = validity is not None and validity.name == "validity"
     notes = [f"{validity.title}: 1 taken as valid, 0 as invalid"] if validity is not None and assumed else []
 
@@ -102,7 +105,8 @@ def stream(file: TextFile, _: Wanted) -> GazeStream:
         notes=notes,
         start=None,
         has_confidence=confidence is not None,
-        doubts=stated.doubts,
+        doubts=(*stated.doubts, *doubts),
+        origin=origin,
     )
 
 
@@ -120,6 +124,13 @@ def seconds_of(path: Path, time: Column | None) -> Callable[[str], float]:
     if unit not in TIME_UNITS:
         raise InputError(f"{path}: {unit[:80]!r} is not a unit of time; known units: {', '.join(TIME_UNITS)}")
     return lambda text: number(text) * TIME_UNITS[unit]
+
+
+def _stated_origin(file: TextFile) -> tuple[str, tuple[Doubt, ...]]:
+    """Return the origin that a column `origin` states in the first rows, top left without one, and doubts about it."""
+    column = file.find("origin")
+    words = {cell(row, column) for row in file.first_rows(_LOOKED_AT)} - {""} if column is not None else set[str]()
+    return stated_origin(" ".join(sorted(words)), "the column origin") if words else (TOP_LEFT, ())
 
 
 def _check_steps(file: TextFile, time: Column) -> None:
