@@ -251,6 +251,8 @@ class Session:
             report = self._team.report()
             self._journal.team(self._run.time, report)
             self._journal.add(self._run.hear(report))
+            told = self._team.notices()
+            self._journal.add(tuple(Event(self._run.time, Severity.WARNING, "team", text) for text in told))
 
     def _attend(self) -> None:
         intent, motion = self._run.state.intent, self._run.state.motion

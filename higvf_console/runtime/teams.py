@@ -98,6 +98,8 @@ def open_driver(
     rules = Rules(spec.speed_limit, spec.look_ahead, spec.body_radius, options.error_m, options.stale_s, options.lost_s)
     if clock is None and spec.name != SimulatedTeam.name:
         raise InputError(f"--team {team}: drives in real time; only '{SimulatedTeam.name}' drives in a headless run")
+    if clock is None and poses is not None:
+        raise InputError(f"--poses {poses}: tells poses in real time, which a headless run does not keep; leave it out")
     opened = open_team(spec)
     try:
         source = None if source_spec is None else open_poses(source_spec)
