@@ -76,7 +76,7 @@ def view_of(arena: Arena, size: tuple[int, int]) -> View:
 
 
 def true_poses(setup: Setup, strokes: Sequence[tuple[Floats, int | None]], seconds: float, rate: float) -> Truth:
-    """Where robots are while the team follows strokes (n, 2) [m], each drawn for a robot (from 0), or for the chosen."""
+    """Where robots are while the team follows strokes (n, 2) [m], each drawn for a robot (index from 0)."""
     run, period, look_ahead = Run(setup), setup.params.safety.control_period, setup.params.robots.look_ahead
     for points, robot in strokes:
         for command in (StrokeBegin(), StrokePoints(points), StrokeEnd(robot=robot)):
@@ -112,7 +112,7 @@ class Painter:
             cv2.fillPoly(self._ground, [self._pixels(_disc(x, y, radius), 0.0)], (_OBSTACLE,) * 3, cv2.LINE_AA)
 
     def frame(self, centres: Floats, headings: Floats) -> NDArray[np.uint8]:
-        """The picture (rows, columns, 3) of robots at centres (N, 2) [m] with headings (N,) [rad], tag 0 for the first."""
+        """The picture (rows, columns, 3) of robots at centres (N, 2) [m] with headings (N,) [rad]; tags count from 0."""
         fine = self._ground.copy()
         for robot, ((x, y), heading) in enumerate(zip(centres, headings, strict=True)):
             cv2.fillPoly(fine, [self._pixels(_disc(x, y, 0.037), 0.5 * HEIGHT_M)], _BODY, cv2.LINE_AA)

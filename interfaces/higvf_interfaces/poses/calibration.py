@@ -13,7 +13,11 @@ The floor, by points whose pixels are known, or by tags that lie on it and are l
     points_m: [[0, 2], [3.2, 2], [3.2, 0], [0, 0]]
     camera_m: [1.6, 1.0, 2.6]          # optional: where the camera hangs, for tags above the floor
 
-    tags: [{id: 40, at_m: [0.1, 1.9]}, {id: 41, at_m: [3.1, 1.9]}, {id: 42, at_m: [3.1, 0.1]}, {id: 43, at_m: [0.1, 0.1]}]
+    tags:
+      - {id: 40, at_m: [0.1, 1.9]}
+      - {id: 41, at_m: [3.1, 1.9]}
+      - {id: 42, at_m: [3.1, 0.1]}
+      - {id: 43, at_m: [0.1, 0.1]}
 
 A floor is a homography (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., section 4.1).
 """
@@ -146,6 +150,11 @@ def fitted(pixels: Floats, ground: Floats, place: str) -> Floats:
     if weights.min() * weights.max() <= 0.0 or abs(weights).min() <= _NEAREST_HORIZON * abs(weights).max():
         raise InputError(f"{place}: the horizon lies between these points; are their pixels and metres in one order?")
     return homography
+
+
+def inverse(homography: Floats) -> Floats:
+    """From the floor to pixels."""
+    return floats(np.linalg.inv(homography))
 
 
 def mapped(homography: Floats, points: Floats) -> Floats:

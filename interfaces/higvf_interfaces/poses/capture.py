@@ -47,6 +47,9 @@ class Live(NamedTuple):
     delay: float = 0.0
 
 
+AS_IT_COMES = Live()
+
+
 class Capture:
     """The frames of one source, read on a thread of its own from `start` until `close`.
 
@@ -56,7 +59,7 @@ class Capture:
     """
 
     def __init__(
-        self, source: str, place: str, live: Live = Live(), *, loop: bool = False,
+        self, source: str, place: str, live: Live = AS_IT_COMES, *, loop: bool = False,
         clock: Callable[[], float] = monotonic,
     ) -> None:  # fmt: skip
         """Opens the source and reads its first frame.

@@ -14,7 +14,7 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import InputError
 from higvf_console.core.optional import optional
 from higvf_console.core.viewport import Arena
-from higvf_interfaces.poses.calibration import FEWEST, Floor, Lens, fitted, lowered, mapped
+from higvf_interfaces.poses.calibration import FEWEST, Floor, Lens, fitted, inverse, lowered, mapped
 from higvf_interfaces.poses.tags import Tag
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class FloorView:
         if self.homography is None:
             return np.nan
         x, y = (self._arena.x_min + self._arena.x_max) / 2, (self._arena.y_min + self._arena.y_max) / 2
-        back = mapped(np.linalg.inv(self.homography), floats([[x, y], [x + 0.01, y]]))
+        back = mapped(inverse(self.homography), floats([[x, y], [x + 0.01, y]]))
         return float(np.hypot(*(back[1] - back[0]))) / 0.01
 
     def from_above(self, image: NDArray[np.uint8]) -> NDArray[np.uint8] | None:
@@ -119,11 +119,11 @@ class FloorView:
         x = arena.x_min + (np.arange(columns) + 0.5) * arena.width / columns
         y = arena.y_max - (np.arange(rows) + 0.5) * arena.height / rows
         ground = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-        pixels = mapped(np.linalg.inv(self.homography), ground)
+        pixels = mapped(inverse(self.homography), ground)
         if self._lens is not None:
             pixels = self._lens.bent(pixels)
         places = pixels.astype(np.float32).reshape(rows, columns, 2)
-        whole, parts = cv2.convertMaps(places, None, cv2.CV_16SC2)
+        whole, parts = cv2.convertMaps(places[:, :, 0], places[:, :, 1], cv2.CV_16SC2)
         return np.asarray(whole, np.int16), np.asarray(parts, np.uint16)
 
 

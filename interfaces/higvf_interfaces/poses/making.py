@@ -22,7 +22,7 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.errors import HigvfError, InputError
 from higvf_console.core.optional import optional
 from higvf_console.core.reading.document import yaml_text
-from higvf_interfaces.poses.calibration import Lens, fitted, mapped, read_floor, read_lens
+from higvf_interfaces.poses.calibration import Lens, fitted, inverse, mapped, read_floor, read_lens
 from higvf_interfaces.poses.capture import Capture, Frame
 from higvf_interfaces.poses.tags import Tag, TagDetector, dictionary
 
@@ -44,7 +44,7 @@ def floor_of_corners(pixels: Floats, ground: Floats, size: tuple[int, int], came
 
 
 def camera_place(pixels: Floats, ground: Floats, lens: Lens) -> Floats:
-    """Where (3,) a camera hangs [m] whose lens is known and that sees points (n, 2) of the floor [m] at pixels (n, 2)."""
+    """Where (3,) a camera hangs [m] whose lens is known and that sees points (n, 2) [m] at pixels (n, 2)."""
     flat = np.column_stack((ground, np.zeros(len(ground))))
     _, turn, move = cv2.solvePnP(flat, pixels, lens.matrix, lens.distortion)
     rotation, _ = cv2.Rodrigues(turn)
@@ -128,7 +128,7 @@ def _measured(
     homography: Floats, ground: Floats, tags: dict[int, Floats], lens: Lens | None, size: float | None
 ) -> str:
     if not tags:
-        middle = float(np.abs(np.diff(mapped(np.linalg.inv(homography), ground), axis=0)).max())
+        middle = float(np.abs(np.diff(mapped(inverse(homography), ground), axis=0)).max())
         longest = float(np.abs(np.diff(ground, axis=0)).max())
         return f"Four points always fit; a pixel of error is about {1e3 * longest / middle:.1f} mm on the floor."
     wander: list[float] = []

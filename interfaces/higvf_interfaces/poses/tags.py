@@ -85,7 +85,8 @@ class TagDetector:
         return [self._refined(grey, Tag(tag.id, 2.0 * tag.corners + 0.5)) for tag in self._search(half)]
 
     def _search(self, grey: Grey) -> list[Tag]:
-        corners, ids, _ = self._detector.detectMarkers(grey)
+        found: Any = self._detector.detectMarkers(grey)
+        corners, ids, _ = found
         if ids is None:
             return []
         return [

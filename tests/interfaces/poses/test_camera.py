@@ -206,7 +206,7 @@ def test_pictures_are_made_while_they_are_asked_for(camera: Opener) -> None:
     source = camera(VIDEO, height_m=str(HEIGHT_M))
     until(source, lambda poses, _: bool(np.isfinite(poses.measured_at).all()))
     assert source.picture() is None
-    until(source, lambda *_: source.picture() is not None)
+    until(source, lambda _, __: source.picture() is not None)
     picture = source.picture()
     assert picture is not None and picture.rgb.shape == (400, 640, 3) and picture.extent == ARENA
     x, y = source.poses(0.0).position[0]
@@ -250,18 +250,18 @@ def test_a_missing_source_is_refused_with_what_to_give(camera: Opener, tmp_path:
     floor = str(VIDEO.with_suffix(".floor.yaml"))
     with pytest.raises(InputError, match=r"none.mp4: No such file or directory; give a video file, the index"):
         camera(tmp_path / "none.mp4", floor=floor)
-    with pytest.raises(InputError, match="camera 97 cannot be read; cameras here: "):
+    with pytest.raises(InputError, match=r"camera 97 cannot be read; cameras here: "):
         camera("97", floor=floor)
     with pytest.raises(InputError, match="give a video file, the index of a camera, or a URL"):
         camera("", floor=floor)
-    with pytest.raises(InputError, match="floor=FILE is missing, and there is no .*none.floor.yaml; make one with"):
+    with pytest.raises(InputError, match=r"floor=FILE is missing, and there is no .*none.floor.yaml; make one with"):
         camera(tmp_path / "none.mp4")
 
 
 def test_a_floor_of_other_pictures_is_refused(camera: Opener, tmp_path: Path) -> None:
     other = tmp_path / "other.yaml"
     other.write_text(floor_text(view_of(ARENA, (640, 400)), ARENA))
-    with pytest.raises(InputError, match="floor was measured in pictures of 640 x 400 px.*960 x 600 px"):
+    with pytest.raises(InputError, match=r"floor was measured in pictures of 640 x 400 px.*960 x 600 px"):
         camera(VIDEO, floor=str(other))
 
 
