@@ -20,6 +20,7 @@ from higvf_console.runtime.headless import run_headless
 from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.session import Session
 from higvf_console.scenario.scenario import KEYS, load_scenario, parse_scenario
+from higvf_console.team.tracking import Rules
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -89,7 +90,7 @@ def test_every_key_of_a_report_has_a_sentence() -> None:
 
 
 def test_every_key_of_a_recordings_header_is_described(tmp_path: Path) -> None:
-    recorder = Recorder(tmp_path / "run.jsonl", load_scenario("empty"), 0)
+    recorder = Recorder(tmp_path / "run.jsonl", load_scenario("empty"), 0, rules=Rules(1.0, 0.0, 0.1))
     recorder.close()
     header = json.loads((tmp_path / "run.jsonl").read_text(encoding="utf-8").splitlines()[0])
     row = next(line for line in (DOCS / "reference" / "recording.md").read_text().splitlines() if "| header" in line)
