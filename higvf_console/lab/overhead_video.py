@@ -112,7 +112,7 @@ class Painter:
             cv2.fillPoly(self._ground, [self._pixels(_disc(x, y, radius), 0.0)], (_OBSTACLE,) * 3, cv2.LINE_AA)
 
     def frame(self, centres: Floats, headings: Floats) -> NDArray[np.uint8]:
-        """The picture (rows, columns, 3) of robots at centres (N, 2) [m] with headings (N,) [rad]; tags count from 0."""
+        """The picture (rows, columns, 3) of robots at centres (N, 2) [m] with headings (N,) [rad]; tags from 0."""
         fine = self._ground.copy()
         for robot, ((x, y), heading) in enumerate(zip(centres, headings, strict=True)):
             cv2.fillPoly(fine, [self._pixels(_disc(x, y, 0.037), 0.5 * HEIGHT_M)], _BODY, cv2.LINE_AA)

@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -167,7 +167,8 @@ class Capture:
 
     @staticmethod
     def _next(video: "cv2.VideoCapture") -> NDArray[np.uint8] | None:
-        read, image = video.read()
+        found: Any = video.read()
+        read, image = found
         if not read or image is None or image.ndim != 3 or image.shape[2] != 3:
             return None
         return np.asarray(image, np.uint8)
