@@ -10,9 +10,13 @@ import pytest
 
 from higvf_console.core.errors import InputError
 from higvf_console.core.events import Severity
+from higvf_console.core.team import Poses, never_seen
+from higvf_console.runtime.recording import Recorder, read_recording, replay
 from higvf_console.runtime.session import Session
-from higvf_console.runtime.teams import open_driver
+from higvf_console.runtime.teams import open_driver, rules_of, team_spec
 from higvf_console.scenario.scenario import load_scenario
+from higvf_console.team.driver import TeamDriver
+from higvf_console.team.opening import open_team
 
 CAMERA = "camera=assets/recordings/epucks-overhead.mp4:size_m=0.08,height_m=0.05"
 PATIENCE = 20.0  # [s]
@@ -60,6 +64,51 @@ def test_no_control_tick_waits_for_a_frame(session: Session) -> None:
         else:
             ticks_between += 1
     assert len(stamps) == 6 and ticks_between > 5  # more ticks than frames
+
+
+class Talking:
+    """A source of poses that sees nobody, and says so once."""
+
+    name = "talking"
+
+    def __init__(self) -> None:
+        self._left = ["The lamp is out."]
+
+    def poses(self, now: float) -> Poses:  # noqa: ARG002
+        return never_seen(5)
+
+    def notices(self) -> tuple[str, ...]:
+        taken, self._left = tuple(self._left), []
+        return taken
+
+    def close(self) -> None:
+        pass
+
+
+def test_what_a_source_of_poses_tells_is_reported_once() -> None:
+    scenario = load_scenario("epucks")
+    setup = scenario.setup(0)
+    spec, options = team_spec("simulated", "--team", scenario, setup)
+    driver = TeamDriver(open_team(spec), 5, rules_of(spec, options), None, spec.period, Talking())
+    session = Session(scenario, [], team=driver)
+    for _ in range(3):
+        session.tick()
+    session.close()
+    assert [event.text for event in session.snapshot.events if event.kind == "team"].count("The lamp is out.") == 1
+    assert not session.has_picture and session.picture() is None
+
+
+def test_a_recorded_run_repeats_without_the_camera(tmp_path: Path) -> None:
+    scenario = load_scenario("epucks")
+    driver = open_driver("simulated", CAMERA, scenario, scenario.setup(0), monotonic)
+    recorder = Recorder(tmp_path / "run.jsonl", scenario, 0, {}, driver.rules)
+    session = Session(scenario, [], recorder=recorder, team=driver)
+    for _ in range(80):
+        session.tick()
+        time.sleep(0.01)
+    session.close()
+    result = replay(read_recording(tmp_path / "run.jsonl"))
+    assert result.agrees and result.ticks == 80
 
 
 def test_a_headless_run_has_no_time_for_a_camera() -> None:
