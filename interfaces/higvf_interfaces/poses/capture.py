@@ -31,6 +31,12 @@ _SLOWEST, _FASTEST = 1.0, 240.0  # rates of a video file that are believed [fram
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
 
 
+def _head(file: Path) -> bytes:
+    """The first bytes of a file; those of a video hold zeros."""
+    with file.open("rb") as opened:
+        return opened.read(4096)
+
+
 class Frame(NamedTuple):
     """A picture (rows, columns, 3) in blue, green, red; when it was taken [s]; and how many came before."""
 
@@ -142,6 +148,7 @@ class Capture:
         file = Path(self._source)
         try:
             empty = file.stat().st_size == 0
+            head = b"" if empty or not file.is_file() else _head(file)
         except OSError as error:
             wanted = "give a video file, the index of a camera such as 0, or a URL such as rtsp://..."
             raise InputError(f"{self._place}: {self._source}: {error.strerror}; {wanted}") from error
@@ -149,6 +156,8 @@ class Capture:
             raise InputError(f"{self._place}: {self._source} is no file")
         if empty:
             raise InputError(f"{self._place}: {self._source} is empty")
+        if b"\0" not in head:  # FFmpeg draws text as a film of letters
+            raise InputError(f"{self._place}: {self._source} is text; a video is wanted")
 
     def _refusal(self) -> str:
         if self._source.isdigit():

@@ -218,18 +218,20 @@ def test_pictures_are_made_while_they_are_asked_for(camera: Opener) -> None:
 
 BROKEN = {
     "empty": (b"", "is empty"),
-    "text": (b"time,x,y\n" + b"1,2,3\n" * 500, "cannot be read as a video"),
+    "text": (b"time,x,y\n" + b"1,2,3\n" * 500, "is text; a video is wanted"),
+    "noise": (np.random.default_rng(0).bytes(50_000), "cannot be read as a video"),
     "cut": (VIDEO.read_bytes()[:20_000] if VIDEO.is_file() else b"", "cannot be read as a video"),
 }
 
 
 @pytest.mark.parametrize("name", BROKEN)
-def test_broken_files_are_refused(camera: Opener, tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("ending", ["mp4", "txt"])
+def test_broken_files_are_refused(camera: Opener, tmp_path: Path, name: str, ending: str) -> None:
     content, reason = BROKEN[name]
-    (tmp_path / "broken.mp4").write_bytes(content)
-    (tmp_path / "broken.floor.yaml").write_bytes(VIDEO.with_suffix(".floor.yaml").read_bytes())
-    with pytest.raises(InputError, match=f"broken.mp4 {reason}"):
-        camera(tmp_path / "broken.mp4")
+    file = tmp_path / f"broken.{ending}"
+    file.write_bytes(content)
+    with pytest.raises(InputError, match=f"broken.{ending} {reason}"):
+        camera(file, floor=str(VIDEO.with_suffix(".floor.yaml")))
 
 
 REFUSED = [
