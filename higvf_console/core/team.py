@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from higvf_console.core.arrays import Floats
 from higvf_console.core.errors import InputError
@@ -168,6 +169,38 @@ class PoseSource(Protocol):
 
     def close(self) -> None:
         """Ends it; returns within a second."""
+        ...
+
+
+class Picture(NamedTuple):
+    """The ground as a camera sees it from straight above.
+
+    Attributes:
+        rgb: (rows, columns, 3) red, green, blue; row 0 is the top.
+        extent: the ground that it covers.
+        taken_at: when, on the clock of `now` [s].
+    """
+
+    rgb: NDArray[np.uint8]
+    extent: Arena
+    taken_at: float
+
+
+@runtime_checkable
+class PictureSource(Protocol):
+    """A source of poses, or a team, that has a live picture of the arena besides."""
+
+    def picture(self) -> Picture | None:
+        """The newest one; None = there is none yet. Returns at once, also on another thread than `poses`."""
+        ...
+
+
+@runtime_checkable
+class NoticeSource(Protocol):
+    """A source of poses, or a team, that has something to tell people besides."""
+
+    def notices(self) -> tuple[str, ...]:
+        """What has happened since the last call, a sentence each; returns at once."""
         ...
 
 

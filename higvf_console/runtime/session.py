@@ -28,6 +28,7 @@ from higvf_console.core.events import Event, Severity
 from higvf_console.core.interface import Interface, OperatorContext, PointerSink, Targets
 from higvf_console.core.limiter import Limiter
 from higvf_console.core.reports import Calibrated
+from higvf_console.core.team import Picture
 from higvf_console.core.viewport import Viewport
 from higvf_console.runtime.admission import Admission
 from higvf_console.runtime.background.baseline_thread import keep_baseline
@@ -178,6 +179,15 @@ class Session:
     def setup(self) -> Setup:
         """What a reset of the run starts from."""
         return self._run.setup
+
+    @property
+    def has_picture(self) -> bool:
+        """Whether a camera shows the arena."""
+        return self._exchange.has_picture
+
+    def picture(self) -> Picture | None:
+        """The newest picture of that camera; None = there is none yet. May be called on any thread."""
+        return self._exchange.picture()
 
     @property
     def ticks(self) -> int:

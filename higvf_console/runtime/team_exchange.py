@@ -1,5 +1,7 @@
 """Between a run and the robots of its team: in each beat they are heard, stopped if asked, and told what to do."""
 
+from higvf_console.core.events import Event, Severity
+from higvf_console.core.team import Picture
 from higvf_console.runtime.journal import Journal
 from higvf_console.runtime.run import Run
 from higvf_console.team.driver import TeamDriver
@@ -19,6 +21,8 @@ class TeamExchange:
             report = self._driver.report()
             self._journal.team(self._run.time, report)
             self._journal.add(self._run.hear(report))
+            told = self._driver.notices()
+            self._journal.add(tuple(Event(self._run.time, Severity.WARNING, "team", text) for text in told))
 
     def stop_if_asked(self) -> None:
         """Stops the robots before anything is computed, once, where a STOP has come; zeros follow in each beat."""
@@ -31,6 +35,15 @@ class TeamExchange:
         """Stops the robots by the fastest way that there is."""
         if self._driver is not None:
             self._driver.stop()
+
+    @property
+    def has_picture(self) -> bool:
+        """Whether a camera shows the arena."""
+        return self._driver is not None and self._driver.has_picture
+
+    def picture(self) -> Picture | None:
+        """The newest picture of that camera; None = there is none."""
+        return None if self._driver is None else self._driver.picture()
 
     def answer(self) -> None:
         """Sends what the robots shall do."""

@@ -2,6 +2,8 @@
 
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Annotated as A  # noqa: N817 (a table needs narrow columns)
 from typing import NamedTuple
 
@@ -10,13 +12,13 @@ from higvf_console.core.errors import InputError
 from higvf_console.core.quantity import Quantity as Q  # noqa: N817
 from higvf_console.core.team import Heard, TeamSpec, options_of
 from higvf_console.runtime.inputs import options_behind, split_source
-from higvf_console.scenario.scenario import Scenario, load_scenario
+from higvf_console.scenario.scenario import Scenario, data_folder, load_scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.team.check import Finding, check_team
 from higvf_console.team.driver import TeamDriver
 from higvf_console.team.listing import heard_robots
-from higvf_console.team.opening import open_poses, open_team, team_names
+from higvf_console.team.opening import open_poses, open_team, pose_source_names, team_names
 from higvf_console.team.simulated import SimulatedTeam
 from higvf_console.team.tracking import Rules
 from higvf_console.world.setup import Setup
@@ -78,6 +80,14 @@ def rules_of(spec: TeamSpec, options: RuleOptions) -> Rules:
     return Rules(spec.speed_limit, spec.look_ahead, spec.body_radius, options.error_m, options.stale_s, options.lost_s)
 
 
+def _found(address: str) -> str:
+    """The address, or that of a shipped file which lies elsewhere, as in `assets/recordings/epucks-overhead.mp4`."""
+    shipped = data_folder() / address
+    return (
+        str(shipped) if address.startswith("assets/") and not Path(address).exists() and shipped.is_file() else address
+    )
+
+
 def open_driver(
     team: str, poses: str | None, scenario: Scenario, setup: Setup, clock: Callable[[], float] | None
 ) -> TeamDriver:
@@ -104,9 +114,12 @@ def open_driver(
     source_spec = None
     if poses is not None:
         source_spec, options = team_spec(poses, "--poses", scenario, setup)
+        source_spec = replace(source_spec, address=_found(source_spec.address))
     rules = rules_of(spec, options)
     if clock is None and spec.name in team_names() and spec.name != SimulatedTeam.name:
         raise InputError(f"--team {team}: drives in real time; only '{SimulatedTeam.name}' drives in a headless run")
+    if clock is None and source_spec is not None and source_spec.name in pose_source_names():
+        raise InputError(f"--poses {poses}: tells poses in real time, which a headless run does not keep; leave it out")
     opened = open_team(spec)
     try:
         source = None if source_spec is None else open_poses(source_spec)

@@ -5,7 +5,17 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any
 
-from higvf_console.core.team import Drive, Poses, PoseSource, RobotLink, Team, never_seen
+from higvf_console.core.team import (
+    Drive,
+    NoticeSource,
+    Picture,
+    PictureSource,
+    Poses,
+    PoseSource,
+    RobotLink,
+    Team,
+    never_seen,
+)
 from higvf_console.team.state import TeamReport
 from higvf_console.team.tracking import Rules
 
@@ -53,6 +63,30 @@ class TeamDriver:
         )
         return TeamReport(now, poses, links, self._failure)
 
+    def notices(self) -> tuple[str, ...]:
+        """What team and source of poses have to tell people since the last call, a sentence each."""
+        told: tuple[str, ...] = ()
+        for part in self._parts():
+            if isinstance(part, NoticeSource):
+                told += self._ask("notices", part.notices, ())
+        return told
+
+    @property
+    def has_picture(self) -> bool:
+        """Whether team or source of poses has a live picture of the arena."""
+        return any(isinstance(part, PictureSource) for part in self._parts())
+
+    def picture(self) -> Picture | None:
+        """The newest picture of the arena; None = there is none. May be called on any thread."""
+        for part in self._parts():
+            if isinstance(part, PictureSource):
+                return part.picture()
+        return None
+
+    def _parts(self) -> tuple[PoseSource, ...]:
+        """Team and source of poses, each once."""
+        return (self._team,) if self._poses is self._team else (self._team, self._poses)
+
     def send(self, command: Drive | None) -> None:
         """Tells the robots what to do; None tells them nothing."""
         if command is not None:
@@ -68,7 +102,7 @@ class TeamDriver:
     def close(self) -> None:
         """Stops the robots and closes the team."""
         self.stop()
-        for part in {id(part): part for part in (self._team, self._poses)}.values():
+        for part in self._parts():
             try:
                 part.close()
             except Exception as error:  # as above; the other part is closed too

@@ -52,7 +52,7 @@ class TeamState(NamedTuple):
         since: when `arming` became so [s].
         stopped: (N,) robots that the operator has stopped one by one.
         told_at: (N,) since when a robot has been told to stand; inf = it may drive [s].
-        stood: (N,) robots that have stood since they were told to.
+        stood: (N,) robots that have stood since they were told to, or were never told to drive.
         latency: from a command to its confirmation, lately [s]; 0 = nothing is confirmed.
         links: to each robot.
         stale: (N,) robots whose pose is too old.
@@ -103,7 +103,7 @@ def opened(robots: int) -> TeamState:
     no = np.zeros(robots, np.bool_)
     return TeamState(
         now=0.0, track=nowhere(robots), sent=(), number=0, arming=Arming.DISARMED, since=0.0, stopped=no,
-        told_at=np.full(robots, np.inf), stood=no, latency=0.0, links=(RobotLink(),) * robots, stale=no,
+        told_at=np.zeros(robots), stood=~no, latency=0.0, links=(RobotLink(),) * robots, stale=no,
         disobedient=no, faults=no, failure="",
     )  # fmt: skip
 

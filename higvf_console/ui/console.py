@@ -167,7 +167,7 @@ class Console:
         with tabs.add_tab("Inputs"):
             inputs = InputsPanel(gui, session, sink)
         with tabs.add_tab("View"):
-            view = ViewPanel(gui, ui)
+            view = ViewPanel(gui, ui, camera=session.has_picture)
         with tabs.add_tab("Log"):
             log = LogPanel(self._server, ui)
         self._panels: tuple[Panel, ...] = (
@@ -289,7 +289,8 @@ class Console:
                 camera.install(self._server, self._scene.camera_arena)
         viewport = self._session.viewport
         px = None if viewport is None else viewport.metres_per_px
-        self._scene.update(snapshot, state, self._previewer.latest, px)
+        picture = self._session.picture() if state.camera else None
+        self._scene.update(snapshot, state, self._previewer.latest, px, picture)
 
     def _try(self, part: str, update: Callable[[], None]) -> None:
         try:

@@ -50,6 +50,7 @@ class UiState:
         reasons: its velocity as a chain of arrows.
         sights: which fires it sees, and what hides the others.
         look: colours and size of text, on every page.
+        camera: live picture of a camera that sees the arena, where there is one.
         background: overhead image on the ground.
         alarms: those that nobody has acknowledged, oldest first (`ui.alarms` has the rules).
         terms: on which the path is followed that the next stroke becomes.
@@ -76,6 +77,7 @@ class UiState:
     reasons: bool = False
     sights: bool = False
     look: Look = USUAL_LOOK
+    camera: bool = True
     background: Background | None = None
     alarms: tuple[Event, ...] = ()
     terms: PathTerms = USUAL_TERMS

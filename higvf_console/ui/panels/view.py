@@ -33,20 +33,30 @@ SWITCHES = {
         "Two circles that touch are as close as two robots may be; pale: enlarged for unicycles and noise",
     ),
 }
+CAMERA = {
+    "camera": ("Camera picture", "What the overhead camera sees, from straight above; grey and dated when it is late")
+}
 
 
 class ViewPanel:
     """Switches that write the `UiState`; the keyboard may change the field too."""
 
-    def __init__(self, gui: viser.GuiApi, ui: UiStore) -> None:
-        """Adds a switch for each layer, the look of every page, and the legend."""
+    def __init__(self, gui: viser.GuiApi, ui: UiStore, *, camera: bool = False) -> None:
+        """Adds a switch for each layer, the look of every page, and the legend.
+
+        Args:
+            gui: where it is added.
+            ui: what is chosen.
+            camera: whether a camera shows the arena.
+        """
         self._ui = ui
         self._field = gui.add_dropdown(
             "Field", tuple(FIELDS), hint="Path: toward the path. Composite: also around obstacles. "
             "Blended: what the influenced robot would want if it stood there (V)",
         )  # fmt: skip
         self._field.on_update(reaction(self._choose))
-        self._switches = {name: self._make_switch(gui, name, *words) for name, words in SWITCHES.items()}
+        switches = {**SWITCHES, **CAMERA} if camera else SWITCHES
+        self._switches = {name: self._make_switch(gui, name, *words) for name, words in switches.items()}
         self._theme = gui.add_dropdown("Theme", tuple(THEMES), hint="Applies to every page")
         self._theme.on_update(reaction(lambda value: self._wear(palette=chosen(value, THEMES))))
         self._text = gui.add_dropdown(

@@ -101,9 +101,9 @@ class Canvas:
         """`count` copies of a shape."""
         return Marks(self, layer, name, shape, count=count, colour=colour, opacity=opacity)
 
-    def picture(self, layer: Layer, name: str, extent: Arena | None = None) -> "Picture":
-        """A picture over some ground; None = the whole arena."""
-        return Picture(self, layer, name, extent or self.arena)
+    def picture(self, layer: Layer, name: str, extent: Arena | None = None, *, opaque: bool = False) -> "Picture":
+        """A picture over some ground; None = the whole arena. One that is opaque is sent as JPEG."""
+        return Picture(self, layer, name, extent or self.arena, opaque=opaque)
 
 
 def raised(points: Floats) -> NDArray[np.float32]:
@@ -282,16 +282,16 @@ class Marks:
 class Picture:
     """A picture over some ground, hidden until there is one; its colours are shown as they are."""
 
-    def __init__(self, canvas: Canvas, layer: Layer, name: str, extent: Arena) -> None:
+    def __init__(self, canvas: Canvas, layer: Layer, name: str, extent: Arena, *, opaque: bool = False) -> None:
         """Starts clear."""
         centre = ((extent.x_min + extent.x_max) / 2, (extent.y_min + extent.y_max) / 2, canvas.height(layer)[2])
         self._node = canvas.add(
             lambda scene: scene.add_image(
                 name,
-                np.zeros((1, 1, 4), np.uint8),
+                np.zeros((1, 1, 3 if opaque else 4), np.uint8),
                 extent.width,
                 extent.height,
-                format="png",
+                format="jpeg" if opaque else "png",
                 cast_shadow=False,
                 receive_shadow=False,
                 wxyz=(0.0, 1.0, 0.0, 0.0),  # viser hangs its pictures face down
@@ -301,7 +301,7 @@ class Picture:
         )
 
     def paint(self, rgba: NDArray[np.uint8]) -> None:
-        """Shows a picture (rows, columns, 4); row 0 is the top."""
+        """Shows a picture (rows, columns, 4), or 3 where it is opaque; row 0 is the top."""
         self._node.image = rgba
 
     def show(self, visible: bool) -> None:

@@ -1,18 +1,21 @@
 """The arena as the operator sees it, from above: layers that a snapshot is poured into.
 
-    floor, overhead image, grid -> heat of gaze -> field arrows -> boundaries -> links, trails -> fires -> obstacles ->
-    ghosts -> sight lines, arrows of reasons -> robots -> path -> numbers of fires, names of obstacles, numbers of
-    robots -> stroke, what is edited, cursor, dwell button
+    floor, overhead image or camera picture, grid -> heat of gaze -> field arrows -> boundaries -> links, trails ->
+    fires -> obstacles -> ghosts -> sight lines, arrows of reasons -> robots -> path -> numbers of fires, names of
+    obstacles, numbers of robots -> stroke, what is edited, cursor, dwell button
 
 Everything changes by assignment to a few nodes; nothing here knows threads or commands.
 """
 
+from time import monotonic
 from typing import TYPE_CHECKING
 
 import viser
 
+from higvf_console.core.team import Picture
 from higvf_console.core.viewport import Arena
 from higvf_console.ui.scene.background import BackgroundLayer
+from higvf_console.ui.scene.camera_picture import CameraLayer
 from higvf_console.ui.scene.edit import EditLayer
 from higvf_console.ui.scene.field import FieldLayer
 from higvf_console.ui.scene.fires import Fires
@@ -54,6 +57,7 @@ class Scene:
         self._movers = Movers(canvas, setup)
         self._names = ObstacleLabels(canvas, setup)
         self._background = BackgroundLayer(canvas)
+        self._camera = CameraLayer(canvas)
         self._fires = Fires(canvas, setup)
         self._team = Team(canvas, setup)
         self._path = PathLayer(canvas)
@@ -68,8 +72,9 @@ class Scene:
         self._dwell = DwellLayer(canvas)
 
     def update(
-        self, snapshot: "Snapshot", ui: UiState, preview: "Preview | None" = None, px: float | None = None
-    ) -> None:
+        self, snapshot: "Snapshot", ui: UiState, preview: "Preview | None" = None, px: float | None = None,
+        picture: Picture | None = None,
+    ) -> None:  # fmt: skip
         """Shows a snapshot as the operator chose, and what is foreseen; call it inside `server.atomic()`.
 
         Args:
@@ -77,9 +82,11 @@ class Scene:
             ui: what is chosen.
             preview: what is foreseen.
             px: a pixel of the page that steers [m], at its zoom; None = as when the arena is fitted.
+            picture: of a camera that sees the arena.
         """
         state, trace = snapshot.state, snapshot.trace
         self._background.update(ui.background)
+        self._camera.update(picture, monotonic())
         self._fires.update(state, trace, snapshot.loss_area)
         self._team.update(state, trace, snapshot.time)
         self._path.update(state)
