@@ -206,6 +206,15 @@ def test_what_a_key_writes_is_what_the_panel_shows() -> None:
     assert (gui.widgets["Field"].value, gui.widgets["Theme"].value) == ("Path", "Light")
 
 
+def test_the_picture_of_a_camera_has_a_switch_where_there_is_a_camera() -> None:
+    ui, without, camera = UiStore(), Gui(), Gui()
+    ViewPanel(cast(viser.GuiApi, without), ui)
+    assert "Camera picture" not in without.widgets
+    ViewPanel(cast(viser.GuiApi, camera), ui, camera=True)
+    camera.widgets["Camera picture"].touch(False)
+    assert not ui.state.camera
+
+
 @pytest.mark.parametrize(("path", "terms"), [(PATH, ("hold", 0.5, 30.0, 4.0)), (NO_PATH, ("loop", 1.0, 0.0, 4.0))])
 def test_the_terms_of_the_path_in_hand_are_those_of_the_next_one(path: Path, terms: tuple[object, ...]) -> None:
     state = UiState(terms=PathTerms(ending="loop", smoothing=4.0))

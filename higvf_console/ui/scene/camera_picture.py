@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 else:
     cv2 = optional("cv2", "console")
 
-EVERY = 0.15  # at least, between two pictures that are sent [s]: 20 kB each
+EVERY = 0.1  # at least, between two pictures that are sent [s]: 15 kB each
 LATE = 1.0  # age from which on a picture is grey and dated [s]
 _OPACITY = 0.4  # over the floor's colour, so that what is drawn over it stays legible
 _MARGIN, _HEIGHT = 8, 14  # of the words in the picture [px]

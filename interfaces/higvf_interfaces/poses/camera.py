@@ -34,7 +34,7 @@ else:
 
 MAKE_FLOOR = "make one with: python -m higvf_interfaces.poses SOURCE --corners ... --out FLOOR.yaml"
 _SIZE_TOLERANCE = 0.25  # by which the side of a tag may differ from size_m
-_PICTURE_EVERY = 0.125  # at least, between two pictures of the floor [s]
+_PICTURE_EVERY = 0.1  # at least, between two pictures of the floor [s]
 _PICTURE_WANTED = 2.0  # for which pictures are made after the last one was asked for [s]
 _NICENESS = 5  # of the thread: control goes first
 

@@ -168,6 +168,18 @@ def test_the_upper_edge_of_a_tag_points_forward(camera: Opener, tmp_path: Path) 
     assert poses.heading[0] == pytest.approx(0.0, abs=0.03)
 
 
+def test_tags_on_the_floor_place_robots_and_tell_a_moved_camera(camera: Opener, tmp_path: Path) -> None:
+    places = {40: (0.4, 1.6), 41: (2.8, 1.6), 42: (2.8, 0.4), 43: (0.4, 0.4)}
+    image = tagged({0: [(1.5, 1.0)]} | {number: [place] for number, place in places.items()})
+    moved = np.roll(image, (10, 16), axis=(0, 1))
+    file = video(tmp_path, [image] * 6 + [moved] * 6)
+    floor = tmp_path / "tags.yaml"
+    floor.write_text("tags:\n" + "".join(f"  - {{id: {k}, at_m: [{x}, {y}]}}\n" for k, (x, y) in places.items()))
+    poses, notices = until(camera(file, floor=str(floor)), ended)
+    assert poses.position[0] == pytest.approx([1.5, 1.0], abs=0.01)
+    assert notices[0].startswith("The camera was moved: ")
+
+
 def test_the_end_of_a_video_is_told_and_poses_grow_old(camera: Opener, tmp_path: Path) -> None:
     source = camera(video(tmp_path, [tagged({0: [(1.0, 1.0)]})] * 8))
     _, notices = until(source, ended)
