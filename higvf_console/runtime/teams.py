@@ -69,6 +69,11 @@ def team_spec(text: str, flag: str, scenario: Scenario, setup: Setup) -> tuple[T
     return spec, rules
 
 
+def rules_of(spec: TeamSpec, options: RuleOptions) -> Rules:
+    """What is known of the robots beforehand."""
+    return Rules(spec.speed_limit, spec.look_ahead, spec.body_radius, options.error_m, options.stale_s, options.lost_s)
+
+
 def open_driver(
     team: str, poses: str | None, scenario: Scenario, setup: Setup, clock: Callable[[], float] | None
 ) -> TeamDriver:
@@ -95,7 +100,7 @@ def open_driver(
     source_spec = None
     if poses is not None:
         source_spec, options = team_spec(poses, "--poses", scenario, setup)
-    rules = Rules(spec.speed_limit, spec.look_ahead, spec.body_radius, options.error_m, options.stale_s, options.lost_s)
+    rules = rules_of(spec, options)
     if clock is None and spec.name != SimulatedTeam.name:
         raise InputError(f"--team {team}: drives in real time; only '{SimulatedTeam.name}' drives in a headless run")
     opened = open_team(spec)

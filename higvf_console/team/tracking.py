@@ -95,7 +95,8 @@ class Track(NamedTuple):
 
     def stands(self) -> Bools:
         """(N,) which robots are measured to stand."""
-        return self.seen & (self.measured_at - self.anchored_at >= STANDS_AFTER)
+        stood = np.subtract(self.measured_at, self.anchored_at, out=np.zeros(len(self.seen)), where=self.seen)
+        return self.seen & (stood >= STANDS_AFTER)
 
 
 def nowhere(robots: int) -> Track:
