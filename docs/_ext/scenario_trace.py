@@ -18,7 +18,7 @@ from higvf_console.scenario.scenario import parse_scenario
 
 EXAMPLES = Path(__file__).parents[1] / "_data" / "scenarios"
 _ITEM = re.compile(r"\[\d+\]")
-ELSEWHERE = ("inputs", "parameters", "forms")  # sections with reference tables of their own
+ELSEWHERE = ("inputs", "teams", "parameters", "forms")  # sections with reference tables of their own
 
 
 class Key(NamedTuple):

@@ -14,8 +14,8 @@ from higvf_console.control.safety.barriers.surroundings import (
     survey,
 )
 from higvf_console.control.safety.hazards import hazard_gap, hazard_word
-from higvf_console.core.state import Motion
 from higvf_console.sim.disturbances import seen_positions
+from higvf_console.sim.guard import guarded
 from higvf_console.sim.simulation import hazards_now
 from higvf_console.world.polygons import obstacles_of
 from higvf_console.world.setup import Setup
@@ -38,7 +38,8 @@ class ActiveConstraint(NamedTuple):
 def active_constraints(robot: int, moved: Moved, setup: Setup) -> list[ActiveConstraint]:
     """The active constraints of a robot in one control period, the tightest first: as many as its trace counts.
 
-    Without one the same is done, so that a panel that shows a first moment has loaded all kernels.
+    Without one the same is done, so that a panel that shows a first moment has loaded all kernels. A robot of a team
+    that stands while others drive is held back by that alone, and has none.
     """
     around = _around(moved, setup)
     most = most_constraints(around)
@@ -46,27 +47,32 @@ def active_constraints(robot: int, moved: Moved, setup: Setup) -> list[ActiveCon
     used, _ = constraints_of(robot, around, constraints, cause)
     slack = constraints[:used, 2] - constraints[:used, :2] @ moved.after.velocity[robot]
     tightest = np.argsort(slack, kind="stable")[: moved.trace.active_constraints[robot]]
+    if robot in moved.guard.standing:
+        return []
     pairs = [(int(cause[k, 0]), int(cause[k, 1])) for k in tightest]
-    return [_named(robot, other, hazard, around, moved.before.motion, setup) for other, hazard in pairs]
+    return [_named(robot, other, hazard, around, moved, setup) for other, hazard in pairs]
 
 
 def _around(moved: Moved, setup: Setup) -> Surroundings:
     """What the filter surveyed."""
-    world, params, motion = setup.world, setup.params, moved.before.motion
-    hazards = hazards_now(motion, moved.trace.crew, world, packed(params))
-    return survey(seen_positions(motion, params), hazards, filter_parameters(params))
+    params, motion, budget = setup.params, moved.before.motion, moved.guard.budget
+    hazards = hazards_now(motion, moved.trace.crew, guarded(setup.world, moved.guard), packed(params, budget))
+    return survey(seen_positions(motion, params), hazards, filter_parameters(params, budget))
 
 
-def _named(robot: int, other: int, hazard: int, around: Surroundings, motion: Motion, setup: Setup) -> ActiveConstraint:
+def _named(robot: int, other: int, hazard: int, around: Surroundings, moved: Moved, setup: Setup) -> ActiveConstraint:
     """The constraint between a robot and another one, or a hazard."""
     x, y = around.position[robot].tolist()
+    burning = moved.before.motion.fire_burning
     if other != NOBODY_ELSE:
         gap = float(np.hypot(*(around.position[other] - around.position[robot])))
         return ActiveConstraint(f"robot {other + 1}", gap, around.safety.robot_clearance)
     word, distance = hazard_word(around.hazards[hazard]), hazard_gap(x, y, around.hazards[hazard])
     if word == "fire":
-        place = hazard - len(around.hazards) + int(motion.fire_burning.sum())
-        name = f"fire {int(np.flatnonzero(motion.fire_burning)[place]) + 1}"
+        place = hazard - len(around.hazards) + int(burning.sum())
+        name = f"fire {int(np.flatnonzero(burning)[place]) + 1}"
+    elif 0 <= (row := hazard - len(setup.world.capsules)) < len(moved.guard.standing):
+        name = f"robot {int(moved.guard.standing[row]) + 1}, which stands"
     else:
         name = word if word == "wall" else part_name(hazard, setup)
     return ActiveConstraint(name, distance, around.safety.obstacle_clearance)

@@ -21,6 +21,7 @@ from higvf_console.control.intention.packet_loss import SENDING, chance
 from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.core.arrays import Bools, Floats, Ints, floats
 from higvf_console.core.state import Motion, PathKind, PathStatus, SimState, Trace
+from higvf_console.sim.guard import NO_GUARD, Guard
 
 
 class Part(IntEnum):
@@ -52,11 +53,13 @@ class Moved(NamedTuple):
         before: the state that it started from.
         after: what physics made of it.
         trace: why.
+        guard: what a team that is not integrated here added to the safety problem.
     """
 
     before: SimState
     after: Motion
     trace: Trace
+    guard: Guard = NO_GUARD
 
 
 class Explanation(NamedTuple):

@@ -215,9 +215,9 @@ def controlled(params: Parameters, budget: float = 0.0) -> Parameters:
     )
 
 
-def filter_parameters(params: Parameters) -> SafetyParameters:
-    """What the safety filter keeps for the controlled points."""
-    return controlled(params).safety._replace(h_index=params.forms.h_index)
+def filter_parameters(params: Parameters, budget: float = 0.0) -> SafetyParameters:
+    """What the safety filter keeps for the controlled points; `budget` [m] as of `controlled`."""
+    return controlled(params, budget).safety._replace(h_index=params.forms.h_index)
 
 
 @lru_cache(maxsize=64)

@@ -18,8 +18,9 @@ class Clock:
         lost: by which the run lags behind real time, because the computer was busy [s].
     """
 
-    def __init__(self) -> None:
-        """Starts running, in real time."""
+    def __init__(self, *, real_time: bool = False) -> None:
+        """Starts running, in real time; with `real_time` it keeps to that, for robots that are not simulated."""
+        self._real_time = real_time
         self.frozen, self.speed, self.lost = False, 1.0, 0.0
         self._steps_due = 0
         self._credit = 0.0  # ticks of a slowed clock
@@ -48,6 +49,8 @@ class Clock:
         """Runs at `factor` times real time; returns why that is refused, empty where it is not."""
         if not SLOWEST <= factor <= FASTEST:
             return f"The clock cannot run at {factor:g} times real time: choose {SLOWEST:g} to {FASTEST:g}."
+        if self._real_time and factor != 1.0:
+            return f"The clock cannot run at {factor:g} times real time: the robots of a team drive in real time."
         self.speed = float(factor)
         return ""
 

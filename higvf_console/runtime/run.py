@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias
 
 from higvf_console.analysis.explain import Moved
 from higvf_console.analysis.violation import violation_text
-from higvf_console.control.parameters import Parameters
+from higvf_console.control.parameters import Parameters, controlled
 from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, TeamCommand, Undo
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.events import Event, Severity
@@ -26,6 +26,7 @@ from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim import simulation
 from higvf_console.sim.certificates import watched
 from higvf_console.sim.events import events_between
+from higvf_console.sim.guard import NO_GUARD
 from higvf_console.team.commands import NO_TEAM, commanded_by_hand
 from higvf_console.team.guard import advanced
 from higvf_console.team.state import TeamReport, TeamState, events_of, opened
@@ -66,6 +67,7 @@ class Run:
         history: what was done, to be undone.
         phase: where it is between its beginning and its end; `step` advances it in each.
         team: robots that are not integrated here, as they were last heard of; None = all are.
+        rules: what those robots can do; None = there are none.
     """
 
     def __init__(
@@ -96,7 +98,7 @@ class Run:
         self.history = History()
         self.phase = phase
         self._timed = timed
-        self._rules = rules
+        self.rules = rules
         self.team: TeamState | None = None if rules is None else opened(len(setup.start.motion.position))
         self._answers = False  # whether a report waits for what the robots are told
         self._moved = False  # whether a control period has passed since the last report
@@ -164,47 +166,58 @@ class Run:
         return _refused(events, command)
 
     def _command_team(self, command: TeamCommand) -> tuple[Event, ...]:
-        if self.team is None or self._rules is None:
+        if self.team is None or self.rules is None:
             raise ScenarioError(NO_TEAM)
-        self.team, text = commanded_by_hand(self.team, command, self._rules)
+        self.team, text = commanded_by_hand(self.team, command, self.rules)
         return (Event(self.time, Severity.INFO, "team", text),)
 
     def _keep_robots(self, become: RunState) -> None:
-        """Refuses what would leave the team with another number of robots."""
-        if self.team is not None and (robots := len(become.state.motion.position)) != len(self.team.stopped):
+        """Refuses what would have a team of other robots, or lead them faster, than those that there are."""
+        if self.team is None or self.rules is None:
+            return
+        robots, params = len(become.state.motion.position), become.setup.params
+        if robots != len(self.team.stopped):
             raise ScenarioError(f"the team has {len(self.team.stopped)} robots, and there would be {robots}")
+        if (ahead := params.robots.look_ahead) != self.rules.look_ahead:
+            raise ScenarioError(
+                f"the team's robots are led at {self.rules.look_ahead:g} m ahead of their centres, and it would be "
+                f"{ahead:g} m"
+            )
+        limit, own = controlled(params).safety.speed_limit, self.rules.speed_limit
+        if limit > own:
+            raise ScenarioError(f"the team's robots drive {own:g} m/s, and it would be {limit:g} m/s")
 
     def hear(self, report: TeamReport) -> tuple[Event, ...]:
         """Takes in where the team is; to be called once in each beat of the clock, be it that it stands."""
-        if self.team is None or self._rules is None:
+        if self.team is None or self.rules is None:
             raise ScenarioError(NO_TEAM)
         if self._answers:
             self.command()
-        self.team, told = supervised(self.team, report, self._rules)
+        self.team, told = supervised(self.team, report, self.rules)
         self._answers, self._moved = True, False
         return events_of(told, self.time)
 
     def command(self) -> Drive | None:
         """What the team is told after its report, and after the control period if one has passed; None = nothing."""
         self._answers = False
-        if self.team is None or self._rules is None:
+        if self.team is None or self.rules is None:
             return None
         drives = self._moved and not self.state.intent.stopped
         period = self._setup.params.safety.control_period
-        self.team, command = commanded(self.team, self.state.motion, self._rules, period, drives=drives)
+        self.team, command = commanded(self.team, self.state.motion, self.rules, period, drives=drives)
         return command
 
     def step(self) -> tuple[Event, ...]:
         """Advances by one control period."""
-        before = self.state
-        if self.team is None or self._rules is None:
+        before, guard = self.state, NO_GUARD
+        if self.team is None or self.rules is None:
             self.state, trace = self._advance(before)
         else:
             world, params = self._setup.world, self._setup.params
-            before, self.state, trace = advanced(before, self.team, world, params, self._rules)
+            before, self.state, trace, guard = advanced(before, self.team, world, params, self.rules)
             self._moved = True
         events = events_between(before, self.state, self._trace_before, trace, self._setup.params, self._violation)
-        self.last = Moved(before, self.state.motion, trace)
+        self.last = Moved(before, self.state.motion, trace, guard)
         self._trace_before = trace
         self.ticks += 1
         self.tally = _counted(self.tally, before.motion, self.state.motion, trace, self._setup.params)

@@ -44,6 +44,7 @@ from higvf_console.runtime.phase import Phase, RunPhase
 from higvf_console.runtime.recording import Recorder
 from higvf_console.runtime.run import Run
 from higvf_console.runtime.snapshot import snapshot_of
+from higvf_console.runtime.team_exchange import TeamExchange
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.team.driver import TeamDriver
 from higvf_console.world.setup import Setup
@@ -119,7 +120,6 @@ class Session:
         self.answered = Signal()
         phase = RunPhase(Phase.READY if waits else Phase.RUNNING)
         self.attended, self.waits = attended, waits
-        self._team = team
         rules = None if team is None else team.rules
         self._run = Run(scenario.setup(seed), scenario.filter, scenario, phase, timed=attended, rules=rules)
         self.interrupted = None if interrupted is None else interrupted.time
@@ -131,10 +131,11 @@ class Session:
         self._admission = Admission()
         self.command_time = math.inf  # for the commands of one tick [s]
         self._limiter = Limiter()
-        self._clock = Clock()
+        self._clock = Clock(real_time=team is not None)
         self._markers = markers
         self._journal = Journal(recorder, markers)
         self.commands = self._journal.commands
+        self._exchange = TeamExchange(team, self._run, self._journal)
         self.worker = worker
         loader = None if worker is None else Loader(worker)
         self._executor = Executor(self._run, self._channels, self._supervisor, self._clock, self._journal, loader)
@@ -190,14 +191,14 @@ class Session:
             advance: False polls, applies and publishes only (between the ticks of a slowed clock).
         """
         started, known = perf_counter(), self._journal.applied
-        self._hear_team()
+        self._exchange.hear()
         self._attend()
+        self._exchange.stop_if_asked()
         advance = self._clock.advances(wanted=advance)
         if advance and not self._run.stands:
             self._journal.add(self._run.step())
             self._journal.step(self._run.time, self._run.state.motion)
-        if self._team is not None:
-            self._team.send(self._run.command())
+        self._exchange.answer()
         self._journal.keep(self._run.time)
         self._publish(started)
         if self._journal.applied > known:
@@ -222,8 +223,7 @@ class Session:
     def close(self) -> None:
         """Closes the interfaces and completes the recording."""
         try:
-            if self._team is not None:
-                self._team.close()
+            self._exchange.close()
             self._channels.close()
         finally:
             known = self._journal.events
@@ -245,12 +245,6 @@ class Session:
         """Reports each time for which the loop stood, which no report a minute could tell."""
         text = f"The console was held up for {lost:.1f} s: the run stood meanwhile, and goes on from there."
         self._journal.add((Event(self._run.time, Severity.WARNING, "late", text),))
-
-    def _hear_team(self) -> None:
-        if self._team is not None:
-            report = self._team.report()
-            self._journal.team(self._run.time, report)
-            self._journal.add(self._run.hear(report))
 
     def _attend(self) -> None:
         intent, motion = self._run.state.intent, self._run.state.motion
@@ -303,8 +297,7 @@ class Session:
         self.error = error
         self._clock.halt()
         self._run.state = halted(self._run.state)
-        if self._team is not None:
-            self._team.stop()
+        self._exchange.stop()
         self._journal.add((failure_event(error, self._run.time),))
         self._publish(perf_counter())
 

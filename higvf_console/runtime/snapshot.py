@@ -15,6 +15,8 @@ from higvf_console.runtime.run import Run
 from higvf_console.scenario.scenario import Scenario
 from higvf_console.sim.certificates import Worst
 from higvf_console.sim.metrics import loss_area
+from higvf_console.team.state import TeamState
+from higvf_console.team.tracking import Rules
 from higvf_console.world.setup import Setup
 
 
@@ -43,6 +45,8 @@ class Snapshot(NamedTuple):
         channels: how each interface is.
         events: what happened, oldest first; the last `EVENTS_KEPT`.
         inputs: what the interfaces report: attention, decoding, calibration.
+        team: robots that are not integrated here, as they were last heard of; None = all are.
+        rules: what those robots can do; None = there are none.
     """
 
     scenario: Scenario
@@ -66,6 +70,8 @@ class Snapshot(NamedTuple):
     channels: tuple[tuple[str, ChannelHealth], ...]
     events: tuple[Event, ...]
     inputs: InputReports = InputReports()
+    team: TeamState | None = None
+    rules: Rules | None = None
 
 
 def snapshot_of(
@@ -110,4 +116,6 @@ def snapshot_of(
         channels=channels,
         events=events,
         inputs=inputs,
+        team=run.team,
+        rules=run.rules,
     )

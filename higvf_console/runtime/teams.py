@@ -14,7 +14,7 @@ from higvf_console.scenario.scenario import Scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.unicycle import body_centres
 from higvf_console.team.driver import TeamDriver
-from higvf_console.team.opening import open_poses, open_team
+from higvf_console.team.opening import open_poses, open_team, team_names
 from higvf_console.team.simulated import SimulatedTeam
 from higvf_console.team.tracking import Rules
 from higvf_console.world.setup import Setup
@@ -31,7 +31,7 @@ class RuleOptions(NamedTuple):
 
 
 def team_spec(text: str, flag: str, scenario: Scenario, setup: Setup) -> tuple[TeamSpec, RuleOptions]:
-    """What a team, or a source of poses, is opened with; and what holds for all.
+    """What a team, or a source of poses, is opened with; and what holds for all. Options of the scenario come first.
 
     Args:
         text: `mqtt=mqtt://127.0.0.1:1883:prefix=lab`, or just `simulated`.
@@ -46,7 +46,7 @@ def team_spec(text: str, flag: str, scenario: Scenario, setup: Setup) -> tuple[T
     if not _NAME.fullmatch(name):
         raise InputError(f"{flag} {text}: give NAME, NAME=ADDRESS or NAME=ADDRESS:option=value,option=value")
     address, options = split_source(rest)
-    given = options_behind(options, f"{flag} {text}")
+    given = {**scenario.teams.get(name, {}), **options_behind(options, f"{flag} {text}")}
     motion, params = setup.start.motion, setup.params
     look_ahead = params.robots.look_ahead
     spec = TeamSpec(
@@ -63,6 +63,8 @@ def team_spec(text: str, flag: str, scenario: Scenario, setup: Setup) -> tuple[T
         params.safety.control_period,
     )
     own = {key: value for key, value in given.items() if key in RuleOptions._fields}
+    if name == SimulatedTeam.name and "noise_m" in given:
+        own = {"error_m": given["noise_m"], **own}
     rules = options_of(TeamSpec(name, address, own), RuleOptions)
     if rules.stale_s >= rules.lost_s:
         raise InputError(f"{flag} {text}: stale_s {rules.stale_s:g} must be less than lost_s {rules.lost_s:g}")
@@ -70,7 +72,7 @@ def team_spec(text: str, flag: str, scenario: Scenario, setup: Setup) -> tuple[T
 
 
 def rules_of(spec: TeamSpec, options: RuleOptions) -> Rules:
-    """What is known of the robots beforehand."""
+    """What the robots of a team can do, and what their poses are worth."""
     return Rules(spec.speed_limit, spec.look_ahead, spec.body_radius, options.error_m, options.stale_s, options.lost_s)
 
 
@@ -101,7 +103,7 @@ def open_driver(
     if poses is not None:
         source_spec, options = team_spec(poses, "--poses", scenario, setup)
     rules = rules_of(spec, options)
-    if clock is None and spec.name != SimulatedTeam.name:
+    if clock is None and spec.name in team_names() and spec.name != SimulatedTeam.name:
         raise InputError(f"--team {team}: drives in real time; only '{SimulatedTeam.name}' drives in a headless run")
     opened = open_team(spec)
     try:

@@ -25,6 +25,7 @@
     forms: corrected                         # or zero-in, printed; or a word for each of `control.forms`
     filter: distributed                      # or centralised
     inputs: {emg: {labels: {fist: pause}}}   # settings by interface; stale, lost, on_lost of any: channel_settings
+    teams: {simulated: {latency_s: 0.1}}     # options of --team and --poses, by name
     demo: ["gaze=assets/recordings/barrier-gaze.tsv:frame=screen"]     # what --demo plays, as --input
     ends: {when: all_fires_out}              # or path_finished, never; after_s
     duration_s: 120
@@ -68,6 +69,7 @@ from higvf_console.scenario.sections import (
     read_robots,
     read_strokes,
 )
+from higvf_console.scenario.teams import read_teams, unknown_teams
 from higvf_console.world.layout import Fire, Layout, Links
 from higvf_console.world.obstacles import Obstacles
 from higvf_console.world.placement import (
@@ -91,8 +93,8 @@ from higvf_console.world.setup import Setup, make_setup
 VERSION = 1
 KEYS = (
     "version", "name", "title", "description", "briefing", "arena", "robots", "links", "formation_m", "fires",
-    "obstacles", "path", "influenced", "strokes", "parameters", "forms", "filter", "inputs", "demo", "ends",
-    "duration_s",
+    "obstacles", "path", "influenced", "strokes", "parameters", "forms", "filter", "inputs", "teams", "demo",
+    "ends", "duration_s",
 )  # fmt: skip
 _SEEDS = 2**53  # whole numbers that a float can tell apart
 _DURATION = Quantity("s", 0.001, 1e6, "", "How long a run lasts.")
@@ -123,6 +125,7 @@ class Scenario:
         filter: which safety filter runs.
         inputs: settings by interface name.
         limits: when silence of an input matters, by its name, where the scenario says.
+        teams: options of `--team` and `--poses`, by name.
         demo: inputs of `--demo`, written as on the command line.
         ends: how a run ends.
         duration: how long a run lasts at most [s]; in the console only if it ends at all.
@@ -149,6 +152,7 @@ class Scenario:
     filter: FilterKind
     inputs: Mapping[str, Mapping[str, object]]
     limits: Mapping[str, GivenLimits]
+    teams: Mapping[str, Mapping[str, str]]
     demo: tuple[str, ...]
     ends: Ends
     duration: float
@@ -262,6 +266,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
     params = read_parameters(entry("parameters", {}), robots.scale)
     params = params._replace(forms=read_forms(entry("forms", "corrected")))
     inputs, limits = read_inputs(entry("inputs", {}))
+    teams = read_teams(entry("teams", {}))
     links = read_links(entries["links"], count) if "links" in entries else None
     network = start_network(robots.points, links, params.formation.communication_range)
     check_formation(network.degree, params, source)
@@ -292,6 +297,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
         filter=FilterKind(entry("filter", "distributed").choice(tuple(FilterKind))),
         inputs=inputs,
         limits=limits,
+        teams=teams,
         demo=tuple(item.text() for item in entry("demo", []).items()),
         ends=read_ends(entries["ends"]) if "ends" in entries else Ends(),
         duration=entry("duration_s", 120.0).number(_DURATION),
@@ -299,6 +305,7 @@ def parse_scenario(text: str, source: str, polygons: tuple[Floats, ...] | None =
             *root.warnings,
             *_network_warnings(network, links is not None),
             *unknown_settings(inputs),
+            *unknown_teams(teams),
             *robot_warnings(params),
         ),
     )

@@ -27,6 +27,7 @@ from higvf_console.scenario.courses import written_course
 from higvf_console.scenario.ends import written_ends
 from higvf_console.scenario.scenario import VERSION, Scenario, parse_scenario
 from higvf_console.scenario.sections import Robots
+from higvf_console.scenario.teams import written_teams
 from higvf_console.world.editing.entities import centres
 from higvf_console.world.layout import Layout
 from higvf_console.world.obstacles import Obstacles, course_of
@@ -72,7 +73,8 @@ def scenario_yaml(setup: Setup, state: SimState, scenario: Scenario | None, *, r
     if scenario is not None:
         content |= {
             "filter": scenario.filter.value, "inputs": written_inputs(scenario.inputs, scenario.limits),
-            "demo": list(scenario.demo), "ends": written_ends(scenario.ends), "duration_s": scenario.duration,
+            "teams": written_teams(scenario.teams), "demo": list(scenario.demo), "ends": written_ends(scenario.ends),
+            "duration_s": scenario.duration,
         }  # fmt: skip
     content = {key: value for key, value in content.items() if key == "links" or value not in ({}, [], "")}
     source = scenario.source if scenario is not None else "scenario.yaml"

@@ -10,6 +10,7 @@ dies.
 import numpy as np
 
 from higvf_console.core.events import Severity
+from higvf_console.core.numbers import metres
 from higvf_console.team.state import Arming, TeamState, Told, names
 from higvf_console.team.tracking import Rules
 
@@ -68,7 +69,8 @@ def asked_to_arm(state: TeamState, rules: Rules) -> tuple[TeamState, str]:
     if why := unfit(state, rules):
         return state, why
     if not (stands := state.track.stands()).all():
-        return state, f"{names((~stands).nonzero()[0])} must stand first"
+        who, error = names((~stands).nonzero()[0]), metres(rules.error)
+        return state, f"{who} must stand first (to within error_m, the error of poses, which is {error})"
     return state._replace(arming=Arming.CHECKING, since=state.now, told_at=np.full(len(stands), np.inf)), ""
 
 

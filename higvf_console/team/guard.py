@@ -8,6 +8,7 @@ from higvf_console.control.guidance.obstacles import world_at
 from higvf_console.control.parameters import Parameters, packed
 from higvf_console.core.arrays import Floats
 from higvf_console.core.state import CAPSULE, Motion, SimState, Trace, World
+from higvf_console.sim.guard import Guard, guarded
 from higvf_console.sim.metrics import clearances
 from higvf_console.sim.simulation import advance
 from higvf_console.sim.unicycle import body_centres
@@ -51,14 +52,15 @@ def budget(team: TeamState, rules: Rules) -> float:
     return min(math.ceil(largest / step - 1e-9) * step, rules.body_radius)
 
 
-def guarded(world: World, team: TeamState, params: Parameters, rules: Rules) -> World:
-    """The world in which robots that stand while others drive are obstacles.
+def guard_of(team: TeamState, params: Parameters, rules: Rules) -> Guard:
+    """What the safety filter must know of a team: its budget, and the robots that stand while others drive.
 
-    One whose place is not known any more grows at its speed limit, for it may drive until it hears that it must not.
+    Such a robot is an obstacle. One whose place is not known any more grows at its speed limit, for it may drive until
+    it hears that it must not.
     """
     held = team.held & team.track.seen
     if not held.any():
-        return world
+        return Guard(budget(team, rules))
     safety = params.safety
     body = max(safety.robot_clearance - safety.obstacle_clearance, 0.0)
     age = np.where(team.stale | team.disobedient, team.track.age(team.now) + safety.control_period, 0.0)
@@ -66,15 +68,12 @@ def guarded(world: World, team: TeamState, params: Parameters, rules: Rules) -> 
     rows = np.zeros((int(held.sum()), CAPSULE))
     rows[:, 0:2] = rows[:, 2:4] = team.track.position[held]
     rows[:, 4] = body + rules.error + rules.speed_limit * np.minimum(age, rules.lost_after)[held]
-    return world._replace(
-        capsules=np.concatenate((world.capsules, rows)),
-        capsule_velocity=np.concatenate((world.capsule_velocity, np.zeros((len(rows), 2)))),
-    )
+    return Guard(budget(team, rules), held.nonzero()[0], rows)
 
 
 def advanced(
     state: SimState, team: TeamState, world: World, params: Parameters, rules: Rules
-) -> tuple[SimState, SimState, Trace]:
+) -> tuple[SimState, SimState, Trace, Guard]:
     """One control period of a team that is not integrated here.
 
     Args:
@@ -86,11 +85,13 @@ def advanced(
 
     Returns:
         The state with the robots where they are; the state one control period later, in which robots that must not
-        drive have not moved; and why. Clearances are those of the bodies in `world`, without the budget.
+        drive have not moved; why; and what the filter knew of the team. Clearances of the trace are those of the bodies
+        in `world`, without the budget.
     """
     before = state._replace(motion=placed(state.motion, team, rules))
     halted = before if team.armed else before._replace(intent=before.intent._replace(stopped=True))
-    after, trace = advance(halted, guarded(world, team, params, rules), params, budget(team, rules))
+    guard = guard_of(team, params, rules)
+    after, trace = advance(halted, guarded(world, guard), params, guard.budget)
     held = team.held
     motion = after.motion
     if held.any():
@@ -105,4 +106,4 @@ def advanced(
             world_at(world, motion.tick, period), packed(params)[0].body,
         )  # fmt: skip
         trace = trace._replace(clearance=clearance, barrier=barrier, infeasible=trace.infeasible & ~held)
-    return before, after._replace(motion=motion, intent=state.intent), trace
+    return before, after._replace(motion=motion, intent=state.intent), trace, guard

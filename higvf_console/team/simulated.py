@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.core.arrays import Floats
+from higvf_console.core.arrays import Bools
 from higvf_console.core.errors import InputError
 from higvf_console.core.quantity import Quantity as Q  # noqa: N817
-from higvf_console.core.team import Drive, Poses, RobotLink, TeamSpec, options_of, standing
+from higvf_console.core.team import Drive, Poses, RobotLink, TeamSpec, never_seen, options_of, standing
 
 _SUBSTEP = 0.005  # of the plant [s]
 _WHOLE_BATTERY_S = 3600.0  # for which a simulated battery lasts [s]
@@ -64,12 +64,13 @@ class SimulatedTeam:
         self._rng = np.random.default_rng(int(self._options.seed))
         self._position, self._heading = spec.start.copy(), spec.headings.copy()
         self._now: float | None = None
+        self._since = math.inf  # when it was asked first [s]
         self._commands = deque[_Late]()
         self._reports = deque[_Late]()
         self._force = standing(spec.robots, 0)
         self._heard_at = np.full(spec.robots, -math.inf)
         self._acknowledged = 0
-        self._newest = Poses(self._position.copy(), self._heading.copy(), np.full(spec.robots, np.nan))
+        self._newest = never_seen(spec.robots)
 
     def poses(self, now: float) -> Poses:
         """What has arrived of the poses by `now` [s]."""
@@ -97,7 +98,7 @@ class SimulatedTeam:
 
     def links(self, now: float) -> tuple[RobotLink, ...]:
         """All are connected but a dead one."""
-        battery = max(1.0 - now / _WHOLE_BATTERY_S, 0.0)
+        battery = min(max(1.0 - (now - self._since) / _WHOLE_BATTERY_S, 0.0), 1.0)
         silent = self._broken("dead", now)
         return tuple(
             RobotLink(self._acknowledged, battery, not dead, "silent" if dead else "") for dead in silent.tolist()
@@ -106,13 +107,13 @@ class SimulatedTeam:
     def close(self) -> None:
         """Nothing has to be closed."""
 
-    def _broken(self, option: str, now: float) -> Floats:
+    def _broken(self, option: str, now: float) -> Bools:
         robot, since = getattr(self._options, option), getattr(self._options, f"{option}_at_s")
         return (np.arange(self._spec.robots) == robot - 1) & (now >= since)
 
     def _advance(self, now: float) -> None:
         if self._now is None:
-            self._now = now
+            self._now = self._since = now
         while now - self._now > 1e-9:
             step = min(_SUBSTEP, now - self._now)
             self._hear(self._now)

@@ -52,6 +52,7 @@ class TeamState(NamedTuple):
         since: when `arming` became so [s].
         stopped: (N,) robots that the operator has stopped one by one.
         told_at: (N,) since when a robot has been told to stand; inf = it may drive [s].
+        stood: (N,) robots that have stood since they were told to.
         latency: from a command to its confirmation, lately [s]; 0 = nothing is confirmed.
         links: to each robot.
         stale: (N,) robots whose pose is too old.
@@ -68,6 +69,7 @@ class TeamState(NamedTuple):
     since: float
     stopped: Bools
     told_at: Floats
+    stood: Bools
     latency: float
     links: tuple[RobotLink, ...]
     stale: Bools
@@ -101,8 +103,8 @@ def opened(robots: int) -> TeamState:
     no = np.zeros(robots, np.bool_)
     return TeamState(
         now=0.0, track=nowhere(robots), sent=(), number=0, arming=Arming.DISARMED, since=0.0, stopped=no,
-        told_at=np.zeros(robots), latency=0.0, links=(RobotLink(),) * robots, stale=no, disobedient=no, faults=no,
-        failure="",
+        told_at=np.full(robots, np.inf), stood=no, latency=0.0, links=(RobotLink(),) * robots, stale=no,
+        disobedient=no, faults=no, failure="",
     )  # fmt: skip
 
 

@@ -31,11 +31,13 @@ def supervised(state: TeamState, report: TeamReport, rules: Rules) -> tuple[Team
     track, refused = follow(state.track, report.poses, report.now, state.sent, state.latency, rules, carried=carried)
     stale = track.age(report.now) > rules.stale_after
     obeys_late = report.now - state.told_at > OBEYS_WITHIN + state.latency
-    disobedient = obeys_late & track.seen & ~stale & ~track.stands()
+    stands = track.stands()
+    stood = (state.stood | stands) & ~np.isinf(state.told_at)
+    disobedient = obeys_late & track.seen & ~stale & ~stands & ~(stood & carried)
     faults = np.zeros(len(stale), np.bool_)
     faults[[robot for robot, _ in refused]] = True
     now = state._replace(
-        now=report.now, track=track, links=report.links, latency=_latency(state, report), stale=stale,
+        now=report.now, track=track, links=report.links, latency=_latency(state, report), stale=stale, stood=stood,
         disobedient=disobedient, faults=faults | (state.faults & (track.looked_at <= state.track.looked_at)),
         failure=report.failure,
     )  # fmt: skip

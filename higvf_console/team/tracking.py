@@ -17,6 +17,7 @@ from higvf_console.core.team import Drive, Poses
 MEMORY = 2.0  # for which commands are remembered [s]
 _EARLY = 0.05  # by which a pose may be ahead of the clock [s]
 _LEAST_HORIZON = 0.05  # over which the error of a prediction is taken [s]
+_SMOOTHING = 0.4  # of the measured velocity [s]
 _FADING = 3.0  # in which a measured drift falls to a third [s]
 _JUMP = 0.5  # of a body's radius by which poses may differ beyond what a robot can drive
 _STILL = 0.02  # of a body's radius within which a robot stands
@@ -66,7 +67,7 @@ class Track(NamedTuple):
         position: (N, 2) last believed centres [m]; NaN = never seen.
         heading: (N,) then [rad].
         measured_at: (N,) when [s]; -inf = never.
-        speed: (N,) from the last two believed poses [m/s].
+        velocity: (N, 2) from the believed poses of the last `_SMOOTHING` seconds or so [m/s].
         drift: (N,) how fast poses have left the prediction lately, at most [m/s].
         anchor: (N, 3) place and heading that the robot has not left since `anchored_at`.
         anchored_at: (N,) [s].
@@ -77,7 +78,7 @@ class Track(NamedTuple):
     position: Floats
     heading: Floats
     measured_at: Floats
-    speed: Floats
+    velocity: Floats
     drift: Floats
     anchor: Floats
     anchored_at: Floats
@@ -95,15 +96,15 @@ class Track(NamedTuple):
 
     def stands(self) -> Bools:
         """(N,) which robots are measured to stand."""
-        stood = np.subtract(self.measured_at, self.anchored_at, out=np.zeros(len(self.seen)), where=self.seen)
-        return self.seen & (stood >= STANDS_AFTER)
+        since = np.where(self.seen, self.anchored_at, np.inf)
+        return self.measured_at - since >= STANDS_AFTER
 
 
 def nowhere(robots: int) -> Track:
     """Nothing is known of the robots."""
     nan, never = np.full(robots, np.nan), np.full(robots, -np.inf)
     return Track(
-        np.full((robots, 2), np.nan), nan, never, np.zeros(robots), np.zeros(robots), np.full((robots, 3), np.nan),
+        np.full((robots, 2), np.nan), nan, never, np.zeros((robots, 2)), np.zeros(robots), np.full((robots, 3), np.nan),
         never, np.zeros(robots, np.int64), never,
     )  # fmt: skip
 
@@ -148,11 +149,11 @@ def follow(
         refused[robot] += 1
     looked_at = np.where(fresh & finite & ~early, poses.measured_at, track.looked_at)
     track = track._replace(refused=refused, looked_at=looked_at)
-    return _believe(track, poses, believed, passed, moved, sent, latency, rules), tuple(sorted(faults))
+    return _believe(track, poses, believed, passed, sent, latency, rules), tuple(sorted(faults))
 
 
 def _believe(
-    track: Track, poses: Poses, believed: Bools, passed: Floats, moved: Floats, sent: tuple[Sent, ...], latency: float,
+    track: Track, poses: Poses, believed: Bools, passed: Floats, sent: tuple[Sent, ...], latency: float,
     rules: Rules,
 ) -> Track:  # fmt: skip
     """The track with the believed poses."""
@@ -172,11 +173,18 @@ def _believe(
         position=np.where(believed[:, None], poses.position, track.position),
         heading=np.where(believed, heading, track.heading),
         measured_at=np.where(believed, poses.measured_at, track.measured_at),
-        speed=np.where(known, moved / np.maximum(passed, 1e-3), track.speed),
+        velocity=_smoothed(track, poses, passed, known),
         drift=drift,
         anchor=np.where(left[:, None], here, track.anchor),
         anchored_at=np.where(left, poses.measured_at, track.anchored_at),
     )
+
+
+def _smoothed(track: Track, poses: Poses, passed: Floats, known: Bools) -> Floats:
+    """The velocities (N, 2) with those since the last believed poses taken in, of the robots (N,) that are known."""
+    step = track.velocity.copy()
+    step[known] = (poses.position - track.position)[known] / np.maximum(passed, 1e-3)[known, None]
+    return track.velocity + (1.0 - np.exp(-passed / _SMOOTHING))[:, None] * (step - track.velocity)
 
 
 def predicted(
@@ -195,7 +203,7 @@ def predicted(
         Centres (N, 2) [m] and headings (N,) [rad]; those of robots never seen are NaN.
     """
     until = np.broadcast_to(np.asarray(until, np.float64), track.measured_at.shape)
-    first, last = float(np.min(track.measured_at)), float(np.max(until))
+    first, last = float(track.measured_at.min(initial=np.inf, where=track.seen)), float(np.max(until))
     acting = [  # those that can matter; a team sends a hundred in the time for which they are remembered
         (at + latency, end + latency, command)
         for (at, command), end in zip(sent, _ends(sent), strict=True)

@@ -41,6 +41,7 @@ from higvf_console.ui.panels.preview import PreviewPanel
 from higvf_console.ui.panels.run import RunControls
 from higvf_console.ui.panels.status import StatusStrip
 from higvf_console.ui.panels.steer import SteerPanel
+from higvf_console.ui.panels.team import TeamPanel
 from higvf_console.ui.panels.tune import TunePanel
 from higvf_console.ui.panels.view import ViewPanel
 from higvf_console.ui.panels.why import WhyPanel
@@ -147,6 +148,10 @@ class Console:
             preview = PreviewPanel(gui, self._previewer, sink)
             steer = SteerPanel(gui, session.scenario, len(session.setup.start.motion.position), sink, ui)
             glance = GlancePanel(gui, ui)
+        team: tuple[Panel, ...] = ()
+        if session.snapshot.team is not None:
+            with tabs.add_tab("Team"):
+                team = (TeamPanel(gui, len(session.snapshot.team.links), sink),)
         with tabs.add_tab("Fires"):
             fires = FiresPanel(gui, session)
         with tabs.add_tab("Why"):
@@ -179,6 +184,7 @@ class Console:
             inputs,
             view,
             log,
+            *team,
         )
 
     def _choose_file(self, client_id: int) -> None:

@@ -14,9 +14,10 @@ MOST_NAMED = 6  # robots that are named one by one; of more, the number is given
 
 
 def standing_text(snapshot: "Snapshot") -> str:
-    """Why nobody moves; empty while somebody does, and where the mode says it, such as paused or ended."""
+    """Why nobody moves; empty while somebody does, and where the mode says it, such as paused or disarmed."""
     motion, intent, params = snapshot.state.motion, snapshot.state.intent, snapshot.setup.params
-    if not snapshot.phase.moves or intent.stopped or intent.paused or snapshot.frozen:
+    disarmed = snapshot.team is not None and not snapshot.team.armed
+    if not snapshot.phase.moves or intent.stopped or intent.paused or snapshot.frozen or disarmed:
         return ""
     slow = params.stall.stall_fraction * params.blending.cruise_speed
     if float(np.hypot(*motion.velocity.T).max(initial=0.0)) > slow:

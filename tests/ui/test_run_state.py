@@ -6,13 +6,22 @@ from typing import Any
 import pytest
 
 from higvf_console.runtime.phase import Phase, RunPhase
+from higvf_console.team.state import Arming, opened
 from higvf_console.ui.run_state import ENDED, FROZEN, PAUSED, READY, RUNNING, STOPPED, run_states
 from higvf_console.ui.theme import Palette
 
 
-def snapshot(*, paused: bool = False, stopped: bool = False, frozen: bool = False, phase: Phase = Phase.RUNNING) -> Any:
+def snapshot(
+    *,
+    paused: bool = False,
+    stopped: bool = False,
+    frozen: bool = False,
+    phase: Phase = Phase.RUNNING,
+    arming: Arming | None = None,
+) -> Any:
     intent = SimpleNamespace(paused=paused, stopped=stopped)
-    return SimpleNamespace(state=SimpleNamespace(intent=intent), frozen=frozen, phase=RunPhase(phase))
+    team = None if arming is None else opened(3)._replace(arming=arming)
+    return SimpleNamespace(state=SimpleNamespace(intent=intent), frozen=frozen, phase=RunPhase(phase), team=team)
 
 
 @pytest.mark.parametrize(
@@ -26,6 +35,10 @@ def snapshot(*, paused: bool = False, stopped: bool = False, frozen: bool = Fals
         ({"phase": Phase.CONTINUED}, ["RUNNING"]),
         ({"phase": Phase.READY, "frozen": True}, ["READY", "FROZEN"]),
         ({"phase": Phase.ENDED, "paused": True}, ["PAUSED", "ENDED"]),
+        ({"arming": Arming.DISARMED}, ["DISARMED"]),
+        ({"arming": Arming.CHECKING, "phase": Phase.READY}, ["CHECKING", "READY"]),
+        ({"arming": Arming.CHECKED, "stopped": True}, ["STOPPED", "CHECKED"]),
+        ({"arming": Arming.ARMED}, ["RUNNING"]),
     ],
 )
 def test_all_that_holds_is_said_the_gravest_first(shown: dict[str, Any], words: list[str]) -> None:

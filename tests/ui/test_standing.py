@@ -11,6 +11,7 @@ from higvf_console.core.state import NOBODY, PathStatus
 from higvf_console.runtime.phase import Phase, RunPhase
 from higvf_console.runtime.run import Run
 from higvf_console.runtime.snapshot import Snapshot
+from higvf_console.team.state import Arming, opened
 from higvf_console.ui.standing import standing_text
 from tests.teams import team
 
@@ -26,6 +27,7 @@ def shown(*, time: float = 20.0, crew: tuple[int, int] = (0, 0), paused: bool = 
         time=time,
         frozen=False,
         phase=RunPhase(),
+        team=None,
     )
     return cast(Snapshot, given)
 
@@ -64,3 +66,11 @@ def test_what_moves_or_has_a_mode_that_says_it_is_not_explained() -> None:
         given = cast(Any, shown())
         given.phase = RunPhase(phase)
         assert standing_text(given) == ""
+
+
+def test_a_team_that_is_not_armed_is_told_of_by_the_mode_alone() -> None:
+    given = cast(Any, shown(target=ints([0, 0, 1])))
+    given.team = opened(3)
+    assert standing_text(given) == ""
+    given.team = opened(3)._replace(arming=Arming.ARMED)
+    assert "disagrees" in standing_text(given)

@@ -57,6 +57,8 @@ def mission_lines(snapshot: "Snapshot") -> list[str]:
         )
     if setup.params.fires.start_delay > 0.0 and fires:
         lines.append(f"The team sets out {setup.params.fires.start_delay:g} s after the start.")
+    if snapshot.team is not None and not snapshot.team.armed:
+        lines.append("The team is not armed: no robot drives before you arm it in the tab Team.")
     lines.append(end_line(snapshot.scenario, fires > 0))
     return lines
 

@@ -80,7 +80,8 @@ class RunCard:
 
     def _ready_html(self, snapshot: "Snapshot", offered: Draft | None) -> str:
         """The briefing, made anew when what it tells of has changed."""
-        key = (snapshot.scenario, snapshot.setup, snapshot.last, offered)
+        armed = snapshot.team is not None and snapshot.team.armed
+        key = (snapshot.scenario, snapshot.setup, snapshot.last, offered, armed)
         if len(self._ready_of) != len(key) or any(a is not b for a, b in zip(key, self._ready_of, strict=True)):
             self._ready_of = key
             self._ready = ready_html(snapshot, draft_html(offered) if offered is not None else "")

@@ -15,7 +15,7 @@ from higvf_console.ui.widgets.authority import AuthorityHistory, bands_svg, lege
 from higvf_console.ui.widgets.callbacks import mirror, reaction, truth
 from higvf_console.ui.widgets.html import block
 from higvf_console.ui.widgets.picker import RobotPicker
-from higvf_console.ui.widgets.why_tables import certificate_html, parts_html, rows_html, sight_html
+from higvf_console.ui.widgets.why_tables import certificate_html, guard_html, parts_html, rows_html, sight_html
 
 if TYPE_CHECKING:
     from higvf_console.runtime.session import Session
@@ -75,7 +75,11 @@ class WhyPanel:
         velocity = snapshot.last.after.velocity[robot]
         tight = active_constraints(robot, snapshot.last, snapshot.setup)
         digits = snapshot.setup.params.scale.speed_decimals
-        self._parts.content = block(parts_html(robot, why.parts[row], velocity, digits) + rows_html(tight))
+        self._parts.content = block(
+            parts_html(robot, why.parts[row], velocity, digits)
+            + rows_html(tight)
+            + guard_html(snapshot.last.guard, robot)
+        )
         self._history.add(snapshot.time, robot, why.authority[row], why.authority.mean(axis=0))
         time, own, shared = self._history.curves()
         charts = [bands_svg(f"robot {robot + 1}", time, own)]

@@ -21,6 +21,7 @@ from higvf_console.ui.scene.ghosts import Ghosts
 from higvf_console.ui.scene.ground import Ground, with_margin
 from higvf_console.ui.scene.group import GroupLayer
 from higvf_console.ui.scene.labels import ObstacleLabels
+from higvf_console.ui.scene.measured import MeasuredLayer
 from higvf_console.ui.scene.movers import Movers
 from higvf_console.ui.scene.parts import Canvas
 from higvf_console.ui.scene.path import PathLayer
@@ -57,6 +58,7 @@ class Scene:
         self._team = Team(canvas, setup)
         self._path = PathLayer(canvas)
         self._ghosts = Ghosts(canvas, setup)
+        self._measured = MeasuredLayer(canvas, setup)
         self._field = FieldLayer(canvas, setup)
         self._reasons = ReasonLayer(canvas, setup)
         self._sights = SightLayer(canvas, setup)
@@ -82,6 +84,7 @@ class Scene:
         self._team.update(state, trace, snapshot.time)
         self._path.update(state)
         self._ghosts.update(state, preview)
+        self._measured.update(snapshot.team, snapshot.last.guard)
         self._field.update(ui.field, state)
         robot = robot_explained(ui, snapshot)
         self._reasons.update(snapshot.last, robot if ui.reasons else None, px)

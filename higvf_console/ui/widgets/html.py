@@ -49,6 +49,9 @@ html { font-size: calc(92.5% * var(--hg-size)) !important; }
 .hg .inputs .why { grid-column: 2 / -1; font-size: .92em; line-height: 1.4; margin-bottom: 4px;
   overflow-wrap: anywhere; }
 .hg dl.wide { grid-template-columns: 10.3em 1fr; }
+.hg table.team :is(th, td):nth-child(n+3) { text-align: right; white-space: nowrap; }
+.hg .lamps { display: flex; flex-wrap: wrap; gap: 2px 14px; }
+.hg .lamp { white-space: nowrap; }
 .hg table.attention td:last-child { width: 34%; }
 .hg .bar { display: block; height: 7px; min-width: 1px; border-radius: 2px; background: var(--hg-robot); }
 .hg .actions div { display: grid; grid-template-columns: 4em 1fr; gap: 8px; padding: 2px 0; }

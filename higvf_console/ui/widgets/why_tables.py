@@ -12,6 +12,7 @@ from higvf_console.analysis.sight import Sight, hider_names
 from higvf_console.core.arrays import Floats
 from higvf_console.core.numbers import metres
 from higvf_console.sim.certificates import CONNECTED, Certificate
+from higvf_console.sim.guard import Guard
 from higvf_console.ui.scene.reasons import part_colours
 from higvf_console.ui.theme import CSS
 from higvf_console.ui.widgets.html import DASH, dot, text
@@ -72,6 +73,16 @@ def rows_html(rows: Sequence[ActiveConstraint]) -> str:
     )
     more = f' <span class="dim">and {len(rows) - MOST_ROWS} more</span>' if len(rows) > MOST_ROWS else ""
     return f'<div class="held"><span class="dim">Held back by</span><span>{named}{more}</span></div>'
+
+
+def guard_html(guard: Guard, robot: int) -> str:
+    """Whether a robot stands while others drive, and by how much clearances grow; nothing in a run without a team."""
+    lines: list[str] = []
+    if robot in guard.standing:
+        lines.append(f"Robot {robot + 1} must stand; it is an obstacle to the others.")
+    if guard.budget > 0.0:
+        lines.append(f"Clearances are {metres(guard.budget)} wider, for latency and the error of poses.")
+    return "".join(f'<div class="dim">{line}</div>' for line in lines)
 
 
 def sight_html(found: Sequence[Sight], snapshot: "Snapshot", robot: int, setup: Setup) -> str:

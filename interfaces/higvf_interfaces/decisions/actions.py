@@ -9,6 +9,7 @@ from higvf_console.core.commands import (
     ClearPath,
     Clutch,
     Confirm,
+    Disarm,
     Discard,
     EmergencyStop,
     NextTask,
@@ -38,6 +39,7 @@ PLAIN: dict[str, Callable[[], OperatorCommand]] = {
     "acknowledge": Acknowledge,
     "undo": Undo,
     "redo": Redo,
+    "disarm": Disarm,
 }
 ACTIONS: dict[str, Callable[[], OperatorCommand]] = {
     **PLAIN,

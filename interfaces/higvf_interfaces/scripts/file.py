@@ -7,13 +7,25 @@
   fault: {channel: gaze, kind: freeze, for_s: 3}
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from higvf_console.core.arrays import Floats
-from higvf_console.core.commands import Clutch, FaultKind, InjectFault, OperatorCommand, Pick, StrokeEnd, StrokeUse
+from higvf_console.core.commands import (
+    Arm,
+    AskArm,
+    Clutch,
+    FaultKind,
+    InjectFault,
+    OperatorCommand,
+    Pick,
+    ReleaseRobot,
+    StopRobot,
+    StrokeEnd,
+    StrokeUse,
+)
 from higvf_console.core.errors import ScriptError
 from higvf_console.core.path_terms import ENDINGS, USUAL_TERMS, PathTerms, stroke_end
 from higvf_console.core.reading.document import read_text, read_yaml
@@ -22,12 +34,18 @@ from higvf_interfaces.decisions.actions import PLAIN
 from higvf_interfaces.fields import Fields
 from higvf_interfaces.scripts import edits as script_edits
 
+_OF_ROBOT: Mapping[str, Callable[[int], OperatorCommand]] = {
+    "pick": Pick,
+    "stop_robot": StopRobot,
+    "release_robot": ReleaseRobot,
+}
+_PLAIN = {**PLAIN, "ask_arm": AskArm, "arm": Arm}  # no decoder arms a team
 EVENTS = ("extinguished", "extinguished_count")
 DETAILS: dict[str, tuple[str, ...]] = {
     "stroke": ("points_m", "robot", "smoothing_m", "over_s", "preview", "use", "ending", "pace", "duration_s"),
-    "pick": ("robot",),
+    **dict.fromkeys(_OF_ROBOT, ("robot",)),
     "clutch": ("closed",),
-    **dict.fromkeys(PLAIN, ()),
+    **dict.fromkeys(_PLAIN, ()),
     **{name: action.keys for name, action in script_edits.ACTIONS.items()},
 }
 FAULT = ("channel", "kind", "for_s", "by_s")
@@ -152,14 +170,14 @@ def _action(action: str, fields: Fields) -> Stroke | OperatorCommand:
                 duration=fields.number("over_s", 0.0, 0.0, _LONGEST, "s"),
                 end=_stroke_end(fields),
             )
-        case "pick":
-            return Pick(fields.whole("robot", 1) - 1)
         case "clutch":
             return Clutch(fields.flag("closed"))
+        case _ if action in _OF_ROBOT:
+            return _OF_ROBOT[action](fields.whole("robot", 1) - 1)
         case _ if action in script_edits.ACTIONS:
             return script_edits.ACTIONS[action].command(fields)
         case _:
-            return PLAIN[action]()
+            return _PLAIN[action]()
 
 
 def _stroke_end(fields: Fields) -> StrokeEnd:

@@ -29,6 +29,8 @@ from higvf_interfaces.scripts.interface import ScriptPlayer, open_script
 WITH = {
     "stroke": ", points_m: [[0, 0], [1, 1]]",
     "pick": ", robot: 1",
+    "stop_robot": ", robot: 1",
+    "release_robot": ", robot: 1",
     "clutch": ", closed: true",
     "add": ", kind: fire, at_m: [1, 2]",
     "add_outline": ", points_m: [[0, 0], [9, 0], [0, 9]]",
@@ -135,11 +137,11 @@ def test_every_action_of_the_list_gives_its_command(write: Write, at: ContextAt)
     text = "".join(f"- {{at_s: 0, do: {action}{WITH.get(action, '')}}}\n" for action in DETAILS)
     given = script(write(text)).poll(at(0.0))
     assert [type(c).__name__ for c in given] == [
-        "StrokeBegin", "StrokePoints", "StrokeEnd", "Pick", "Clutch", "Pause", "Resume", "EmergencyStop", "AskReset",
-        "ResetEmergencyStop", "ClearPath", "ReversePath", "NextTask", "ResetRun", "Confirm", "Discard", "Acknowledge",
-        "Undo", "Redo", "AddEntity", "AddOutlines", "MoveEntity", "ChangeEntity", "DeleteEntity", "ToggleLink",
-        "LinkByRange", "SetArena", "SetParameters", "Prioritise", "ShapePath", "MovePathPoint", "TakeUpPath",
-        "ForgetPath",
+        "StrokeBegin", "StrokePoints", "StrokeEnd", "Pick", "StopRobot", "ReleaseRobot", "Clutch", "Pause", "Resume",
+        "EmergencyStop", "AskReset", "ResetEmergencyStop", "ClearPath", "ReversePath", "NextTask", "ResetRun",
+        "Confirm", "Discard", "Acknowledge", "Undo", "Redo", "Disarm", "AskArm", "Arm", "AddEntity", "AddOutlines",
+        "MoveEntity", "ChangeEntity", "DeleteEntity", "ToggleLink", "LinkByRange", "SetArena", "SetParameters",
+        "Prioritise", "ShapePath", "MovePathPoint", "TakeUpPath", "ForgetPath",
     ]  # fmt: skip
     assert [c.closed for c in given if isinstance(c, Clutch)] == [True]
 
@@ -214,7 +216,7 @@ def test_a_robot_that_is_not_there_is_refused_when_the_script_is_opened(write: W
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("- {at_s: 1, do: dance}", "entry 1: do: 'dance' is not one of stroke, pick, clutch"),
+        ("- {at_s: 1, do: dance}", "entry 1: do: 'dance' is not one of stroke, pick, stop_robot"),
         ("- {at_s: 1}", "entry 1: do: None is not one of stroke"),
         ("- {at_s: 1, do: pause}\n- {at_s: 1, do: pause, robot: 1}", "entry 2: robot: unknown key; value 1"),
         ("- {do: pause}", "entry 1: give either at_s: SECONDS or when: {EVENT: NUMBER}"),

@@ -61,7 +61,8 @@ def snapshot(*events: Event, time: float = 1.0, gaze: ChannelState = ChannelStat
     return SimpleNamespace(
         state=STATE._replace(intent=STATE.intent._replace(**intent)), trace=TRACE, time=time, frozen=False, speed=1.0,
         min_clearance=2.0, tick_ms=0.3, infeasible_ticks=0, deadlock_s=0.0, events=events,
-        channels=(("gaze", ChannelHealth(gaze, "why")),), phase=RunPhase(Phase.RUNNING), setup=SETUP, lost_time=0.0,
+        channels=(("gaze", ChannelHealth(gaze, "why")),), phase=RunPhase(Phase.RUNNING), setup=SETUP, team=None,
+        lost_time=0.0,
     )  # fmt: skip
 
 
