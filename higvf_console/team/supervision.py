@@ -30,7 +30,8 @@ def supervised(state: TeamState, report: TeamReport, rules: Rules) -> tuple[Team
     carried = state.arming is Arming.DISARMED
     track, refused = follow(state.track, report.poses, report.now, state.sent, state.latency, rules, carried=carried)
     stale = track.age(report.now) > rules.stale_after
-    obeys_late = report.now - state.told_at > OBEYS_WITHIN + state.latency
+    unseen_at = np.where(stale, report.now, state.unseen_at)  # nobody can see then whether a robot obeys
+    obeys_late = report.now - np.maximum(state.told_at, unseen_at) > OBEYS_WITHIN + state.latency
     stands = track.stands()
     stood = (state.stood | stands) & ~np.isinf(state.told_at)
     disobedient = obeys_late & track.seen & ~stale & ~stands & ~(stood & carried)

@@ -20,7 +20,10 @@ _PATIENCE = 10.0  # for the program to end [s]
 def has_enki() -> bool:
     """Whether the system's Python has Enki."""
     try:
-        return subprocess.run([PYTHON, "-c", "import pyenki"], capture_output=True, check=False, timeout=60).returncode == 0
+        return (
+            subprocess.run([PYTHON, "-c", "import pyenki"], capture_output=True, check=False, timeout=60).returncode
+            == 0
+        )
     except OSError:
         return False
 

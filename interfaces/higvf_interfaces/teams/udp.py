@@ -69,6 +69,7 @@ class UdpTeam:
         self._lock, self._ends = Lock(), False
         self._poses, self._heard = never_seen(spec.robots), [_Heard()] * spec.robots
         self._number, self._malformed = 0, 0
+        self._asked_at = math.inf  # when the robots were first sent something, and could answer [s]
         self._thread = Thread(target=self._listen, name="udp team", daemon=True)
         self._thread.start()
 
@@ -79,7 +80,7 @@ class UdpTeam:
 
     def drive(self, command: Drive, now: float) -> None:
         """Sends each robot its command."""
-        self._number = command.number
+        self._number, self._asked_at = command.number, min(self._asked_at, now)
         for k in range(self._robots):
             if self._any_way:
                 does = {"vx": float(command.velocity[k, 0]), "vy": float(command.velocity[k, 1])}
@@ -110,10 +111,9 @@ class UdpTeam:
         if now - heard.twin_at < _TWINS:
             detail = f"two robots have its number: '{heard.sender}' and '{heard.twin}'"
             return RobotLink(acknowledged, heard.battery, False, detail)
-        silent = now - heard.at
+        silent = now - max(heard.at, self._asked_at)
         if silent > self._options.silent_s:
-            detail = f"silent for {silent:.1f} s" if math.isfinite(silent) else "never heard"
-            return RobotLink(acknowledged, heard.battery, False, detail)
+            return RobotLink(acknowledged, heard.battery, False, f"silent for {silent:.1f} s")
         return RobotLink(acknowledged, heard.battery, True, f"{malformed} malformed datagrams" if malformed else "")
 
     def _listen(self) -> None:
@@ -127,7 +127,14 @@ class UdpTeam:
                 continue
             try:
                 self._take(json.loads(text), time.monotonic())
-            except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):  # whatever was sent
+            except (
+                ValueError,
+                TypeError,
+                KeyError,
+                AttributeError,
+                OverflowError,
+                RecursionError,
+            ):  # whatever was sent
                 with self._lock:
                     self._malformed += 1
 
