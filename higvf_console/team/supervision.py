@@ -39,8 +39,8 @@ def supervised(state: TeamState, report: TeamReport, rules: Rules) -> tuple[Team
     faults[[robot for robot, _ in refused]] = True
     now = state._replace(
         now=report.now, track=track, links=report.links, latency=_latency(state, report), stale=stale, stood=stood,
-        disobedient=disobedient, faults=faults | (state.faults & (track.looked_at <= state.track.looked_at)),
-        failure=report.failure,
+        unseen_at=unseen_at, disobedient=disobedient, failure=report.failure,
+        faults=faults | (state.faults & (track.looked_at <= state.track.looked_at)),
     )  # fmt: skip
     told = [*_about_robots(state, now, refused)]
     now, more = arming_after(now, rules)

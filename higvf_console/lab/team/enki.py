@@ -39,6 +39,7 @@ class Judgement(NamedTuple):
     each_stood_since_s: list[float | None]
     latencies_s: list[float]
     poses: list[tuple[float, float, float]]
+    held_up_s: float
 
 
 def world_of(scenario: Scenario, setup: Setup, seed: int = 0) -> dict[str, Any]:

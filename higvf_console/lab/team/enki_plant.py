@@ -1,7 +1,7 @@
 """E-pucks of Enki, a physics simulator that is not ours: a program of its own, which stands for a laboratory.
 
-It runs under the system's Python with Debian's `python3-enki2` and the standard library alone, and imports nothing of the
-console. One JSON line on its input says what the world is (`World` below names the keys); then
+It runs under the system's Python with Debian's `python3-enki2` and the standard library alone; nothing of the console
+is imported. One JSON line on its input says what the world is (`World` below names the keys); then
 
     {"mode": "udp"}       robots live in real time and speak UDP, which the `udp` team hears; it prints {"port": ...}
     {"mode": "lockstep"}  nothing passes until a line {"now": s, "commands": [...]} comes; it answers
@@ -187,6 +187,7 @@ class Plant:
         self._contacts, self._touching = 0, False
         self._least_robots = self._least_obstacles = math.inf
         self._latencies: list[float] = []
+        self.held_up = 0.0  # the longest time that a step came too late [s]
 
     def send(self, command: dict[str, Any], now: float) -> None:
         """A command sets off for its robot."""
@@ -234,7 +235,8 @@ class Plant:
 
         `contacts`: times that bodies came to touch; `least_robots_m` and `least_obstacles_m`: least gap between bodies;
         `stood_since_s`: when the last wheel came to stand, null while one turns; `each_stood_since_s`: the same of each
-        robot; `latencies_s`: from sending a command until the wheels have it; `poses`.
+        robot; `latencies_s`: from sending a command until the wheels have it; `poses`; `held_up_s`: by how much a step
+        of the physics was late at most, for then the watchdogs of the robots are late too.
         """
         stood = [robot.stood_since for robot in self.robots]
         return {
@@ -246,6 +248,7 @@ class Plant:
             "each_stood_since_s": [_or_none(since) for since in stood],
             "latencies_s": self._latencies,
             "poses": [robot.pose for robot in self.robots],
+            "held_up_s": self.held_up,
         }
 
     def _judge(self) -> None:
@@ -333,6 +336,7 @@ def live(world: World, faults: Faults) -> None:
             peer = receive(port, plant) or peer
             now = time.monotonic()
             plant.hear(now)
+            plant.held_up = max(plant.held_up, now - plant.due)
             while plant.due <= now:
                 plant.step()
             for report in plant.reports(now):

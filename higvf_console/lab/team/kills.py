@@ -40,6 +40,7 @@ class Kill(NamedTuple):
         contacts: that the plant saw.
         latencies_s: from a command until the wheels had it.
         lost_s: by which the console was late in all.
+        held_up_s: by which the plant, and with it each robot, was late at most.
         told: what the console said about it; empty for a killed one.
     """
 
@@ -50,6 +51,7 @@ class Kill(NamedTuple):
     contacts: int
     latencies_s: list[float]
     lost_s: float
+    held_up_s: float
     told: tuple[str, ...]
 
 
@@ -127,7 +129,7 @@ def kill(kind: str, scene: Scene, draw: random.Random) -> Kill:
             told, lost = tuple(report["events"]), float(report["lost_s"])
     after = math.inf if stood is None else max(stood - at, 0.0)
     again = stood is not None and last.stood_since_s != stood
-    return Kill(kind, moment, after, again, last.contacts, last.latencies_s, lost, told)
+    return Kill(kind, moment, after, again, last.contacts, last.latencies_s, lost, last.held_up_s, told)
 
 
 def team_of(plant: Enki) -> str:

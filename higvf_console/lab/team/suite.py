@@ -98,6 +98,7 @@ def plain(figures: Figures) -> dict[str, Any]:
                 "stood_after_s": _spread([one.stood_after for one in found]),
                 "moved_again": sum(one.moved_again for one in found),
                 "contacts": sum(one.contacts for one in found),
+                "plant_held_up_s": round(max(one.held_up_s for one in found), 3),
             }
             for kind, found in _by_kind(figures.kills)
         ],
@@ -126,6 +127,7 @@ def table(figures: Figures) -> str:
         lines.append(
             f"{one['kind']:<8}  {one['count']:4d} times  p50 {stood['p50']:.3f} s  p99 {stood['p99']:.3f} s  max "
             f"{stood['max']:.3f} s  moved again {one['moved_again']}  contacts {one['contacts']}"
+            f"  plant late by at most {one['plant_held_up_s']:.3f} s"
         )
     if wheel := found["command_to_wheel_ms"]:
         lines.append(
