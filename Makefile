@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 COMPILED := $(VENV)/.compiled
 
-.PHONY: run setup compile test check safety docs coverage lock licences sbom bench browser nginx mosquitto clean
+.PHONY: run setup compile test check safety docs coverage lock licences sbom bench browser nginx mosquitto enki clean
 
 run: compile
 	$(BIN)/higvf run firefighting
@@ -23,7 +23,7 @@ $(COMPILED): $(READY)
 	$(BIN)/higvf compile
 	touch $@
 
-test: compile browser nginx mosquitto
+test: compile browser nginx mosquitto enki
 	$(BIN)/pytest -n 2 --dist loadfile --ignore tests/attacks
 	$(BIN)/pytest tests/attacks # by themselves: they measure the work of a tick in a process that attackers share
 
@@ -101,6 +101,13 @@ mosquitto:
 	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then \
 	  apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq mosquitto openssl; \
 	else echo "mosquitto is not installed: its tests will be skipped (install the package 'mosquitto')" >&2; fi
+
+# Likewise for Enki, the simulator whose e-pucks the team is tried with; Debian builds it for the system's Python.
+enki:
+	@/usr/bin/python3 -c 'import pyenki' 2>/dev/null && exit 0; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then \
+	  apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq python3-enki2; \
+	else echo "Enki is not installed: its tests will be skipped (install the package 'python3-enki2')" >&2; fi
 
 clean:
 	rm -rf $(VENV) $(TOOLS) sbom.json .pytest_cache .ruff_cache .import_linter_cache .hypothesis docs/_build .coverage .coverage.*

@@ -46,9 +46,9 @@ def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="run a benchmark")
     bench.add_argument(
         "--suite", required=True,
-        choices=("filter", "tick", "deadlock", "safety", "preview", "lsl", "ui", "endurance"),
+        choices=("filter", "tick", "deadlock", "safety", "preview", "lsl", "ui", "endurance", "team"),
         help="what to measure: safety filter, whole tick, deadlocks in random scenes, broken guarantees in random runs,"
-        " previews, live streams, console, memory and handles over time",
+        " previews, live streams, console, memory and handles over time, robots of another simulator and their link",
     )  # fmt: skip
     bench.add_argument("--json", action="store_true", help="write JSON instead of a table")
     deadlock = bench.add_argument_group("suite deadlock")
@@ -72,13 +72,16 @@ def _add_bench(commands: Any) -> None:
     )
     endurance = bench.add_argument_group("suite endurance")
     endurance.add_argument(
-        "--minutes", type=_positive, metavar="M", help="time that each live console is watched [min] (default 2)"
-    )
+        "--minutes", type=_positive, metavar="M",
+        help="time that each live console is watched [min] (default 2); of suite team: to simulate (default 30)",
+    )  # fmt: skip
     endurance.add_argument("--hours", type=_positive, metavar="H", help="time to simulate headless [h] (default 1)")
     endurance.add_argument(
         "--case", action="append", metavar="CASE",
         help="robots (1000, live), observers (50, live) or headless; repeat for further ones (default: all)",
     )  # fmt: skip
+    team = bench.add_argument_group("suite team")
+    team.add_argument("--kills", type=_count, metavar="N", help="how often each part is killed (default 10)")
     bench.set_defaults(command="bench")
 
 

@@ -91,8 +91,11 @@ def _bench(given: argparse.Namespace) -> int:
             "--save": given.save,
         },
         bench.SAFETY: {"--ticks": given.ticks, "--seed": given.seed, "--recording": given.recording},
-        bench.ENDURANCE: {"--minutes": given.minutes, "--hours": given.hours, "--case": given.case},
+        bench.ENDURANCE: {"--hours": given.hours, "--case": given.case},
+        bench.TEAM: {"--kills": given.kills},
     }
+    if given.suite != bench.TEAM:
+        options[bench.ENDURANCE]["--minutes"] = given.minutes
     for suite, only in options.items():
         misplaced = [option for option, value in only.items() if value is not None]
         if misplaced and given.suite != suite:
@@ -105,6 +108,8 @@ def _bench(given: argparse.Namespace) -> int:
         return _safety(given)
     if given.suite == bench.ENDURANCE:
         return _endurance(given)
+    if given.suite == bench.TEAM:
+        return _team(given)
     bench.main(given.suite, given.json, given.scenes, given.scale or 1.0)
     return 0
 
@@ -134,6 +139,15 @@ def _endurance(given: argparse.Namespace) -> int:
     )
     print(json.dumps(endurance.plain(cases), indent=2) if given.json else endurance.table(cases))
     return 0 if endurance.flat(cases) else 1
+
+
+def _team(given: argparse.Namespace) -> int:
+    """Drives robots of another simulator; status 1 where a body touched another, or a robot did not stand in time."""
+    from higvf_console.lab.team import suite
+
+    figures = suite.measure(given.minutes or suite.MINUTES, given.kills or suite.KILLS)
+    print(json.dumps(suite.plain(figures), indent=2) if given.json else suite.table(figures))
+    return 0 if figures.kept else 1
 
 
 def _scene(name: str, file: Path | None) -> int:

@@ -56,6 +56,7 @@ class TeamState(NamedTuple):
         latency: from a command to its confirmation, lately [s]; 0 = nothing is confirmed.
         links: to each robot.
         stale: (N,) robots whose pose is too old.
+        unseen_at: (N,) when that was last so [s].
         disobedient: (N,) robots that are told to stand and do not.
         faults: (N,) whether the latest pose of a robot was refused.
         failure: of the last report.
@@ -73,6 +74,7 @@ class TeamState(NamedTuple):
     latency: float
     links: tuple[RobotLink, ...]
     stale: Bools
+    unseen_at: Floats
     disobedient: Bools
     faults: Bools
     failure: str
@@ -104,7 +106,7 @@ def opened(robots: int) -> TeamState:
     return TeamState(
         now=0.0, track=nowhere(robots), sent=(), number=0, arming=Arming.DISARMED, since=0.0, stopped=no,
         told_at=np.zeros(robots), stood=~no, latency=0.0, links=(RobotLink(),) * robots, stale=no,
-        disobedient=no, faults=no, failure="",
+        unseen_at=np.zeros(robots), disobedient=no, faults=no, failure="",
     )  # fmt: skip
 
 

@@ -30,7 +30,8 @@ def supervised(state: TeamState, report: TeamReport, rules: Rules) -> tuple[Team
     carried = state.arming is Arming.DISARMED
     track, refused = follow(state.track, report.poses, report.now, state.sent, state.latency, rules, carried=carried)
     stale = track.age(report.now) > rules.stale_after
-    obeys_late = report.now - state.told_at > OBEYS_WITHIN + state.latency
+    unseen_at = np.where(stale, report.now, state.unseen_at)  # nobody can see then whether a robot obeys
+    obeys_late = report.now - np.maximum(state.told_at, unseen_at) > OBEYS_WITHIN + state.latency
     stands = track.stands()
     stood = (state.stood | stands) & ~np.isinf(state.told_at)
     disobedient = obeys_late & track.seen & ~stale & ~stands & ~(stood & carried)
@@ -38,8 +39,8 @@ def supervised(state: TeamState, report: TeamReport, rules: Rules) -> tuple[Team
     faults[[robot for robot, _ in refused]] = True
     now = state._replace(
         now=report.now, track=track, links=report.links, latency=_latency(state, report), stale=stale, stood=stood,
-        disobedient=disobedient, faults=faults | (state.faults & (track.looked_at <= state.track.looked_at)),
-        failure=report.failure,
+        unseen_at=unseen_at, disobedient=disobedient, failure=report.failure,
+        faults=faults | (state.faults & (track.looked_at <= state.track.looked_at)),
     )  # fmt: skip
     told = [*_about_robots(state, now, refused)]
     now, more = arming_after(now, rules)

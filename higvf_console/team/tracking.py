@@ -202,29 +202,33 @@ def predicted(
     Returns:
         Centres (N, 2) [m] and headings (N,) [rad]; those of robots never seen are NaN.
     """
-    position, heading = track.position.copy(), track.heading.copy()
     until = np.broadcast_to(np.asarray(until, np.float64), track.measured_at.shape)
-    oldest = float(track.measured_at.min(initial=np.inf, where=track.seen))
-    first = len(sent)
-    while first > 0 and sent[first - 1].at + sent[first - 1].command.valid_for + latency > oldest:
-        first -= 1
-    for k, (at, command) in enumerate(sent[first:], first):
-        end = at + command.valid_for
-        if k + 1 < len(sent):
-            end = min(end, sent[k + 1].at)
-        begin = np.maximum(track.measured_at, at + latency)
-        held = np.maximum(np.minimum(until, end + latency) - begin, 0.0)
-        held[~np.isfinite(held)] = 0.0
-        if not held.any():
-            continue
-        if rules.look_ahead == 0.0:
-            position += command.velocity * held[:, None]
-            continue
-        half = 0.5 * command.turn * held
-        chord = command.forward * held * np.sinc(half / math.pi)
-        position += chord[:, None] * np.column_stack((np.cos(heading + half), np.sin(heading + half)))
-        heading += 2.0 * half
-    return position, heading
+    first, last = float(track.measured_at.min(initial=np.inf, where=track.seen)), float(np.max(until))
+    acting = [  # those that can matter; a team sends a hundred in the time for which they are remembered
+        (at + latency, end + latency, command)
+        for (at, command), end in zip(sent, _ends(sent), strict=True)
+        if at + latency < last and end + latency > first
+    ]
+    if not acting:
+        return track.position.copy(), track.heading.copy()
+    begin, end = (np.array([row[k] for row in acting], np.float64)[:, None] for k in (0, 1))
+    held = np.maximum(np.minimum(until, end) - np.maximum(track.measured_at, begin), 0.0)
+    held[~np.isfinite(held)] = 0.0
+    if rules.look_ahead == 0.0:
+        velocity = np.array([command.velocity for _, _, command in acting])
+        return track.position + (velocity * held[:, :, None]).sum(axis=0), track.heading.copy()
+    half = 0.5 * held * np.array([command.turn for _, _, command in acting])
+    chord = held * np.array([command.forward for _, _, command in acting]) * np.sinc(half / math.pi)
+    turned = 2.0 * np.cumsum(half, axis=0)
+    course = track.heading + turned - half  # that of each chord
+    moved = np.stack(((chord * np.cos(course)).sum(axis=0), (chord * np.sin(course)).sum(axis=0)), axis=1)
+    return track.position + moved, track.heading + turned[-1]
+
+
+def _ends(sent: tuple[Sent, ...]) -> list[float]:
+    """When each command ends: with the next one, or when it expires [s]."""
+    following = [*(one.at for one in sent[1:]), math.inf][: len(sent)]
+    return [min(one.at + one.command.valid_for, end) for one, end in zip(sent, following, strict=True)]
 
 
 def remembered(sent: tuple[Sent, ...], command: Drive, now: float) -> tuple[Sent, ...]:

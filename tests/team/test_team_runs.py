@@ -186,6 +186,19 @@ def test_a_robot_that_drives_on_after_stop_is_told() -> None:
     assert run.team.disobedient.tolist() == [True, False, False]
 
 
+def test_robots_that_are_seen_again_after_a_loss_are_not_taken_for_disobedient() -> None:
+    run = Rehearsal().arm()
+    run.last(3.0)
+    since, last = run.team.now, run.plant.poses(run.team.now)
+
+    def blind(poses: Poses, now: float) -> Poses:
+        return last if now < since + 3.0 else poses
+
+    run.plant.meddle = blind
+    run.last(5.0)
+    assert run.texts(Severity.ALARM) == ["The team is disarmed: robots 1, 2 and 3 cannot be seen."]
+
+
 def test_a_disarmed_robot_that_people_carry_is_not_taken_for_disobedient() -> None:
     run = Rehearsal()
     run.last(2.0)

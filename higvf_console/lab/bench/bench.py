@@ -6,6 +6,7 @@ preview        speed of the preview, and its effect on the timing of the control
 lsl            live streams: latency from push to command, and memory growth over an hour of gaze
 ui             the console in a browser: network traffic, CPU, frame rate, latency from stroke to motion
 endurance      memory, handles and threads over time: many robots, many observers, many hours
+team           robots of another simulator: contacts with a bad link, and when they stand if a part is killed
 """
 
 import json
@@ -25,7 +26,11 @@ from higvf_console.lab.bench.timing import Case, Suite
 
 _TIMINGS: dict[str, Callable[[], Suite]] = {"filter": bench_filter.run, "tick": bench_tick.run}
 DEADLOCK, PREVIEW, LSL, UI = "deadlock", "preview", "lsl", "ui"
-SAFETY, ENDURANCE = "safety", "endurance"  # have a command of their own: `lab.safety`, `lab.bench.endurance`
+SAFETY, ENDURANCE, TEAM = (
+    "safety",
+    "endurance",
+    "team",
+)  # have commands of their own: `lab.safety`, `.endurance`, `lab.team`
 SUITES = (*_TIMINGS, DEADLOCK, PREVIEW, LSL, UI)
 
 

@@ -1,0 +1,1 @@
+"""Teams against physics that is not ours: the plant of Enki, the suite `team`."""
