@@ -54,7 +54,7 @@ class Shown:
 
     def show(self, phase: Phase) -> None:
         snapshot: Any = SimpleNamespace(
-            phase=RunPhase(phase), scenario=SimpleNamespace(title="Mine"), setup=None, last=None
+            phase=RunPhase(phase), scenario=SimpleNamespace(title="Mine"), setup=None, last=None, team=None
         )
         self.card.update(snapshot)
 
