@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from higvf_interfaces.formats.reading import GazeFile, choose_format, gaze_formats
-from higvf_interfaces.formats.records import MIN_CONFIDENCE, GazeBlock, Wanted
+from higvf_interfaces.formats.records import MIN_CONFIDENCE, GazeBlock, GazeStream, Wanted
 from higvf_interfaces.formats.xdf import gaze as gaze_xdf
 from higvf_interfaces.gaze.chunked_fixations import Pixels, classify_blocks
 from higvf_interfaces.gaze.conversion_preview import ConversionPreview
@@ -125,10 +125,16 @@ def _unusable(request: Request, counts: SampleCounts, reason: str) -> Mapping[st
         duration=counts.duration,
         rate=counts.rate,
         frame=gaze.stream.frame,
-        origin=None if any(doubt.option == "origin" for doubt in gaze.stream.doubts) else gaze.stream.origin,
+        origin=_stated_origin(gaze.stream),
         valid_share=counts.valid / max(counts.samples, 1),
         screen_px=gaze.stream.screen and list(gaze.stream.screen),
         epoch_s=gaze.epoch,
         becomes={},
         warnings=(f"unusable: {reason}", *picture, *gaze.notes),
     )
+
+
+def _stated_origin(stream: GazeStream) -> str | None:
+    """Return the origin of the coordinates; None if it is in doubt, or their frame is unknown."""
+    doubted = any(doubt.option == "origin" for doubt in stream.doubts)
+    return None if doubted or stream.frame is None else stream.origin

@@ -82,6 +82,11 @@ def test_every_format_is_described_by_its_name(tmp_path: Path, name: str) -> Non
     assert told["origin"] == ("bottom left" if bottom else "top left")
 
 
+def test_coordinates_of_an_unknown_frame_have_no_origin(write: Write) -> None:
+    told = inspected(write("time,x,y\n0,1,2\n0.1,2,3\n0.2,4,5\n"))
+    assert (told["frame"], told["origin"]) == (None, None)
+
+
 def test_gaze_without_a_frame_is_described_partly_with_the_options_to_set(tmp_path: Path) -> None:
     told = inspected(WRITERS["neon-native"](tmp_path / "folder", eyes()), plot=tmp_path / "p.png")
     assert (told["frame"], told["becomes"]) == ("scene", {})

@@ -25,6 +25,16 @@ _BOXES = """
   return [left, top, right, bottom];
 })
 """
+# Keeps every text that the line of the latest message has from now on.
+_KEEP_LINES = """
+(line) => {
+  window.keptLines = [];
+  const keep = (records) => {
+    for (const record of records) for (const node of record.addedNodes) window.keptLines.push(node.textContent);
+  };
+  new MutationObserver(keep).observe(line, { childList: true });
+}
+"""
 _BUTTONS = ".tools button, .status button:visible, .roles"
 Box = tuple[float, float, float, float]
 
@@ -107,6 +117,16 @@ def test_a_message_of_viser_is_told_in_the_line_and_not_over_the_arena(phone: Pa
         client.add_notification("Note", "Some words that the operator shall read.", auto_close_seconds=None)
     wait_until(told(phone, "Note: Some words that the operator shall read."), 20.0)
     assert not phone.locator(".mantine-Notification-root").first.is_visible()
+
+
+def test_a_page_that_a_processor_draws_is_no_message(phone: Page, running: Running) -> None:
+    phone.locator(".status .message span").evaluate(_KEEP_LINES)
+    for client in running.server.get_clients().values():
+        for title in ("Software WebGL rendering detected", "WebGL unavailable"):
+            client.add_notification(title, "Check the settings.", auto_close_seconds=None)
+    wait_until(lambda: "WebGL unavailable: Check the settings." in phone.evaluate("window.keptLines"), 20.0)
+    phone.wait_for_function("() => !document.querySelector('.mantine-Notification-root')")
+    assert not [line for line in phone.evaluate("window.keptLines") if "Software" in line]
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (1280, 720)])

@@ -7,6 +7,8 @@
   const LOG_MS = 20000; // for which the log is tried to be shown
   // viser's handles that unfold a docked panel.
   const FOLDED = ":is([data-dock-minimize-all], [data-dock-minimize])[aria-expanded=false]";
+  // The title of viser's notice that a processor draws the page; the console is fit for it, so it stays unsaid.
+  const SOFTWARE_DRAWING = "Software WebGL rendering detected";
   const root = document.documentElement.style;
 
   const ICONS = {
@@ -222,10 +224,12 @@
   // What viser itself has to say is told in the line, too, rather than over the arena.
   function takeToasts() {
     for (const toast of document.querySelectorAll(".mantine-Notification-root")) {
-      const words = [".mantine-Notification-title", ".mantine-Notification-description"];
-      [noted, fresh] = [Date.now(), false];
-      note = words.map((part) => toast.querySelector(part)?.textContent ?? "").filter(Boolean).join(": ");
+      const parts = [".mantine-Notification-title", ".mantine-Notification-description"];
+      const [title, text] = parts.map((part) => toast.querySelector(part)?.textContent ?? "");
       toast.querySelector("button")?.click();
+      if (title === SOFTWARE_DRAWING) continue;
+      [noted, fresh] = [Date.now(), false];
+      note = [title, text].filter(Boolean).join(": ");
       tell();
     }
   }
