@@ -277,18 +277,18 @@ def udp_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str
     (metadata / "entry_points.txt").write_text("\n".join(lines))
     monkeypatch.syspath_prepend(site)
     robots = UdpRobots([(float(x), float(y)) for x, y in SCENARIO.robots.points])
-    yield f"udp=127.0.0.1:port={robots.port}"
+    yield f"lab=127.0.0.1:port={robots.port}"
     robots.close()
 
 
 def test_the_adapter_of_the_page_keeps_the_contract(udp_package: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert_passes(udp_package, capsys)
     assert main(["teams"]) == 0
-    assert "udp  (my-robots 1.0)" in capsys.readouterr().out
+    assert "lab  (my-robots 1.0)" in capsys.readouterr().out
 
 
 def test_the_errors_of_the_adapter_reach_the_person(udp_package: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check-team", "udp=a+b"]) == 2
+    assert main(["check-team", "lab=a+b"]) == 2
     assert "give one host, or one for each of 5 robots" in capsys.readouterr().err
     assert main(["check-team", udp_package.replace("port", "prt")]) == 2
     assert "did you mean 'port'" in capsys.readouterr().err
