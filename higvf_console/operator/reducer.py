@@ -15,6 +15,8 @@ from higvf_console.core.arrays import Floats, floats
 from higvf_console.core.command import SESSION
 from higvf_console.core.commands import (
     Acknowledge,
+    Arm,
+    AskArm,
     AskReset,
     ClearPath,
     Clutch,
@@ -22,6 +24,7 @@ from higvf_console.core.commands import (
     ContinueRun,
     ControlChange,
     Cursor,
+    Disarm,
     Discard,
     EmergencyStop,
     ForgetPath,
@@ -37,6 +40,7 @@ from higvf_console.core.commands import (
     Prioritise,
     ProposePick,
     Redo,
+    ReleaseRobot,
     ResetEmergencyStop,
     ResetRun,
     Resume,
@@ -45,6 +49,7 @@ from higvf_console.core.commands import (
     ShapePath,
     StartRun,
     Step,
+    StopRobot,
     StrokeBegin,
     StrokeCancel,
     StrokeEnd,
@@ -126,6 +131,8 @@ def apply_command(state: SimState, command: OperatorCommand, setup: Setup) -> Ou
         case HandOver():
             return state, _control_events(command, time)
         case StartRun() | ContinueRun() | Freeze() | Step() | SetSpeed() | Acknowledge() | InjectFault():
+            return state, ()
+        case AskArm() | Arm() | Disarm() | StopRobot() | ReleaseRobot():  # see `team.commands`
             return state, ()
         case LoadScenario() | Undo() | Redo() | Edit():
             return state, ()

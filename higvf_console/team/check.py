@@ -111,10 +111,11 @@ class _Tried:
         self._measured_at = np.where(seen, at, self._measured_at)
 
     def _look_at_links(self, links: Any) -> None:
-        if not isinstance(links, tuple) or len(links) != self.spec.robots:  # pyright: ignore[reportUnknownArgumentType]
+        given: tuple[Any, ...] = links if isinstance(links, tuple) else ()
+        if len(given) != self.spec.robots:
             self.wrong_links.append(f"{links!r:.60}; expected a tuple of {self.spec.robots}")
             return
-        for robot, (link, before) in enumerate(zip(links, self.links, strict=True), 1):
+        for robot, (link, before) in enumerate(zip(given, self.links, strict=True), 1):
             if not isinstance(link, RobotLink):
                 self.wrong_links.append(f"{link!r:.60} is no RobotLink")
                 return

@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from higvf_console.core.errors import HigvfError
+from higvf_console.core.commands import OperatorCommand
+from higvf_console.core.errors import HigvfError, InputError
 from higvf_console.lab.progress import ProgressBar
 from higvf_console.lab.safety.play import Case, Played, explore, play
 from higvf_console.lab.safety.shrink import shrunk
@@ -21,6 +22,7 @@ from higvf_console.runtime.recording import read_recording
 from higvf_console.scenario.scenario import load_scenario
 from higvf_console.scenario.sections import FilterKind
 from higvf_console.sim.warm_up import stages
+from higvf_console.team.state import TeamReport
 
 TICKS = 1_000_000  # of a nightly search
 SHORTEST, LONGEST = 100, 1500  # ticks of a run
@@ -121,12 +123,17 @@ def check(file: Path) -> tuple[Case, Failure | None]:
         file: the recording.
 
     Raises:
-        InputError: it cannot be read.
+        InputError: it cannot be read, or a team drove.
     """
     recording = read_recording(file)
-    commands = tuple((tick, command) for tick in sorted(recording.commands) for command in recording.commands[tick])
+    commands: list[tuple[int, OperatorCommand]] = []
+    for tick in sorted(recording.commands):
+        for command in recording.commands[tick]:
+            if isinstance(command, TeamReport):
+                raise InputError(f"{file}: a team drove in this run; such a recording is repeated by `higvf replay`")
+            commands.append((tick, command))
     ticks = max([0, *(mark.ticks for mark in recording.marks), *recording.commands])
-    case = Case(recording.scenario, recording.seed, commands, ticks + 1)  # a period that fails leaves no mark
+    case = Case(recording.scenario, recording.seed, tuple(commands), ticks + 1)  # a period that fails leaves no mark
     _warm_up()
     with tempfile.TemporaryDirectory() as scratch:
         return case, play(case, Path(scratch) / "run.jsonl").failure

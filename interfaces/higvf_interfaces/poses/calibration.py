@@ -24,7 +24,7 @@ A floor is a homography (Hartley and Zisserman, "Multiple View Geometry", 2nd ed
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -115,7 +115,7 @@ def read_floor(file: Path) -> Floor:
         InputError: it cannot be read, or is no floor; the message gives file, place, value and known keys.
     """
     root = _read(file)
-    by_tags = isinstance(root.value, Mapping) and "tags" in root.value
+    by_tags = isinstance(root.value, Mapping) and "tags" in cast(Mapping[Any, Any], root.value)
     known, required = (_TAGS, ("tags",)) if by_tags else (_POINTS, _POINTS[:3])
     entries = root.section(known, required=required)
     camera = None
@@ -142,8 +142,8 @@ def fitted(pixels: Floats, ground: Floats, place: str) -> Floats:
     Raises:
         InputError: none fits, or the horizon lies between the points; the message starts with `place`.
     """
-    found = cast(object, cv2.findHomography(pixels, ground)[0])
-    if not isinstance(found, np.ndarray) or not np.isfinite(found).all():
+    found: Any = cv2.findHomography(pixels, ground)[0]
+    if found is None or not np.isfinite(found).all():
         raise InputError(f"{place}: no homography fits these points; four must be corners of a quadrangle")
     homography = floats(found)
     weights = np.column_stack((pixels, np.ones(len(pixels)))) @ homography[2]

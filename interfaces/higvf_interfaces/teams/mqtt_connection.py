@@ -131,7 +131,7 @@ class Connection:
             client.username_pw_set(broker.username, broker.password)
         if broker.tls:
             try:
-                client.tls_set(ca_certs=broker.ca or None)
+                client.tls_set(ca_certs=broker.ca or None)  # pyright: ignore[reportUnknownMemberType] (half typed)
             except (OSError, ValueError) as problem:
                 raise InputError(f"{self._place}: ca={broker.ca}: no certificates can be read ({problem})") from problem
         return client

@@ -9,7 +9,7 @@ PREFIX/stop        {"stop": true}                                    for all rob
 
 import json
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from higvf_console.core.quantity import shown
 from higvf_console.core.team import Drive
@@ -122,7 +122,7 @@ def _object(payload: bytes) -> dict[str, Any]:
         raise MessageError(f"{shown(payload)} is not JSON") from problem
     if not isinstance(values, dict):
         raise MessageError(f"{shown(payload)} is not an object, {{...}}")
-    return values
+    return cast(dict[str, Any], values)
 
 
 def _number(values: dict[str, Any], key: str) -> float:

@@ -28,7 +28,7 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 from urllib.parse import urlsplit
 
 import paho.mqtt.client as paho
@@ -56,10 +56,11 @@ def command_of(payload: bytes) -> tuple[dict[str, float], int, float]:
     if len(payload) > LONGEST:
         raise RefusedError(f"{len(payload)} bytes; at most {LONGEST}")
     try:
-        values: Any = json.loads(payload)
+        read: Any = json.loads(payload)
     except (ValueError, RecursionError) as problem:
         raise RefusedError("it is not JSON") from problem
-    keys = next((keys for keys in (_HEADING, _ANY_WAY) if isinstance(values, dict) and keys[0] in values), None)
+    values: dict[str, Any] = cast(dict[str, Any], read) if isinstance(read, dict) else {}
+    keys = next((keys for keys in (_HEADING, _ANY_WAY) if keys[0] in values), None)
     if keys is None:
         raise RefusedError("it has neither v and w nor vx and vy")
     motion = {key: _finite(values, key, math.nan) for key in keys}
@@ -163,7 +164,7 @@ class Driver:
             except (ValueError, RecursionError):
                 continue
             if isinstance(values, dict):
-                self._tells(values)
+                self._tells(cast(dict[str, Any], values))
 
 
 class Relay:
@@ -217,7 +218,7 @@ class Relay:
         return ""
 
     def _connected_to(self, given: argparse.Namespace) -> paho.Client:
-        parts = urlsplit(given.broker)
+        parts = urlsplit(str(given.broker))
         if parts.scheme not in ("mqtt", "mqtts") or not parts.hostname or "@" in parts.netloc:
             sys.exit(f"relay: {parts.hostname or given.broker!r}: give mqtt://HOST:PORT or mqtts://HOST:PORT")
         client = paho.Client(CallbackAPIVersion.VERSION2)
@@ -227,7 +228,7 @@ class Relay:
         if given.auth:
             client.username_pw_set(*account_of(Path(given.auth)))
         if parts.scheme == "mqtts":
-            client.tls_set(ca_certs=given.ca)
+            client.tls_set(ca_certs=given.ca)  # pyright: ignore[reportUnknownMemberType] (half typed)
         if given.to:
             client.will_set(given.to, json.dumps({"v": 0.0, "w": 0.0}))
         client.connect_async(parts.hostname, parts.port or (8883 if parts.scheme == "mqtts" else 1883), keepalive=2)

@@ -13,7 +13,6 @@ from higvf_console.core.arrays import floats
 from higvf_console.core.errors import InputError
 from higvf_console.core.interface import InputSpec
 from higvf_console.core.viewport import fit
-from higvf_interfaces.formats.signals.reading import read_decisions
 from higvf_interfaces.inspect.inspection import inspect
 from higvf_interfaces.recordings.files import write_gaze_csv, write_gaze_tsv
 from higvf_interfaces.recordings.gaze import DrawnByEye, synthetic_gaze
@@ -239,8 +238,3 @@ def test_a_plain_table_of_the_same_gaze_has_the_same_description(write: Write) -
         for name, text in (("a", write_gaze_csv(samples)), ("b", write_gaze_tsv(samples, (1920, 1080))))
     ]
     assert told[0]["becomes"] == told[1]["becomes"]
-
-
-def test_gaze_that_is_given_as_decisions_is_refused_with_the_input_to_use(write: Write) -> None:
-    with pytest.raises(InputError, match=r"is gaze \(tobii-prolab\), not decisions; give it as gaze="):
-        read_decisions(write(drawn_by_eye()))

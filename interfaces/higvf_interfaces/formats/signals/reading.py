@@ -6,7 +6,6 @@ from typing import Generic, NamedTuple, TypeVar
 from higvf_console.core.arguments import one_of
 from higvf_console.core.errors import InputError
 from higvf_interfaces.formats import command_log
-from higvf_interfaces.formats.reading import gaze_formats
 from higvf_interfaces.formats.records import CommandLog
 from higvf_interfaces.formats.registry import DECISIONS, SIGNALS, registered
 from higvf_interfaces.formats.signals import bids_events, brainflow, brainvision, edf, mind_monitor, myo, openbci
@@ -45,14 +44,7 @@ def _read_jsonl(file: TextFile, request: SignalRequest) -> CommandLog:
 
 
 def _read_csv(file: TextFile, request: SignalRequest) -> CommandLog:
-    try:
-        return command_log.read_csv(file, _period(request))
-    except InputError as problem:
-        gaze = next((known.name for known in gaze_formats() if known.matches(file)), None)
-        if gaze is None:
-            raise
-        wanted = f"is gaze ({gaze}), not decisions; give it as gaze={file.path}"
-        raise InputError(f"{file.path}: {wanted}") from problem
+    return command_log.read_csv(file, _period(request))
 
 
 def _period(request: SignalRequest) -> float | None:
