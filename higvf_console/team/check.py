@@ -8,7 +8,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from threading import Thread
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -111,7 +111,7 @@ class _Tried:
         self._measured_at = np.where(seen, at, self._measured_at)
 
     def _look_at_links(self, links: Any) -> None:
-        given: tuple[Any, ...] = links if isinstance(links, tuple) else ()
+        given = cast(tuple[Any, ...], links) if isinstance(links, tuple) else ()
         if len(given) != self.spec.robots:
             self.wrong_links.append(f"{links!r:.60}; expected a tuple of {self.spec.robots}")
             return

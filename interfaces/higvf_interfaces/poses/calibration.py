@@ -24,7 +24,7 @@ A floor is a homography (Hartley and Zisserman, "Multiple View Geometry", 2nd ed
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -115,7 +115,8 @@ def read_floor(file: Path) -> Floor:
         InputError: it cannot be read, or is no floor; the message gives file, place, value and known keys.
     """
     root = _read(file)
-    by_tags = isinstance(root.value, Mapping) and "tags" in cast(Mapping[Any, Any], root.value)
+    value: Any = root.value
+    by_tags = isinstance(value, Mapping) and "tags" in value
     known, required = (_TAGS, ("tags",)) if by_tags else (_POINTS, _POINTS[:3])
     entries = root.section(known, required=required)
     camera = None
