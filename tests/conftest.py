@@ -20,6 +20,7 @@ from tests.browser import (
     Stage,
     open_console,
     open_stage,
+    set_in_use,
     wait_for_stop,
 )
 from tests.mqtt import NO_MOSQUITTO
@@ -77,8 +78,17 @@ def whole_stage() -> Iterator[Stage]:
 def whole_page(chromium: Browser, whole_stage: Stage) -> Iterator[Page]:
     """The page that most browser tests share; opening one takes seconds."""
     page = open_console(chromium, whole_stage.url, sharp=True)
+    set_in_use(page, False)
     yield page
     page.context.close()
+
+
+@pytest.fixture(scope="module")
+def used_page(whole_page: Page) -> Iterator[Page]:
+    """That page, which draws while the tests of a module use it."""
+    set_in_use(whole_page, True)
+    yield whole_page
+    set_in_use(whole_page, False)
 
 
 @pytest.fixture
@@ -92,15 +102,15 @@ def stage(whole_stage: Stage) -> Stage:
 
 
 @pytest.fixture
-def page(whole_page: Page, stage: Stage) -> Page:
+def page(used_page: Page, stage: Stage) -> Page:
     """The shared page: nothing focused, the arena fitted, the team not stopped."""
-    whole_page.evaluate("document.activeElement.blur()")
-    whole_page.keyboard.press("f")
+    used_page.evaluate("document.activeElement.blur()")
+    used_page.keyboard.press("f")
     for stopped, shown in ((True, "stopped"), (False, "ready")):  # settles a STOP of the test before
         keys.show_stopped(stage.server, stopped)
-        wait_for_stop(whole_page, shown)
+        wait_for_stop(used_page, shown)
     stage.pressed.clear()
-    return whole_page
+    return used_page
 
 
 @pytest.fixture

@@ -62,7 +62,7 @@ class Running(NamedTuple):
         return stroke(shown.points, shown.robot)
 
     def given(self, kind: type[OperatorCommand]) -> list[OperatorCommand]:
-        return [applied.command for applied in self.session.commands if isinstance(applied.command, kind)]
+        return [applied.command for applied in tuple(self.session.commands) if isinstance(applied.command, kind)]
 
 
 @contextmanager

@@ -111,7 +111,7 @@ class _Tried:
         self._measured_at = np.where(seen, at, self._measured_at)
 
     def _look_at_links(self, links: Any) -> None:
-        given = cast(tuple[Any, ...], links) if isinstance(links, tuple) else ()
+        given: tuple[object, ...] = cast(tuple[object, ...], links) if isinstance(links, tuple) else ()
         if len(given) != self.spec.robots:
             self.wrong_links.append(f"{links!r:.60}; expected a tuple of {self.spec.robots}")
             return

@@ -21,12 +21,14 @@ def worker() -> Generator[Worker]:
     one.close()
 
 
-def test_a_result_and_a_refusal_come_back(worker: Worker) -> None:
+def test_a_result_and_a_refusal_come_back() -> None:
+    worker = Worker()
     text = load_scenario("firefighting").text
     scenario, setup = worker.submit(prepare, LoadScenario(text=text, name="f.yaml"), 0).result()
     assert (scenario.title, len(setup.start.motion.position)) == ("Firefighting", 3)
     with pytest.raises(ScenarioError, match=r"f\.yaml: line 1: "):
         worker.submit(prepare, LoadScenario(text="[", name="f.yaml"), 0).result()
+    worker.close()
 
 
 @pytest.mark.parametrize(
