@@ -52,7 +52,7 @@ _DRAW = """
 # A processor that draws all it can has no time for what is tested: few frames a second, and edges without smoothing.
 _FRAME_REST_MS = 200
 COARSE = 0.5  # pixels in a CSS pixel
-_SLOW_SCREEN = f"""
+SLOW_SCREEN = f"""
   const frame = window.requestAnimationFrame.bind(window);
   const later = (draw) => setTimeout(() => (window.higvfUnused ? later(draw) : frame(draw)), {_FRAME_REST_MS});
   window.requestAnimationFrame = later;
@@ -123,7 +123,7 @@ def open_console(
     context = browser.new_context(
         viewport={"width": width, "height": height}, has_touch=touch, device_scale_factor=scale
     )
-    context.add_init_script(_SLOW_SCREEN)
+    context.add_init_script(SLOW_SCREEN)
     if not smooth:
         context.add_init_script(_ROUGH_EDGES)
     if not hints:

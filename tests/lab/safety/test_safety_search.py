@@ -21,7 +21,7 @@ from higvf_console.runtime import run as running
 from higvf_console.scenario.scenario import Scenario, parse_scenario
 from higvf_console.sim import simulation
 
-TICKS = 6000  # of the test; continuous integration runs 100 000 besides, see `.ci/run`
+TICKS = 2500  # of the test; continuous integration searches besides, see `.ci/run`
 BETWEEN = """
 version: 1
 name: between

@@ -24,7 +24,7 @@ from higvf_console.ui.page.access import Access, Role, access_by
 from higvf_console.ui.page.door import SECURITY_HEADERS, TRIES_AT_ONCE
 from higvf_console.ui.page.message_filter import settings_of
 from tests.attacks.raw_page import Login, log_in
-from tests.browser import Stage, open_stage, screenshot, wait_until
+from tests.browser import SLOW_SCREEN, Stage, open_stage, screenshot, wait_until
 
 TOKEN = "a token with; odd characters"
 
@@ -347,6 +347,7 @@ def test_a_browser_without_the_link_is_told_what_to_do(chromium: Browser, stage:
 def test_a_page_that_is_refused_a_socket_says_why(chromium: Browser) -> None:
     stage = open_stage(max_clients=2)
     context = chromium.new_context()
+    context.add_init_script(SLOW_SCREEN)
     first, second = context.new_page(), context.new_page()
     first.goto(stage.url)
     wait_until(lambda: len(stage.server.get_clients()) == 1)

@@ -194,7 +194,7 @@ def test_an_alarm_stays_until_it_is_read_or_its_cause_ends(page: Page, running: 
     stop_again(running)
     wait_until(lambda: counted() == "1 alarm")
     tab(page, "Log")
-    assert page.locator(".hg .log .alarm:visible").count() == 1
+    wait_until(lambda: page.locator(".hg .log .alarm:visible").count() == 1)
     page.get_by_role("button", name="Acknowledge 1 alarm").click()
     wait_until(lambda: counted() == "")
     assert running.state.intent.stopped, "to acknowledge commands nothing"
