@@ -244,7 +244,7 @@ class Session:
                 self._markers.close()
 
     def _report_lateness(self) -> None:
-        if self._clock.lost < _TOLD_LOST:
+        if self._clock.lost < _TOLD_LOST or self._run.stands:
             return
         if count := self._limiter.due("late", perf_counter()):
             delays = f"{count} new delay" + "s" * (count > 1)

@@ -445,6 +445,14 @@ def test_a_lag_that_rounds_to_nothing_is_not_reported(team: Scenario) -> None:
         assert [event.text for event in session.snapshot.events if event.kind == "late"] == told
 
 
+def test_a_lag_before_the_start_delays_nothing_and_is_not_reported(team: Scenario) -> None:
+    session = Session(team, [], attended=True, waits=True)
+    session._clock.lost = 0.5  # pyright: ignore[reportPrivateUsage]
+    session._report_lateness()  # pyright: ignore[reportPrivateUsage]
+    session.tick()
+    assert not [event for event in session.snapshot.events if event.kind == "late"]
+
+
 def test_resets_that_were_given_before_a_stop_do_not_release_it(team: Scenario) -> None:
     session, console = crowded(team)
     console.push(EmergencyStop())

@@ -1,11 +1,12 @@
 """A run in a real browser, from the card before it to the one after it."""
 
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Locator, Page, expect
 
 from higvf_console.core.commands import LoadScenario, ResetRun
 from higvf_console.runtime.phase import Phase
@@ -61,6 +62,16 @@ def test_a_page_that_watches_is_told_who_may_start(chromium: Browser, page: Page
     expect(page.locator("#run .idle")).to_have_count(0)
 
 
+def top(found: Locator) -> float:
+    box = found.bounding_box()
+    return box["y"] if box else 0.0
+
+
+def bottom(found: Locator) -> float:
+    box = found.bounding_box()
+    return box["y"] + box["height"] if box else math.inf
+
+
 def test_a_run_waits_is_started_ends_and_is_run_again(page: Page, running: Running) -> None:
     card = page.locator("#run")
     expect(card).to_contain_text("Ready: An easy one")
@@ -68,6 +79,8 @@ def test_a_run_waits_is_started_ends_and_is_run_again(page: Page, running: Runni
     assert (phase(running), running.session.ticks) == (Phase.READY, 0)
     press(page, "Start")
     expect(card).to_contain_text("All fires are out")
+    tools = page.locator("[role=toolbar]")
+    wait_until(lambda: top(card) > bottom(tools))
     screenshot(page, "run-ended")
     ticks = running.session.ticks
     with page.expect_download() as download:

@@ -3,6 +3,7 @@
   const FOLLOW_MS = 150;
   const NARROW_PX = 620; // in a narrower arena a card takes the whole width
   const ROOM = 16; // to the edges of the arena [CSS px]
+  const GAP = 8; // below the tools [CSS px]
   const BELOW = 104; // for the STOP button and the first steps [CSS px]
 
   const overlay = page.overlay(
@@ -79,8 +80,8 @@
     const rect = page.canvas()?.getBoundingClientRect();
     if (!rect?.width) return;
     const narrow = rect.width < NARROW_PX;
-    const strips = parseFloat(getComputedStyle(document.documentElement).getPropertyValue("--hg-strips-end")) || 60;
-    const top = Math.max(strips, rect.top + ROOM);
+    const tools = document.querySelector(".hg-tools")?.shadowRoot.querySelector(".tools")?.getBoundingClientRect();
+    const top = Math.max((tools?.bottom ?? 0) + GAP, rect.top + ROOM);
     const bottom = Math.min(rect.bottom, window.innerHeight);
     const width = Math.min(kind === "ended" ? 600 : 520, rect.width - 2 * ROOM);
     run.style.width = `${narrow ? rect.width - ROOM : width}px`;
@@ -92,7 +93,7 @@
     const page_width = window.innerWidth;
     own.style.width = `${Math.min(920, page_width - ROOM)}px`;
     own.style.left = `${(page_width - Math.min(920, page_width - ROOM)) / 2}px`;
-    own.style.top = `${top}px`; // the strips stand above the veil
+    own.style.top = `${top}px`; // the tools stand above the veil
     own.style.maxHeight = `${window.innerHeight - top - ROOM - (narrow ? 130 : 84)}px`;
   }
 
