@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 from higvf_console.analysis.explain import Moved
 from higvf_console.analysis.violation import violation_text
 from higvf_console.control.parameters import Parameters, controlled
-from higvf_console.core.commands import OperatorCommand, Redo, ResetRun, TeamCommand, Undo
+from higvf_console.core.commands import AskArm, OperatorCommand, Redo, ResetRun, TeamCommand, Undo
 from higvf_console.core.errors import ScenarioError
 from higvf_console.core.events import Event, Severity
 from higvf_console.core.state import Motion, SimState, Trace
@@ -27,9 +27,10 @@ from higvf_console.sim import simulation
 from higvf_console.sim.certificates import watched
 from higvf_console.sim.events import events_between
 from higvf_console.sim.guard import NO_GUARD
+from higvf_console.team.arming import disarmed
 from higvf_console.team.commands import NO_TEAM, commanded_by_hand
 from higvf_console.team.guard import advanced
-from higvf_console.team.state import TeamReport, TeamState, events_of, opened
+from higvf_console.team.state import Arming, TeamReport, TeamState, events_of, opened
 from higvf_console.team.supervision import commanded, supervised
 from higvf_console.team.tracking import Rules
 from higvf_console.world.setup import Setup
@@ -168,6 +169,8 @@ class Run:
     def _command_team(self, command: TeamCommand) -> tuple[Event, ...]:
         if self.team is None or self.rules is None:
             raise ScenarioError(NO_TEAM)
+        if isinstance(command, AskArm) and self.state.intent.stopped:
+            raise ScenarioError("STOP is active, and the check moves every robot: reset it first")
         self.team, text = commanded_by_hand(self.team, command, self.rules)
         return (Event(self.time, Severity.INFO, "team", text),)
 
@@ -202,6 +205,8 @@ class Run:
         self._answers = False
         if self.team is None or self.rules is None:
             return None
+        if self.state.intent.stopped and self.team.arming is Arming.CHECKING:  # whose motion asks for no velocity
+            self.team = disarmed(self.team)
         drives = self._moved and not self.state.intent.stopped
         period = self._setup.params.safety.control_period
         self.team, command = commanded(self.team, self.state.motion, self.rules, period, drives=drives)

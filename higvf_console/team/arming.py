@@ -68,6 +68,8 @@ def asked_to_arm(state: TeamState, rules: Rules) -> tuple[TeamState, str]:
         return state, f"the team is {state.arming.value} already"
     if why := unfit(state, rules):
         return state, why
+    if state.stopped.any():
+        return state, f"{names(state.stopped.nonzero()[0])} must be released first, for the check moves every robot"
     if not (stands := state.track.stands()).all():
         who, error = names((~stands).nonzero()[0]), metres(rules.error)
         return state, f"{who} must stand first (to within error_m, the error of poses, which is {error})"

@@ -37,6 +37,8 @@ def commanded_by_hand(team: TeamState, command: TeamCommand, rules: Rules) -> tu
                 else ""
             )
             team = with_robot_stopped(team, robot, stopped=stopped)
+            if stopped and team.arming is Arming.CHECKING:  # which would move it
+                team = disarmed(team)
             text = f"Robot {robot + 1} {'stands until it is released' if stopped else 'may drive again'}."
     if refusal:
         raise ScenarioError(refusal)

@@ -1,9 +1,12 @@
 """The live team: what it tells in each control period, and what its robots are told."""
 
 import logging
+import math
 from collections.abc import Callable
 from types import TracebackType
 from typing import Any
+
+import numpy as np
 
 from higvf_console.core.team import (
     Drive,
@@ -19,6 +22,7 @@ from higvf_console.core.team import (
 from higvf_console.team.state import TeamReport
 from higvf_console.team.tracking import Rules
 
+_LARGEST = 1e12  # number of a pose; larger ones, infinity too, are as good as none
 RETRY_AFTER = 1.0  # from a failure until the team is asked again [s]
 
 _log = logging.getLogger(__name__)
@@ -140,10 +144,17 @@ def _checked_poses(poses: Poses, robots: int) -> Poses:
     shapes = [part.shape for part in poses]
     if shapes != [(robots, 2), (robots,), (robots,)]:
         raise ValueError(f"poses of shapes {shapes}; expected {robots} robots")
-    return poses
+    return Poses(*(np.where(np.abs(part) < _LARGEST, part, np.nan) for part in poses))
 
 
 def _checked_links(links: tuple[RobotLink, ...], robots: int) -> tuple[RobotLink, ...]:
     if len(links) != robots:
         raise ValueError(f"{len(links)} links; expected {robots}, one of each robot")
-    return links
+    return tuple(_checked_link(*link) for link in links)
+
+
+def _checked_link(acknowledged: int, battery: float, connected: bool, detail: str) -> RobotLink:
+    """A link as a recording can hold it."""
+    return RobotLink(
+        int(acknowledged), float(battery) if 0.0 <= battery <= 1.0 else math.nan, bool(connected), str(detail)[:200]
+    )

@@ -107,6 +107,33 @@ def test_stop_stands_within_two_beats_sends_zeros_until_reset_and_its_lamps_foll
     assert run.plant.stops == stops + 1
 
 
+def test_stop_ends_the_check_at_once_and_no_check_begins_under_stop() -> None:
+    run = Rehearsal()
+    run.last(0.5)
+    run.give(AskArm())
+    run.last(0.2)
+    run.plant.sent.clear()
+    run.give(EmergencyStop())
+    assert run.team.arming is Arming.DISARMED
+    run.last(0.5)
+    assert not any(command.turn.any() or command.forward.any() for command in run.plant.sent)
+    assert len(run.plant.sent) == 26
+    run.give(AskArm())
+    assert run.texts()[-1] == "Not done: STOP is active, and the check moves every robot: reset it first."
+    assert run.team.arming is Arming.DISARMED
+
+
+def test_a_robot_that_is_stopped_is_not_moved_by_the_check() -> None:
+    run = Rehearsal()
+    run.last(0.5)
+    run.give(AskArm())
+    run.give(StopRobot(1))
+    assert run.team.arming is Arming.DISARMED
+    run.last(1.0)
+    run.give(AskArm())
+    assert run.texts()[-1] == "Not done: robot 2 must be released first, for the check moves every robot."
+
+
 def test_the_engine_fails_and_the_robots_stand() -> None:
     run = Rehearsal().arm()
     run.last(2.0)
@@ -247,7 +274,13 @@ JUMP, NUMBER, FUTURE = (
 
 
 @pytest.mark.parametrize(
-    ("told", "place", "ahead"), [(JUMP, (1.0, 0.0), 0.0), (NUMBER, (math.nan, 0.0), 0.0), (FUTURE, (0.0, 0.0), 60.0)]
+    ("told", "place", "ahead"),
+    [
+        (JUMP, (1.0, 0.0), 0.0),
+        (NUMBER, (math.nan, 0.0), 0.0),
+        (NUMBER, (math.inf, 0.0), 0.0),
+        (FUTURE, (0.0, 0.0), 60.0),
+    ],
 )
 def test_a_pose_that_cannot_be_is_refused_counted_and_told_once(
     told: str, place: tuple[float, float], ahead: float
