@@ -157,6 +157,9 @@ def _interrupted(given: argparse.Namespace, scenario: "Scenario") -> "Checkpoint
         if given.record is not None:
             log("Warning: a run of this scenario was interrupted; it is not restored, for a recording starts anew")
             return None
+        if given.team is not None and len(of.robots.points) != len(found.run_state.state.motion.position):
+            log("Warning: an interrupted run of this scenario is not restored: the team has another number of robots")
+            return None
         return found
     return None
 

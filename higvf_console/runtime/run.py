@@ -186,6 +186,10 @@ class Run:
                 f"the team's robots are led at {self.rules.look_ahead:g} m ahead of their centres, and it would be "
                 f"{ahead:g} m"
             )
+        if become.filter is not FilterKind.DISTRIBUTED:
+            raise ScenarioError(f"a team needs the filter '{FilterKind.DISTRIBUTED}', not '{become.filter}'")
+        if (noise := params.robots.position_noise) > 0.0:
+            raise ScenarioError(f"the poses of a team are measured, and {noise:g} m of simulated error would be added")
         limit, own = controlled(params).safety.speed_limit, self.rules.speed_limit
         if limit > own:
             raise ScenarioError(f"the team's robots drive {own:g} m/s, and it would be {limit:g} m/s")

@@ -365,6 +365,14 @@ def test_the_number_of_robots_cannot_change() -> None:
             LoadScenario(THREE.replace("0.024", "0.02"), "t.yaml"),
             "0.024 m ahead of their centres, and it would be 0.02 m",
         ),
+        (
+            LoadScenario(THREE + "filter: centralised\n", "t.yaml"),
+            "needs the filter 'distributed', not 'cent",
+        ),
+        (
+            LoadScenario(THREE.replace("limit: 4}", "limit: 4, position_noise: 0.005}"), "t.yaml"),
+            "0.005 m of simulated error",
+        ),
         (SetParameters({"robots.turn_rate_limit": 8.0}), "drive 0.0959744 m/s, and it would be 0.12 m/s"),
         (SetParameters({"safety.speed_limit": 0.05}), ""),
     ],
